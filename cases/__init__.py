@@ -1,0 +1,1 @@
+"""Cases: one question, one file, found by walking this folder; each ends in CASE."""

@@ -1,0 +1,1 @@
+"""The vocabulary of a comparison (scene, trajectory, adapter, case, metric, study, record) and the machinery that runs it."""

@@ -1,0 +1,207 @@
+"""The one boundary between the harness and an engine.
+
+An adapter file holds one frozen `Adapter` subclass and ends in `ADAPTER = ...`. Its stations, in this order: docstring (engine,
+version tried, sources, section *Deviations*), constants, the `Simulation`, the builder, the `Adapter`, `ADAPTER`. The vendor's
+package is imported inside functions only.
+
+The contract, proven by `harness.conformance`:
+
+* `build` takes the scene exactly as it is or raises `Unsupported(what, why)`; it never approximates in silence. What cannot
+  be avoided stands under *Deviations*.
+* States come in the order of `scene.bodies`, static and kinematic bodies included; p_WB is the centre of mass, q_WB is
+  (w, x, y, z), velocities are of the centre of mass and in W. After `build`, `state` gives the scene's initial state.
+* `step(count)` advances exactly count * dt; where the engine can, in one native call.
+* `Settings` fields left None are the vendor's defaults. `dt` is always given. An option that the adapter does not know is an
+  error (`SettingsError`). `Simulation.resolved` says what the engine really uses.
+* Tracks: `default` is what a newcomer gets (the vendor's physics defaults left alone: damping, sleeping, clamps, pyramids),
+  though frames, units, order, finiteness, shapes, and the scene's own material law are right; `tuned` switches off what
+  the scene does not ask for and follows the vendor's recommendation for this kind of scene, with the source cited.
+* Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as 'surplus: ...'.
+* A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from enum import Flag, auto
+from typing import Any, Protocol
+
+from harness.scene import Camera, Scene
+from harness.trajectory import Contacts, Floats, Hits, State
+
+__all__ = ["Adapter", "Diverged", "Feature", "Settings", "SettingsError", "Simulation", "Unavailable", "Unsupported"]
+
+
+class Feature(Flag):
+    """What an engine can express; conformance builds a scene for each claimed one and expects `Unsupported` for the others."""
+
+    NONE = 0
+    SPHERE = auto()
+    BOX = auto()
+    CAPSULE = auto()
+    CYLINDER = auto()
+    PLANE = auto()
+    CONVEX_HULL = auto()
+    TRIANGLE_MESH = auto()
+    COMPOUND = auto()
+    FULL_INERTIA = auto()
+    """Products of inertia: principal axes turned against B."""
+    KINEMATIC = auto()
+    FIXED = auto()
+    BALL = auto()
+    REVOLUTE = auto()
+    PRISMATIC = auto()
+    DISTANCE = auto()
+    CLOSED_LOOP = auto()
+    LIMITS = auto()
+    SPRINGS = auto()
+    DRIVES = auto()
+    PAIR_FRICTION = auto()
+    """Friction per pair of materials, whatever the pairs."""
+    STATIC_FRICTION = auto()
+    """Static friction above kinetic friction."""
+    ROLLING_FRICTION = auto()
+    TORSIONAL_FRICTION = auto()
+    RESTITUTION = auto()
+    LINEAR_DAMPING = auto()
+    ANGULAR_DAMPING = auto()
+    CONTINUOUS_COLLISION = auto()
+    CONTACTS = auto()
+    CONTACT_FORCES = auto()
+    RAYS = auto()
+    RENDER = auto()
+    WRENCH = auto()
+    SAVE = auto()
+    NATIVE_STEPS = auto()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the bits that are set, in lower case, in the order of definition."""
+        return tuple(one.name.lower() for one in Feature if one in self and one.name is not None)
+
+
+class Unsupported(Exception):
+    """The engine cannot express `what`; `why` says which property of the engine stands against it."""
+
+    def __init__(self, what: str, why: str) -> None:
+        super().__init__(f"{what}: {why}")
+        self.what, self.why = what, why
+
+
+class Unavailable(Exception):
+    """The engine is not installed or cannot be loaded; the text says why and what to do."""
+
+
+class Diverged(Exception):
+    """The engine's state stopped being finite, or the engine reset or repaired it."""
+
+
+class SettingsError(ValueError):
+    """A setting that the adapter does not know, or a value outside its range; names field, value and expectation."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How to solve a scene. None leaves a field to the engine.
+
+    Terms:
+        dt [s]; substeps per dt; iterations of the contact or constraint solver; integrator, solver: the engine's own names in
+        lower case; tolerance of the solver; options: what only this engine knows; source: who recommends it.
+    """
+
+    dt: float = 1 / 240
+    substeps: int | None = None
+    iterations: int | None = None
+    integrator: str | None = None
+    solver: str | None = None
+    tolerance: float | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not 1e-12 <= self.dt <= 1e3:
+            raise SettingsError(f"settings: dt {self.dt} s, expected 1e-12..1e3")
+        for name in ("substeps", "iterations"):
+            value = getattr(self, name)
+            if value is not None and not 1 <= value <= 1_000_000:
+                raise SettingsError(f"settings: {name} {value}, expected 1..1000000")
+        if self.tolerance is not None and not 0 <= self.tolerance < 1:
+            raise SettingsError(f"settings: tolerance {self.tolerance}, expected 0..1")
+
+    def with_dt(self, dt: float) -> "Settings":
+        """The same settings at another time step [s]."""
+        return replace(self, dt=dt)
+
+    def plain(self) -> dict[str, Any]:
+        """The fields that are set, as a JSON-ready mapping."""
+        return {name: value for name, value in asdict(self).items() if value not in (None, "", {})}
+
+
+class Simulation(Protocol):
+    """One scene in one engine."""
+
+    @property
+    def resolved(self) -> Settings:
+        """The settings that the engine really uses, defaults filled in, read back from the engine where it lets us."""
+
+    def step(self, count: int = 1) -> None:
+        """Advance by count * dt. Raises: Diverged."""
+
+    def state(self, out: State) -> None:
+        """Write the present state into the arrays of `out`."""
+
+    def contacts(self) -> Contacts:
+        """The contacts of the last step. Raises: Unsupported."""
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """First hit of each ray within max_range [m]; origins (r, 3) m, directions (r, 3) unit, in W. Raises: Unsupported."""
+
+    def render(self, camera: Camera) -> Floats:
+        """The engine's own z-depth image (height, width) m, inf where nothing is seen. Raises: Unsupported."""
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        """Set the targets [rad or m] of drives by the names of their joints, until told otherwise."""
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        """Apply f_B_W (n, 3) N at the centres of mass and tau_B_W (n, 3) N m in every step from now on. Raises: Unsupported."""
+
+    def warnings(self) -> tuple[str, ...]:
+        """What the engine or the adapter has to say: numerical warnings, and effects that could not be switched off."""
+
+    def save(self) -> object:
+        """All that decides the future, bit for bit. Raises: Unsupported."""
+
+    def restore(self, saved: object) -> None:
+        """Back to a saved state. Raises: Unsupported."""
+
+    def close(self) -> None:
+        """Free the engine's memory; may be called twice."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Adapter(ABC):
+    """One engine.
+
+    Terms:
+        name: as on the command line. distribution: the package that is installed. title: as in the report.
+        features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
+        users would try. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures.
+        deviations: what every answer of this engine carries, whatever the track.
+    """
+
+    name: str
+    title: str
+    distribution: str
+    features: Feature
+    tracks: Mapping[str, Settings]
+    knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    known_failures: Mapping[str, str] = field(default_factory=dict)
+    deviations: tuple[str, ...] = ()
+
+    @abstractmethod
+    def version(self) -> str:
+        """The installed version. Raises: Unavailable."""
+
+    @abstractmethod
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""

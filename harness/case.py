@@ -1,0 +1,109 @@
+"""A case: one question in SI units, its scene, its truth and the checks that judge an answer."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from harness.metric import Metric
+from harness.scene import Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["Axis", "Case", "Check", "Converged"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """A bound on a metric, derived in words.
+
+    Terms:
+        at_most: the bound in the metric's unit (at least, where higher is better); either a number or a function of the time
+        step [s], for errors that shrink with it. because: the derivation. start, end [s]: the part of the run that is judged.
+    """
+
+    metric: Metric
+    at_most: float | Callable[[float], float]
+    because: str
+    start: float = 0.0
+    end: float | None = None
+
+    def bound(self, dt: float) -> float:
+        """The bound at a time step dt [s]."""
+        return float(self.at_most(dt)) if callable(self.at_most) else float(self.at_most)
+
+    def passes(self, value: float, dt: float) -> bool:
+        """Is the value finite and on the right side of the bound?"""
+        if not np.isfinite(value):
+            return False
+        return value <= self.bound(dt) if self.metric.better == "lower" else value >= self.bound(dt)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Converged:
+    """A reference without a closed form: a trajectory with its own error bars in p_WB [m] and v_WB [m/s]."""
+
+    trajectory: Trajectory
+    position_error: float
+    velocity_error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """The parameter that makes a case harder, from `easy` to `extreme`, in a unit."""
+
+    parameter: str
+    unit: str
+    easy: float
+    extreme: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One question put to every engine.
+
+    Terms:
+        name: the file's; its prefix is the family. duration [s].
+        scene(**parameters) gives the scene; expected(time (t,), **parameters) the truth at those times, a `Converged`, or
+        None where only conservation or statistics judge. truth: what kind of truth that is, in words.
+        sample_interval [s]: distance of recorded samples, 0 for every step. dt [s]: the step of a quick look; ladder: the
+        steps of an accuracy run. with_contacts: record contacts at each sample.
+        headline: the metric drawn against time step and cost. scale: the size of that metric's value that counts as 1.
+        ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
+    """
+
+    name: str
+    title: str
+    question: str
+    source: str
+    truth: Literal["closed form", "converged reference", "conservation", "statistics", "rest"]
+    scene: Callable[..., Scene]
+    checks: tuple[Check, ...]
+    duration: float
+    expected: Callable[..., Trajectory | Converged | None] | None = None
+    observe: tuple[Metric, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    hard: Axis | None = None
+    ensemble: int = 1
+    sample_interval: float = 1 / 60
+    dt: float = 1 / 240
+    ladder: tuple[float, ...] = (1 / 60, 1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920)
+    with_contacts: bool = False
+    headline: str = ""
+    scale: float = 1.0
+
+    @property
+    def family(self) -> str:
+        """The prefix of the name: flight, spin, joint, impact, friction, rest, stack, tunnel, stand, system or sensor."""
+        return self.name.split("_", 1)[0]
+
+    @property
+    def metrics(self) -> tuple[Metric, ...]:
+        """All metrics, checked or only observed, each once."""
+        seen = {check.metric.name: check.metric for check in self.checks}
+        seen.update({metric.name: metric for metric in self.observe})
+        return tuple(seen.values())
+
+    def truth_at(self, time: Floats, parameters: Mapping[str, Any]) -> Trajectory | Converged | None:
+        """The truth at the given times [s], shape (t,)."""
+        return None if self.expected is None else self.expected(time, **parameters)

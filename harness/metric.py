@@ -1,0 +1,34 @@
+"""A metric: one number read off a trajectory, with its unit and its source."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from harness.scene import Scene
+from harness.trajectory import Trajectory
+
+__all__ = ["Metric", "NotMeasurable"]
+
+
+class NotMeasurable(ValueError):
+    """The trajectory lacks what the metric reads (a truth, contacts, a stream, enough samples); the text says what."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Metric:
+    """One number.
+
+    Terms:
+        name: unique, snake case. unit: SI, '1' for none. source: book, paper or definition. better: which way is good.
+        measure: (scene, actual, expected or None) to the number; non-finite input gives a non-finite number, never a good one.
+    """
+
+    name: str
+    unit: str
+    source: str
+    measure: Callable[[Scene, Trajectory, Trajectory | None], float]
+    better: Literal["lower", "higher"] = "lower"
+
+    def __call__(self, scene: Scene, actual: Trajectory, expected: Trajectory | None = None) -> float:
+        """The number, in the metric's unit."""
+        return float(self.measure(scene, actual, expected))

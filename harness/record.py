@@ -1,0 +1,103 @@
+"""A record: all that is kept of one trial, with the names of the table columns."""
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+__all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "digest"]
+
+SCHEMA_VERSION = 1
+"""Raised when a column changes its meaning; a store with a higher number is refused."""
+
+Status = Literal["passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted"]
+
+
+def digest(value: Any) -> str:
+    """Sixteen hexadecimal digits that name a JSON-ready value."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """A metric's value in one trial; `at_most` and `passed` are None where it is only observed.
+
+    Where a higher value is better, `at_most` holds the bound that the value must reach and `because` says so.
+    """
+
+    metric: str
+    value: float
+    unit: str
+    at_most: float | None = None
+    passed: bool | None = None
+    because: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """One timing sample: `steps` steps took `cpu` and `wall` [s] in process number `process`, block number `block`."""
+
+    process: int
+    block: int
+    steps: int
+    cpu: float
+    wall: float
+    canary: float
+    switches: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """One trial's outcome; the fields up to `trajectory_hash` are the columns of the table `trials`.
+
+    Terms:
+        parameters, settings, resolved: JSON. sim_seconds [s] simulated, steps taken. cpu_per_sim_s [s/s]: median with the 95 %
+        bootstrap interval cpu_low..cpu_high, None without a timing run. wall_per_sim_s likewise. realtime_factor:
+        simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
+        warnings: what the engine said. detail: trace or tail of standard error, for people.
+    """
+
+    trial: str
+    study: str
+    experiment: str
+    case: str
+    parameters: Mapping[str, Any]
+    engine: str
+    engine_version: str
+    track: str
+    dt: float
+    settings: Mapping[str, Any]
+    resolved: Mapping[str, Any] = field(default_factory=dict)
+    seed: int = 0
+    status: Status
+    reason: str
+    sim_seconds: float = 0.0
+    steps: int = 0
+    cpu_per_sim_s: float | None = None
+    cpu_low: float | None = None
+    cpu_high: float | None = None
+    wall_per_sim_s: float | None = None
+    realtime_factor: float | None = None
+    unstable_timing: bool | None = None
+    trajectory_hash: str | None = None
+    warnings: tuple[str, ...] = ()
+    detail: str = ""
+    measurements: tuple[Measurement, ...] = ()
+    samples: tuple[Sample, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """A JSON-ready mapping; `from_plain` reads it back."""
+        return dataclasses.asdict(self)
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
+        """Read back what `plain` wrote."""
+        known = {f.name for f in dataclasses.fields(cls)}
+        fields = {name: value for name, value in plain.items() if name in known}
+        fields["warnings"] = tuple(fields.get("warnings", ()))
+        fields["measurements"] = tuple(Measurement(**m) for m in fields.get("measurements", ()))
+        fields["samples"] = tuple(Sample(**s) for s in fields.get("samples", ()))
+        return cls(**fields)

@@ -1,0 +1,71 @@
+"""A rigid body: mass, inertia, shapes placed relative to the centre of mass, and its state at the start."""
+
+from typing import Literal
+
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from harness.scene.shape import Shape
+from harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
+
+__all__ = ["Body", "PlacedShape"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class PlacedShape:
+    """A shape with the pose of its frame S in the body frame B (origin at the centre of mass)."""
+
+    shape: Shape
+    p_BS: Vector3 = (0.0, 0.0, 0.0)
+    q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Body:
+    """A rigid body whose frame B has its origin at the centre of mass.
+
+    Terms:
+        mass [kg], inertia [kg m2] shape (3, 3), symmetric, about the centre of mass in B.
+        collision: the shapes that touch (several make a compound); visual: what is drawn, the same if None.
+        material: the name that surfaces pair up.
+        p_WB [m], q_WB, v_WB [m/s], w_WB [rad/s]: pose and velocity at time 0, in W.
+        motion: static bodies never move, kinematic ones keep their velocity whatever touches them.
+        linear_damping, angular_damping [1/s]: v' = -c v and w' = -c w beside all other accelerations.
+    """
+
+    name: Name
+    mass: Positive = 1.0
+    inertia: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    collision: tuple[PlacedShape, ...] = ()
+    visual: tuple[PlacedShape, ...] | None = None
+    material: Name = "default"
+    p_WB: Vector3 = (0.0, 0.0, 0.0)
+    q_WB: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    v_WB: Vector3 = (0.0, 0.0, 0.0)
+    w_WB: Vector3 = (0.0, 0.0, 0.0)
+    motion: Literal["dynamic", "static", "kinematic"] = "dynamic"
+    linear_damping: NonNegative = 0.0
+    angular_damping: NonNegative = 0.0
+
+    def __post_init__(self) -> None:
+        where = f"body '{self.name}'"
+        tensor = np.asarray(self.inertia)
+        largest = float(np.abs(tensor).max())
+        if np.abs(tensor - tensor.T).max() > 1e-9 * largest:
+            raise ValueError(f"{where}: inertia {tensor.tolist()} kg m2 is not symmetric")
+        a, b, c = np.linalg.eigvalsh(tensor)
+        if a <= 0:
+            raise ValueError(f"{where}: inertia with principal moments ({a:g}, {b:g}, {c:g}) kg m2 is not positive")
+        if a + b < c * (1 - 1e-9):
+            raise ValueError(
+                f"{where}: inertia with principal moments ({a:g}, {b:g}, {c:g}) kg m2 breaks the triangle inequality"
+            )
+        if self.motion == "static" and (any(self.v_WB) or any(self.w_WB)):
+            raise ValueError(f"{where}: a static body moves with v_WB {self.v_WB}, w_WB {self.w_WB}; expected zero")
+        if self.motion == "dynamic" and any(placed.shape.type == "plane" for placed in self.collision):
+            raise ValueError(f"{where}: a plane has no bounds; expected motion 'static' or 'kinematic', got 'dynamic'")
+
+    @property
+    def movable(self) -> bool:
+        """Does a force move it?"""
+        return self.motion == "dynamic"

@@ -1,0 +1,47 @@
+"""Inertia tensors [kg m2] of uniform solids about their centre of mass, in the frame of the shape.
+
+Source: Goldstein, Classical Mechanics, 3rd ed., section 5.3 and exercises.
+"""
+
+from harness.scene.values import Matrix3, Vector3
+
+__all__ = ["box_inertia", "capsule_inertia", "cylinder_inertia", "principal_inertia", "sphere_inertia"]
+
+
+def principal_inertia(xx: float, yy: float, zz: float) -> Matrix3:
+    """The diagonal tensor with the principal moments xx, yy, zz [kg m2]."""
+    return ((xx, 0.0, 0.0), (0.0, yy, 0.0), (0.0, 0.0, zz))
+
+
+def sphere_inertia(mass: float, radius: float) -> Matrix3:
+    """A solid sphere: 2/5 m r^2."""
+    moment = 0.4 * mass * radius**2
+    return principal_inertia(moment, moment, moment)
+
+
+def box_inertia(mass: float, half_extents: Vector3) -> Matrix3:
+    """A solid box with half extents (a, b, c): m/3 (b^2 + c^2), ..."""
+    a, b, c = half_extents
+    return principal_inertia(mass / 3 * (b * b + c * c), mass / 3 * (a * a + c * c), mass / 3 * (a * a + b * b))
+
+
+def cylinder_inertia(mass: float, radius: float, half_length: float) -> Matrix3:
+    """A solid cylinder along z: m (r^2/4 + h^2/3) across, m r^2/2 along, h the half length."""
+    across = mass * (radius**2 / 4 + half_length**2 / 3)
+    return principal_inertia(across, across, mass * radius**2 / 2)
+
+
+def capsule_inertia(mass: float, radius: float, half_length: float) -> Matrix3:
+    """A solid capsule along z: a cylinder of half length h between two half balls.
+
+    The half balls' centroids lie 3r/8 beyond the cylinder's ends (parallel-axis theorem).
+    """
+    cylinder_volume = 2 * half_length * radius**2
+    ball_volume = 4 / 3 * radius**3
+    m_c = mass * cylinder_volume / (cylinder_volume + ball_volume)
+    m_b = mass - m_c
+    along = m_c * radius**2 / 2 + m_b * 2 / 5 * radius**2
+    across = m_c * (radius**2 / 4 + half_length**2 / 3) + m_b * (
+        2 / 5 * radius**2 + half_length**2 + 3 / 4 * half_length * radius
+    )
+    return principal_inertia(across, across, along)

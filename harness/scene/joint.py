@@ -1,0 +1,131 @@
+"""Joints: what two bodies may do relative to each other, with limits, springs and drives.
+
+A joint's coordinate is the angle [rad] or the way [m] of the child against the parent along the axis; `position` is its
+value in the scene's initial pose, so that limits, springs and targets need not be counted from there.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.scene.values import FROZEN, Axis, Finite, Name, NonNegative, Positive, Vector3
+
+__all__ = ["WORLD", "Ball", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
+
+WORLD = "world"
+"""The parent of a joint that holds its child to the world."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Limits:
+    """The range [lower, upper] of a joint's coordinate [rad or m]; None leaves that side open."""
+
+    lower: float | None = None
+    upper: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise ValueError(f"limits: lower {self.lower} lies above upper {self.upper}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Spring:
+    """A passive spring and damper: -stiffness (x - rest) - damping x', in N/m and N s/m or N m/rad and N m s/rad."""
+
+    stiffness: NonNegative = 0.0
+    damping: NonNegative = 0.0
+    rest: Finite = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Drive:
+    """A PD drive: stiffness (target - x) + damping (target_velocity - x'), cut off at `limit` [N or N m] (None: none)."""
+
+    stiffness: NonNegative = 0.0
+    damping: NonNegative = 0.0
+    target: Finite = 0.0
+    target_velocity: Finite = 0.0
+    limit: Positive | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Fixed:
+    """No relative motion."""
+
+    name: Name
+    parent: Name
+    child: Name
+    collide: bool = False
+    type: Literal["fixed"] = "fixed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Ball:
+    """The anchor [m, in W at time 0] stays common to both bodies; all rotations are free."""
+
+    name: Name
+    parent: Name
+    child: Name
+    anchor_W: Vector3
+    collide: bool = False
+    type: Literal["ball"] = "ball"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Revolute:
+    """Rotation about `axis_W` through `anchor_W` (both in W at time 0) alone."""
+
+    name: Name
+    parent: Name
+    child: Name
+    anchor_W: Vector3
+    axis_W: Axis
+    position: Finite = 0.0
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+    collide: bool = False
+    type: Literal["revolute"] = "revolute"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Prismatic:
+    """Translation along `axis_W` (in W at time 0, fixed in the parent) alone."""
+
+    name: Name
+    parent: Name
+    child: Name
+    anchor_W: Vector3
+    axis_W: Axis
+    position: Finite = 0.0
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+    collide: bool = False
+    type: Literal["prismatic"] = "prismatic"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Distance:
+    """The distance between an anchor on the parent and one on the child: a rod, or a rope or spring if told so.
+
+    Without limits and spring the initial distance is kept; with limits it may move between them; a spring's rest is in m.
+    """
+
+    name: Name
+    parent: Name
+    child: Name
+    anchor_W: Vector3
+    child_anchor_W: Vector3
+    limits: Limits | None = None
+    spring: Spring | None = None
+    collide: bool = True
+    type: Literal["distance"] = "distance"
+
+    def __post_init__(self) -> None:
+        if self.anchor_W == self.child_anchor_W:
+            raise ValueError(f"joint '{self.name}': both anchors lie at {self.anchor_W}, expected a distance above 0")
+
+
+Joint = Annotated[Fixed | Ball | Revolute | Prismatic | Distance, Field(discriminator="type")]

@@ -1,0 +1,166 @@
+"""The scene as a whole: all its parts, the rules between them, and the effects that it calls for."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+from pydantic import field_serializer, field_validator
+from pydantic.dataclasses import dataclass
+
+from harness.scene.body import Body
+from harness.scene.effect import Effect
+from harness.scene.joint import WORLD, Joint
+from harness.scene.sensor import Sensor
+from harness.scene.surface import Surface
+from harness.scene.values import FROZEN, Vector3
+
+__all__ = ["EARTH_GRAVITY", "Scene", "SceneError"]
+
+EARTH_GRAVITY = (0.0, 0.0, -9.81)
+"""The gravity of every case that does not say otherwise [m/s2]."""
+
+
+class SceneError(ValueError):
+    """A scene or scene file that breaks a rule; the message names element, field, value and expectation."""
+
+
+def _unique(kind: str, names: Iterator[str]) -> None:
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise ValueError(f"{kind} '{name}': name stands {count} times, expected once")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Scene:
+    """Everything that an engine is told, apart from how to solve it.
+
+    Terms:
+        gravity [m/s2] in W. widen, narrow: effects switched on or off against what the content says.
+    """
+
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...] = ()
+    surfaces: tuple[Surface, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
+    gravity: Vector3 = EARTH_GRAVITY
+    widen: Effect = Effect.NONE
+    narrow: Effect = Effect.NONE
+
+    @field_validator("widen", "narrow", mode="before")
+    @classmethod
+    def _effects_by_name(cls, value: object) -> object:
+        if isinstance(value, list | tuple):
+            total = Effect.NONE
+            for name in value:
+                if not isinstance(name, str) or name.upper() not in Effect.__members__:
+                    raise ValueError(f"unknown effect {name!r}, expected some of {', '.join(Effect(~0).names)}")
+                total |= Effect[name.upper()]
+            return total
+        return value
+
+    @field_serializer("widen", "narrow")
+    def _effects_as_names(self, value: Effect) -> list[str]:
+        return list(value.names)
+
+    def __post_init__(self) -> None:
+        if not self.bodies:
+            raise ValueError("scene: bodies is empty, expected at least one")
+        _unique("body", (b.name for b in self.bodies))
+        _unique("joint", (j.name for j in self.joints))
+        _unique("sensor", (s.name for s in self.sensors))
+        _unique("surface", ("/".join(sorted(s.between)) for s in self.surfaces))
+        names = {b.name for b in self.bodies}
+        if WORLD in names:
+            raise ValueError(f"body '{WORLD}': name is taken by the world frame, expected another")
+        self._check_joints(names)
+        for sensor in self.sensors:
+            if sensor.body not in names | {WORLD}:
+                raise ValueError(f"sensor '{sensor.name}': body '{sensor.body}' is not in the scene")
+        laws = {s.pair for s in self.surfaces}
+        for a, b in self._material_pairs():
+            if frozenset((a, b)) not in laws:
+                raise ValueError(f"surface {a}/{b}: missing; bodies of these materials can touch, expected their law")
+
+    def _check_joints(self, names: set[str]) -> None:
+        for joint in self.joints:
+            for end, name in (("parent", joint.parent), ("child", joint.child)):
+                if name not in names and not (end == "parent" and name == WORLD):
+                    raise ValueError(f"joint '{joint.name}': {end} '{name}' is not a body of the scene")
+            if joint.parent == joint.child:
+                raise ValueError(f"joint '{joint.name}': parent and child are both '{joint.child}'")
+            fixed = (joint.parent == WORLD or not self.body(joint.parent).movable) and not self.body(joint.child).movable
+            if fixed:
+                raise ValueError(f"joint '{joint.name}': neither '{joint.parent}' nor '{joint.child}' can move")
+
+    def _material_pairs(self) -> set[tuple[str, str]]:
+        """Pairs of materials of which two bodies could touch, one of them movable."""
+        kinds = {(b.material, b.movable) for b in self.bodies if b.collision}
+        pairs = {(min(a, b), max(a, b)) for a, m in kinds for b, n in kinds if (m or n) and (a, m) != (b, n)}
+        movable = Counter(b.material for b in self.bodies if b.collision and b.movable)
+        return pairs | {(m, m) for m, count in movable.items() if count > 1}
+
+    def body(self, name: str) -> Body:
+        """The body of that name; KeyError where there is none."""
+        for body in self.bodies:
+            if body.name == name:
+                return body
+        raise KeyError(name)
+
+    def index(self, name: str) -> int:
+        """The place of the body of that name in `bodies` and so in every state; KeyError where there is none."""
+        for place, body in enumerate(self.bodies):
+            if body.name == name:
+                return place
+        raise KeyError(name)
+
+    def surface(self, a: Body, b: Body) -> Surface:
+        """The law between the materials of two bodies; KeyError where the scene has none."""
+        pair = frozenset((a.material, b.material))
+        for surface in self.surfaces:
+            if surface.pair == pair:
+                return surface
+        raise KeyError(f"{a.material}/{b.material}")
+
+    def joined(self) -> frozenset[frozenset[str]]:
+        """The pairs of bodies that a joint keeps from colliding."""
+        return frozenset(frozenset((j.parent, j.child)) for j in self.joints if not j.collide)
+
+    @property
+    def content(self) -> Effect:
+        """The effects read off the content alone."""
+        called = Effect.NONE
+        movable = [b for b in self.bodies if b.movable]
+        if any(self.gravity) and movable:
+            called |= Effect.GRAVITY
+        touching = [s for s in self.surfaces if any(s.pair == frozenset(pair) for pair in self._material_pairs())]
+        if touching:
+            called |= Effect.CONTACT
+            for effect, field in (
+                (Effect.FRICTION, "static_friction"),
+                (Effect.RESTITUTION, "restitution"),
+                (Effect.ROLLING_FRICTION, "rolling_friction"),
+                (Effect.TORSIONAL_FRICTION, "torsional_friction"),
+            ):
+                if any(getattr(s, field) > 0 for s in touching):
+                    called |= effect
+        if self.joints:
+            called |= Effect.JOINTS
+        if any(getattr(j, "drive", None) is not None for j in self.joints):
+            called |= Effect.DRIVES
+        if any(b.linear_damping > 0 for b in movable):
+            called |= Effect.LINEAR_DAMPING
+        if any(b.angular_damping > 0 for b in movable):
+            called |= Effect.ANGULAR_DAMPING
+        if self.sensors:
+            called |= Effect.SENSING
+        for b in movable:
+            low, _, high = np.linalg.eigvalsh(np.asarray(b.inertia))
+            turns = any(b.w_WB) or bool(b.collision and touching) or bool(self.joints)
+            if turns and high - low > 1e-12 * high:
+                called |= Effect.GYROSCOPIC
+        return called
+
+    @property
+    def effects(self) -> Effect:
+        """The effects that the scene calls for: its content, widened and narrowed as it says."""
+        return (self.content | self.widen) & ~self.narrow

@@ -1,0 +1,100 @@
+"""Collision and visual geometry: a closed union of seven shapes, each in its own frame S."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from harness.scene.values import FROZEN, Axis, Positive, Vector3
+
+__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Plane", "Shape", "Sphere", "TriangleMesh"]
+
+MAX_VERTICES = 1_000_000
+"""A mesh above this size is refused before it is read into any engine."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Sphere:
+    """A ball of `radius` [m] about the origin of S."""
+
+    radius: Positive
+    type: Literal["sphere"] = "sphere"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Box:
+    """A box of `half_extents` [m] along the axes of S, centred."""
+
+    half_extents: tuple[Positive, Positive, Positive]
+    type: Literal["box"] = "box"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Capsule:
+    """All points within `radius` [m] of a segment along z, from -half_length to +half_length [m]."""
+
+    radius: Positive
+    half_length: Positive
+    type: Literal["capsule"] = "capsule"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Cylinder:
+    """A solid cylinder along z of `radius` [m], from -half_length to +half_length [m]."""
+
+    radius: Positive
+    half_length: Positive
+    type: Literal["cylinder"] = "cylinder"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Plane:
+    """A half space: solid below the plane through the origin of S with the outward `normal` (unit, in S)."""
+
+    normal: Axis = (0.0, 0.0, 1.0)
+    type: Literal["plane"] = "plane"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class ConvexHull:
+    """The convex hull of `vertices` [m], shape (n, 3), n >= 4, not all in one plane."""
+
+    vertices: Annotated[tuple[Vector3, ...], Field(min_length=4, max_length=MAX_VERTICES)]
+    type: Literal["convex_hull"] = "convex_hull"
+
+    def __post_init__(self) -> None:
+        import numpy as np
+
+        points = np.asarray(self.vertices)
+        spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        if spread[2] <= 1e-9 * spread[0]:
+            raise ValueError(f"vertices span no volume (singular values {spread.tolist()}), expected a solid")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class TriangleMesh:
+    """A triangle mesh: `vertices` [m] (n, 3), `faces` (m, 3) counter-clockwise seen from outside."""
+
+    vertices: Annotated[tuple[Vector3, ...], Field(min_length=3, max_length=MAX_VERTICES)]
+    faces: Annotated[tuple[tuple[int, int, int], ...], Field(min_length=1, max_length=MAX_VERTICES)]
+    type: Literal["triangle_mesh"] = "triangle_mesh"
+
+    def __post_init__(self) -> None:
+        import numpy as np
+
+        points, faces = np.asarray(self.vertices), np.asarray(self.faces)
+        if faces.min() < 0 or faces.max() >= len(points):
+            bad = int(np.flatnonzero(((faces < 0) | (faces >= len(points))).any(axis=1))[0])
+            raise ValueError(f"faces[{bad}] = {self.faces[bad]} names a vertex outside 0..{len(points) - 1}")
+        a, b, c = (points[faces[:, i]] for i in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        size = np.ptp(points, axis=0).max()
+        if (area <= 1e-14 * size * size).any():
+            bad = int(np.argmin(area))
+            raise ValueError(f"faces[{bad}] = {self.faces[bad]} has no area, expected a proper triangle")
+
+
+Shape = Annotated[
+    Sphere | Box | Capsule | Cylinder | Plane | ConvexHull | TriangleMesh,
+    Field(discriminator="type"),
+]

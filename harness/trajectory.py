@@ -1,0 +1,172 @@
+"""What an engine answered: states, contacts and ray hits as plain arrays in the world frame."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.scene import Scene
+
+__all__ = ["Contacts", "Floats", "Hits", "Integers", "State", "Trajectory"]
+
+Floats: TypeAlias = NDArray[np.float64]
+Integers: TypeAlias = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Poses and velocities of all bodies, in the order of the scene.
+
+    Terms:
+        p_WB (n, 3) m of the centre of mass; q_WB (n, 4) unit, (w, x, y, z), B to W; v_WB (n, 3) m/s of the centre of
+        mass; w_WB (n, 3) rad/s in W.
+    """
+
+    p_WB: Floats
+    q_WB: Floats
+    v_WB: Floats
+    w_WB: Floats
+
+    @classmethod
+    def empty(cls, n: int) -> Self:
+        """Room for n bodies: at the origin, unturned, at rest."""
+        q_WB = np.zeros((n, 4))
+        q_WB[:, 0] = 1.0
+        return cls(np.zeros((n, 3)), q_WB, np.zeros((n, 3)), np.zeros((n, 3)))
+
+    @classmethod
+    def initial(cls, scene: Scene) -> Self:
+        """The state that a scene starts from."""
+        return cls(
+            np.array([b.p_WB for b in scene.bodies], dtype=np.float64),
+            np.array([b.q_WB for b in scene.bodies], dtype=np.float64),
+            np.array([b.v_WB for b in scene.bodies], dtype=np.float64),
+            np.array([b.w_WB for b in scene.bodies], dtype=np.float64),
+        )
+
+    @property
+    def finite(self) -> bool:
+        """Is every number finite?"""
+        return all(bool(np.isfinite(a).all()) for a in (self.p_WB, self.q_WB, self.v_WB, self.w_WB))
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """The contact points of one instant.
+
+    Terms:
+        body_A, body_B (k,): places in the scene's bodies, A < B. point_W (k, 3) m. normal_W (k, 3) from A to B.
+        gap (k,) m, negative in penetration. force_W (k, 3) N on B, averaged over the last step.
+    """
+
+    body_A: Integers
+    body_B: Integers
+    point_W: Floats
+    normal_W: Floats
+    gap: Floats
+    force_W: Floats
+
+    @classmethod
+    def none(cls) -> Self:
+        """No contact at all."""
+        return cls.of([], [], [], [], [], [])
+
+    @classmethod
+    def of(
+        cls,
+        body_A: Sequence[int] | Integers,
+        body_B: Sequence[int] | Integers,
+        point_W: Sequence[Sequence[float]] | Floats,
+        normal_W: Sequence[Sequence[float]] | Floats,
+        gap: Sequence[float] | Floats,
+        force_W: Sequence[Sequence[float]] | Floats,
+    ) -> Self:
+        """From sequences in any order of bodies: pairs are turned so that A < B, normal and force with them."""
+        a, b = np.array(body_A, dtype=np.int64), np.array(body_B, dtype=np.int64)
+        normal = np.array(normal_W, dtype=np.float64).reshape(-1, 3)
+        force = np.array(force_W, dtype=np.float64).reshape(-1, 3)
+        turn = a > b
+        normal[turn] *= -1.0
+        force[turn] *= -1.0
+        return cls(
+            np.where(turn, b, a),
+            np.where(turn, a, b),
+            np.array(point_W, dtype=np.float64).reshape(-1, 3),
+            normal,
+            np.array(gap, dtype=np.float64),
+            force,
+        )
+
+    def __len__(self) -> int:
+        return len(self.gap)
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """What rays met: distance (r,) m (inf: nothing), body (r,) place in the scene (-1: nothing), normal_W (r, 3) or zeros."""
+
+    distance: Floats
+    body: Integers
+    normal_W: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """States over time: time (t,) s, and the arrays of `State` with t in front.
+
+    Terms:
+        dt [s]: the step that made it; 0 for a truth.
+        contacts: one `Contacts` an instant, or None where they were not asked for.
+        streams: sensor signals by name, each (k, ...) with its time stamps under '<name>/time'.
+    """
+
+    time: Floats
+    p_WB: Floats
+    q_WB: Floats
+    v_WB: Floats
+    w_WB: Floats
+    dt: float = 0.0
+    contacts: tuple[Contacts, ...] | None = None
+    streams: Mapping[str, Floats] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, time: Floats, n: int) -> Self:
+        """Room for n bodies at rest, to be filled in."""
+        t = len(time)
+        q_WB = np.zeros((t, n, 4))
+        q_WB[:, :, 0] = 1.0
+        return cls(np.asarray(time, dtype=np.float64), np.zeros((t, n, 3)), q_WB, np.zeros((t, n, 3)), np.zeros((t, n, 3)))
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def state(self, k: int) -> State:
+        """The k-th state, as a view."""
+        return State(self.p_WB[k], self.q_WB[k], self.v_WB[k], self.w_WB[k])
+
+    def between(self, start: float, end: float) -> "Trajectory":
+        """The part with start <= time <= end [s], half a nanosecond of slack; streams are cut alike."""
+        keep = (self.time >= start - 5e-10) & (self.time <= end + 5e-10)
+        places = np.flatnonzero(keep)
+        streams: dict[str, Floats] = {}
+        for name, signal in self.streams.items():
+            stamps = self.streams[name if name.endswith("/time") else f"{name}/time"]
+            streams[name] = signal[(stamps >= start - 5e-10) & (stamps <= end + 5e-10)]
+        return replace(
+            self,
+            time=self.time[keep],
+            p_WB=self.p_WB[keep],
+            q_WB=self.q_WB[keep],
+            v_WB=self.v_WB[keep],
+            w_WB=self.w_WB[keep],
+            contacts=None if self.contacts is None else tuple(self.contacts[i] for i in places),
+            streams=streams,
+        )
+
+    @property
+    def finite(self) -> bool:
+        """Is every number of every state finite?"""
+        arrays = (self.time, self.p_WB, self.q_WB, self.v_WB, self.w_WB)
+        return all(bool(np.isfinite(a).all()) for a in arrays)

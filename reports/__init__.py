@@ -1,0 +1,1 @@
+"""Reports: records in; HTML pages, charts and rerun recordings out."""

@@ -1,0 +1,1 @@
+"""Pages of the report: one page, one file, found by walking this folder; each ends in PAGE."""

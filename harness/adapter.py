@@ -8,6 +8,7 @@ The contract, proven by `harness.conformance`:
 
 * `build` takes the scene exactly as it is or raises `Unsupported(what, why)`; it never approximates in silence. What cannot
   be avoided stands under *Deviations*.
+* Two bodies touch only where `scene.collides(a, b)`: pairs of materials in `scene.apart` and pairs held by a joint never do.
 * States come in the order of `scene.bodies`, static and kinematic bodies included; p_WB is the centre of mass, q_WB is
   (w, x, y, z), velocities are of the centre of mass and in W. After `build`, `state` gives the scene's initial state.
 * `step(count)` advances exactly count * dt; where the engine can, in one native call.

@@ -12,7 +12,7 @@ from harness.scene.effect import Effect
 from harness.scene.joint import WORLD, Joint
 from harness.scene.sensor import Sensor
 from harness.scene.surface import Surface
-from harness.scene.values import FROZEN, Vector3
+from harness.scene.values import FROZEN, Name, Vector3
 
 __all__ = ["EARTH_GRAVITY", "Scene", "SceneError"]
 
@@ -36,6 +36,7 @@ class Scene:
 
     Terms:
         gravity [m/s2] in W. widen, narrow: effects switched on or off against what the content says.
+        apart: pairs of materials whose bodies pass through each other (both may be the same), so that they need no surface.
     """
 
     bodies: tuple[Body, ...]
@@ -45,6 +46,7 @@ class Scene:
     gravity: Vector3 = EARTH_GRAVITY
     widen: Effect = Effect.NONE
     narrow: Effect = Effect.NONE
+    apart: tuple[tuple[Name, Name], ...] = ()
 
     @field_validator("widen", "narrow", mode="before")
     @classmethod
@@ -77,6 +79,12 @@ class Scene:
             if sensor.body not in names | {WORLD}:
                 raise ValueError(f"sensor '{sensor.name}': body '{sensor.body}' is not in the scene")
         laws = {s.pair for s in self.surfaces}
+        materials = {b.material for b in self.bodies}
+        for a, b in self.apart:
+            if not {a, b} <= materials:
+                raise ValueError(f"apart {a}/{b}: no body is of material '{a if a not in materials else b}'")
+            if frozenset((a, b)) in laws:
+                raise ValueError(f"surface {a}/{b}: these materials are apart; expected no law between them")
         for a, b in self._material_pairs():
             if frozenset((a, b)) not in laws:
                 raise ValueError(f"surface {a}/{b}: missing; bodies of these materials can touch, expected their law")
@@ -93,11 +101,12 @@ class Scene:
                 raise ValueError(f"joint '{joint.name}': neither '{joint.parent}' nor '{joint.child}' can move")
 
     def _material_pairs(self) -> set[tuple[str, str]]:
-        """Pairs of materials of which two bodies could touch, one of them movable."""
+        """Pairs of materials of which two bodies could touch: one of them is movable, and they are not apart."""
         kinds = {(b.material, b.movable) for b in self.bodies if b.collision}
         pairs = {(min(a, b), max(a, b)) for a, m in kinds for b, n in kinds if (m or n) and (a, m) != (b, n)}
         movable = Counter(b.material for b in self.bodies if b.collision and b.movable)
-        return pairs | {(m, m) for m, count in movable.items() if count > 1}
+        alike = {(m, m) for m, count in movable.items() if count > 1}
+        return (pairs | alike) - {(min(a, b), max(a, b)) for a, b in self.apart}
 
     def body(self, name: str) -> Body:
         """The body of that name; KeyError where there is none."""
@@ -124,6 +133,14 @@ class Scene:
     def joined(self) -> frozenset[frozenset[str]]:
         """The pairs of bodies that a joint keeps from colliding."""
         return frozenset(frozenset((j.parent, j.child)) for j in self.joints if not j.collide)
+
+    def collides(self, a: Body, b: Body) -> bool:
+        """Can these two bodies touch? One must be movable, both have shapes, and no joint or `apart` stands between them."""
+        if a.name == b.name or not (a.movable or b.movable) or not (a.collision and b.collision):
+            return False
+        if (a.material, b.material) in self.apart or (b.material, a.material) in self.apart:
+            return False
+        return not any({j.parent, j.child} == {a.name, b.name} for j in self.joints if not j.collide)
 
     @property
     def content(self) -> Effect:

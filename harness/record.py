@@ -3,11 +3,12 @@
 import dataclasses
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-__all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "digest"]
+__all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "Timing", "digest"]
 
 SCHEMA_VERSION = 1
 """Raised when a column changes its meaning; a store with a higher number is refused."""
@@ -19,6 +20,17 @@ def digest(value: Any) -> str:
     """Sixteen hexadecimal digits that name a JSON-ready value."""
     text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _worded(value: Any) -> Any:
+    """The same value with non-finite numbers as words, which strict JSON lacks."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, Mapping):
+        return {str(key): _worded(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_worded(part) for part in value]
+    return value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +59,30 @@ class Sample:
     wall: float
     canary: float
     switches: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timing:
+    """What the timing run of a trial gave: the timing columns of the table `trials`, and the samples behind them."""
+
+    trial: str
+    cpu_per_sim_s: float | None = None
+    cpu_low: float | None = None
+    cpu_high: float | None = None
+    wall_per_sim_s: float | None = None
+    realtime_factor: float | None = None
+    unstable_timing: bool | None = None
+    note: str = ""
+    samples: tuple[Sample, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """A JSON-ready mapping; `from_plain` reads it back."""
+        return dataclasses.asdict(self)
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Timing":
+        """Read back what `plain` wrote."""
+        return cls(**{**plain, "samples": tuple(Sample(**s) for s in plain.get("samples", ()))})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,8 +125,15 @@ class Record:
     samples: tuple[Sample, ...] = ()
 
     def plain(self) -> dict[str, Any]:
-        """A JSON-ready mapping; `from_plain` reads it back."""
-        return dataclasses.asdict(self)
+        """A JSON-ready mapping, non-finite numbers as the words 'nan', 'inf', '-inf'; `from_plain` reads it back."""
+        plain: dict[str, Any] = _worded(dataclasses.asdict(self))
+        return plain
+
+    def timed(self, timing: Timing) -> "Record":
+        """The same record with the outcome of its timing run."""
+        kept = {f.name: getattr(timing, f.name) for f in dataclasses.fields(timing) if f.name not in {"trial", "note"}}
+        notes = (*self.warnings, f"timing: {timing.note}") if timing.note else self.warnings
+        return dataclasses.replace(self, warnings=notes, **kept)
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
@@ -98,6 +141,9 @@ class Record:
         known = {f.name for f in dataclasses.fields(cls)}
         fields = {name: value for name, value in plain.items() if name in known}
         fields["warnings"] = tuple(fields.get("warnings", ()))
-        fields["measurements"] = tuple(Measurement(**m) for m in fields.get("measurements", ()))
+        fields["measurements"] = tuple(
+            Measurement(**{**m, "value": float(m["value"]), "at_most": None if m["at_most"] is None else float(m["at_most"])})
+            for m in fields.get("measurements", ())
+        )
         fields["samples"] = tuple(Sample(**s) for s in fields.get("samples", ()))
         return cls(**fields)

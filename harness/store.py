@@ -1,0 +1,125 @@
+"""A run folder read back as tables, trajectories and catalogue; and its Parquet tables made from the journal."""
+
+import dataclasses
+import json
+import os
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from harness.journal import StoreError, read_journal
+from harness.record import Measurement, Record, Sample
+
+__all__ = ["TRIAL_COLUMNS", "Store", "StoreError", "write_atomically", "write_tables"]
+
+_JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings")
+TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
+_MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
+_SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
+_NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file so that a kill leaves the old one or the new one, never a part."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    draft.write_bytes(content)
+    draft.replace(path)
+
+
+def _tables(records: dict[str, Record]) -> dict[str, pd.DataFrame]:
+    trials, measurements, samples = [], [], []
+    for record in records.values():
+        row = {name: getattr(record, name) for name in TRIAL_COLUMNS}
+        row |= {name: json.dumps(row[name], sort_keys=True) for name in _JSON_COLUMNS}
+        trials.append(row)
+        measurements += [{"trial": record.trial, **dataclasses.asdict(m)} for m in record.measurements]
+        samples += [{"trial": record.trial, **dataclasses.asdict(s)} for s in record.samples]
+    frame = pd.DataFrame(trials, columns=list(TRIAL_COLUMNS))
+    frame = frame.astype(dict.fromkeys(_NUMBERS, "float64") | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
+    table = pd.DataFrame(measurements, columns=list(_MEASUREMENT_COLUMNS))
+    table = table.astype({"value": "float64", "at_most": "float64", "passed": "boolean"})
+    return {"trials": frame, "measurements": table, "samples": pd.DataFrame(samples, columns=list(_SAMPLE_COLUMNS))}
+
+
+def write_tables(folder: Path) -> None:
+    """Make the Parquet tables from the journal. Raises: StoreError."""
+    for name, frame in _tables(read_journal(folder / "journal.jsonl")).items():
+        write_atomically(folder / f"{name}.parquet", frame.to_parquet(index=False))
+
+
+class Store:
+    """A run folder, read only. Tables come from the journal where there is one, so a killed run reads as well as a whole one.
+
+    Terms:
+        trials, measurements, samples: tables with the columns of `harness.record`; parameters, settings, resolved and warnings
+        hold JSON. catalogue: the questions and engines as they stood when the run was made. machine, study: provenance.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = Path(folder)
+        if not (self.folder / "journal.jsonl").is_file() and not (self.folder / "trials.parquet").is_file():
+            raise StoreError(
+                f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run"
+            )
+
+    @cached_property
+    def _read(self) -> dict[str, pd.DataFrame]:
+        journal = self.folder / "journal.jsonl"
+        if journal.is_file():
+            return _tables(read_journal(journal))
+        try:
+            return {n: pd.read_parquet(self.folder / f"{n}.parquet") for n in ("trials", "measurements", "samples")}
+        except (OSError, ValueError) as error:
+            raise StoreError(f"{self.folder}: tables not readable: {error}") from error
+
+    @property
+    def trials(self) -> pd.DataFrame:
+        """One row a trial."""
+        return self._read["trials"]
+
+    @property
+    def measurements(self) -> pd.DataFrame:
+        """One row a metric of a trial."""
+        return self._read["measurements"]
+
+    @property
+    def samples(self) -> pd.DataFrame:
+        """One row a timing sample."""
+        return self._read["samples"]
+
+    def _json(self, name: str) -> dict[str, Any]:
+        path = self.folder / name
+        if not path.is_file():
+            return {}
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        return content
+
+    @cached_property
+    def catalogue(self) -> dict[str, Any]:
+        """Cases and engines: what was asked, of whom."""
+        return self._json("catalogue.json")
+
+    @cached_property
+    def machine(self) -> dict[str, Any]:
+        """The machine, the versions, the command and the dates."""
+        return self._json("machine.json")
+
+    @cached_property
+    def study(self) -> dict[str, Any]:
+        """The study file of the run."""
+        path = self.folder / "study.toml"
+        return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+
+    def trajectory(self, trajectory_hash: str) -> dict[str, NDArray[Any]]:
+        """The arrays of one trajectory: time, p_WB, q_WB, v_WB, w_WB, truth_..., contacts_..., stream:..., scene (JSON text)."""
+        path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
+        try:
+            with np.load(path, allow_pickle=False) as arrays:
+                return dict(arrays)
+        except (OSError, ValueError) as error:
+            raise StoreError(f"{path}: not readable: {error}") from error

@@ -119,7 +119,7 @@ class Trajectory:
     Terms:
         dt [s]: the step that made it; 0 for a truth.
         contacts: one `Contacts` an instant, or None where they were not asked for.
-        streams: sensor signals by name, each (k, ...) with its time stamps under '<name>/time'.
+        streams: sensor signals by name, '<sensor>/<channel>', each (k, ...), with their time stamps (k,) s under '<sensor>/time'.
     """
 
     time: Floats
@@ -152,7 +152,7 @@ class Trajectory:
         places = np.flatnonzero(keep)
         streams: dict[str, Floats] = {}
         for name, signal in self.streams.items():
-            stamps = self.streams[name if name.endswith("/time") else f"{name}/time"]
+            stamps = self.streams[name.rsplit("/", 1)[0] + "/time"]
             streams[name] = signal[(stamps >= start - 5e-10) & (stamps <= end + 5e-10)]
         return replace(
             self,

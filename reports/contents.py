@@ -1,0 +1,94 @@
+"""What a store holds: its cases by family, its engines and its tracks, also where the catalogue lacks one."""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["FAMILIES", "cases", "engines", "families", "tracks"]
+
+FAMILIES: dict[str, str] = {
+    "flight": "Free flight",
+    "spin": "Free rotation",
+    "joint": "Joints",
+    "impact": "Impacts",
+    "friction": "Friction",
+    "rest": "Rest",
+    "stack": "Stacks",
+    "tunnel": "Tunnelling",
+    "stand": "Standing",
+    "system": "Systems",
+    "sensor": "Sensors",
+}
+"""Titles of the families, in the order from the simple to the composed."""
+
+TRACK_ORDER = {"default": 0, "tuned": 1}
+
+CASE: dict[str, Any] = {
+    "title": "",
+    "question": "This case is not in the catalogue of the run.",
+    "truth": "",
+    "effects": [],
+    "source": "",
+    "parameters": {},
+    "duration": None,
+    "dt": None,
+    "ladder": [],
+    "headline": "",
+    "scale": None,
+    "hard": None,
+    "checks": [],
+    "bodies": None,
+}
+ENGINE: dict[str, Any] = {
+    "title": "",
+    "distribution": "",
+    "version": None,
+    "unavailable": None,
+    "ours": False,
+    "features": [],
+    "tracks": {},
+    "known_failures": {},
+    "deviations": [],
+}
+
+
+def cases(store: "Store") -> dict[str, dict[str, Any]]:
+    """All cases that have a trial, in the catalogue's order; the whole catalogue where there is no trial at all."""
+    told = store.catalogue.get("cases", {})
+    tried = list(dict.fromkeys(store.trials["case"]))
+    names = [name for name in told if name in tried or not tried] + [name for name in tried if name not in told]
+    found = {}
+    for name in names:
+        case = CASE | {"name": name, "family": str(name).split("_", 1)[0]} | told.get(name, {})
+        case["title"] = case["title"] or name
+        found[name] = case
+    return found
+
+
+def families(store: "Store") -> list[tuple[str, list[dict[str, Any]]]]:
+    """Titles of families with their cases, families from the simple to the composed and then by name."""
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for case in cases(store).values():
+        groups.setdefault(case["family"], []).append(case)
+    order = list(FAMILIES)
+    ranked = sorted(groups, key=lambda name: (order.index(name) if name in FAMILIES else len(order), name))
+    return [(FAMILIES.get(name, name), groups[name]) for name in ranked]
+
+
+def engines(store: "Store") -> dict[str, dict[str, Any]]:
+    """All engines that have a trial; ours first, then as the catalogue has them."""
+    told = store.catalogue.get("engines", {})
+    tried = list(dict.fromkeys(store.trials["engine"]))
+    names = [name for name in told if name in tried or not tried] + [name for name in tried if name not in told]
+    found = {}
+    for name in names:
+        engine = ENGINE | {"name": name} | told.get(name, {})
+        engine["title"] = engine["title"] or name
+        found[name] = engine
+    return dict(sorted(found.items(), key=lambda pair: not pair[1]["ours"]))
+
+
+def tracks(store: "Store") -> list[str]:
+    """The tracks that were run, 'default' before 'tuned' before others."""
+    return sorted(set(store.trials["track"]), key=lambda track: (TRACK_ORDER.get(track, 2), track))

@@ -1,0 +1,88 @@
+"""Engines side by side: what each passed, what it cost and how large its errors were, on cases that all answered."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from reports.answers import answers, at_own_step
+from reports.contents import engines, tracks
+from reports.verdict import totals
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["Glance", "glances", "shared_cases"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Glance:
+    """One engine on one track.
+
+    Terms:
+        counts: status to trials. relative_cost [1]: geometric mean over the shared cases of its CPU time over the cheapest
+        engine's; relative_error [1]: likewise for the headline error. shared: the number of those cases. best: cases in which
+        its headline error is the smallest. None where it cannot be computed.
+    """
+
+    engine: str
+    track: str
+    counts: Mapping[str, int]
+    relative_cost: float | None
+    relative_error: float | None
+    shared: int
+    best: int
+
+    @property
+    def trials(self) -> int:
+        """All trials."""
+        return sum(self.counts.values())
+
+
+def table(rows: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Medians of a column: cases down, engines across."""
+    return rows.pivot_table(index="case", columns="engine", values=column, aggfunc="median", dropna=True, sort=False)
+
+
+def shared_cases(frame: pd.DataFrame, present: list[str]) -> pd.DataFrame:
+    """The cases in which each engine of `present` has a finite positive number."""
+    whole = frame.reindex(columns=present)
+    return whole[np.isfinite(whole.to_numpy(dtype=np.float64)).all(axis=1) & (whole > 0).all(axis=1)]
+
+
+def ratios(frame: pd.DataFrame) -> dict[str, float]:
+    """Geometric mean, over the rows, of each column over the smallest of its row."""
+    if frame.empty:
+        return {}
+    logs = np.log(frame.div(frame.min(axis=1), axis=0))
+    return {str(name): float(np.exp(value)) for name, value in logs.mean().items()}
+
+
+def glances(store: "Store") -> list[Glance]:
+    """All engines on all tracks that were run. One that answered nothing has no ratios, and does not empty the others'."""
+    rows, found = answers(store), []
+    own, counts = at_own_step(store, rows), totals(store)
+    for track in tracks(store):
+        part = own[own["track"] == track]
+        errors, costs = table(part, "error"), table(part.assign(cpu=part["cpu_per_sim_s"]), "cpu")
+        answering = [name for name in engines(store) if name in errors.columns]
+        timed = [name for name in engines(store) if name in costs.columns]
+        even, priced = shared_cases(errors, answering), shared_cases(costs, timed)
+        by_error, by_cost = ratios(even), ratios(priced)
+        winners = errors.dropna(how="all").idxmin(axis=1) if not errors.empty else pd.Series(dtype=object)
+        for engine in engines(store):
+            if (engine, track) in counts:
+                found.append(
+                    Glance(
+                        engine=engine,
+                        track=track,
+                        counts=counts[engine, track],
+                        relative_cost=by_cost.get(engine),
+                        relative_error=by_error.get(engine),
+                        shared=len(priced) if engine in by_cost else 0,
+                        best=int((winners == engine).sum()),
+                    )
+                )
+    return sorted(found, key=lambda one: list(engines(store)).index(one.engine))

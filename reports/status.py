@@ -1,0 +1,51 @@
+"""How each outcome of a trial is shown: a symbol, a word and a colour, never a colour alone."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+__all__ = ["STATUSES", "Outcome", "outcome", "worst"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """An outcome as a reader meets it.
+
+    Terms:
+        name: as in the table `trials`. symbol: one character that differs in shape from all others. answered: is there a
+        trajectory that a metric could judge? meaning: for the legend. rank: the higher, the worse.
+    """
+
+    name: str
+    symbol: str
+    meaning: str
+    rank: int
+    answered: bool = False
+
+
+STATUSES: dict[str, Outcome] = {
+    one.name: one
+    for one in (
+        Outcome(name="passed", symbol="✓", meaning="every check of the case holds", rank=0, answered=True),
+        Outcome(name="failed", symbol="✕", meaning="at least one check does not hold", rank=4, answered=True),
+        Outcome(name="diverged", symbol="∞", meaning="NaN, infinity, or a state that the engine reset in silence", rank=5),
+        Outcome(name="unsupported", symbol="∅", meaning="the engine cannot express the scene; nothing is approximated", rank=1),
+        Outcome(name="unavailable", symbol="○", meaning="the engine could not be loaded on this machine", rank=2),
+        Outcome(name="timeout", symbol="◷", meaning="stopped at its deadline", rank=6),
+        Outcome(name="crashed", symbol="‡", meaning="the process ended by a signal or an unexpected error", rank=8),
+        Outcome(name="oom", symbol="▣", meaning="stopped at its memory limit", rank=7),
+        Outcome(name="interrupted", symbol="‖", meaning="the run was stopped by the person who started it", rank=3),
+    )
+}
+"""In the order of `harness.record.Status`."""
+
+UNKNOWN = Outcome(name="unknown", symbol="?", meaning="a status that this version does not know", rank=9)
+
+
+def outcome(name: str) -> Outcome:
+    """The outcome of that name; a name from a newer store is shown as unknown, not hidden."""
+    return STATUSES.get(name, UNKNOWN)
+
+
+def worst(names: Iterable[str]) -> Outcome:
+    """The one that a reader must not miss."""
+    return max((outcome(name) for name in names), key=lambda one: one.rank)

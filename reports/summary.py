@@ -1,0 +1,148 @@
+"""The findings of a run in sentences, made from the tables alone."""
+
+from typing import TYPE_CHECKING
+
+from reports.contents import cases, engines, tracks
+from reports.glance import Glance, glances
+from reports.status import STATUSES
+from reports.text import TIMES, amount, join_words, plural
+from reports.verdict import Verdict, verdicts
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["sentences"]
+
+
+def sentences(store: "Store") -> list[str]:
+    """The summary, most important first; a sentence without anything to say is left out."""
+    if store.trials.empty:
+        return ["The store holds no trial."]
+    seen, cells = glances(store), verdicts(store)
+    written = [size(store), *leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells)]
+    return [*written, *ours(store, cells), *silence(store)]
+
+
+def size(store: "Store") -> str:
+    """How much was run, and how it ended."""
+    counts = store.trials["status"].value_counts()
+    ended = join_words(f"{int(counts[name])} {name}" for name in STATUSES if name in counts)
+    return (
+        f"{plural(len(store.trials), 'trial')} of {plural(len(cases(store)), 'case')} on "
+        f"{plural(len(engines(store)), 'engine')}: {ended}."
+    )
+
+
+def leaders(store: "Store", seen: list[Glance]) -> list[str]:
+    """Who passes most, on each track."""
+    titles = {name: engine["title"] for name, engine in engines(store).items()}
+    written = []
+    for track in tracks(store):
+        judged = [one for one in seen if one.track == track and one.counts["passed"] + one.counts["failed"]]
+        if len(judged) < 2:
+            continue
+        share = {one.engine: one.counts["passed"] / one.trials for one in judged}
+        order = sorted(judged, key=lambda one: -share[one.engine])
+        first = [one for one in order if share[one.engine] == share[order[0].engine]]
+        names = join_words(titles[one.engine] for one in first)
+        rest = "; ".join(f"{titles[one.engine]} {one.counts['passed']}/{one.trials}" for one in order[len(first) :])
+        written.append(
+            f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most: "
+            f"{first[0].counts['passed']} of {plural(first[0].trials, 'trial')}{' each' if len(first) > 1 else ''}"
+            f"{f' ({rest})' if rest else ''}."
+        )
+    return written
+
+
+def price(store: "Store", seen: list[Glance]) -> list[str]:
+    """Who is cheapest where all answered, with the error that came with it."""
+    titles = {name: engine["title"] for name, engine in engines(store).items()}
+    written = []
+    for track in tracks(store):
+        priced = sorted(
+            (one for one in seen if one.track == track and one.relative_cost is not None),
+            key=lambda one: one.relative_cost or 0.0,
+        )
+        if len(priced) < 2:
+            continue
+        parts = [
+            f"{titles[one.engine]} {amount(one.relative_cost, 2)}{TIMES} the cost"
+            + (f" at {amount(one.relative_error, 2)}{TIMES} the error" if one.relative_error is not None else "")
+            for one in priced
+        ]
+        written.append(
+            f"Price of an answer, {track} track, relative to the best of each case over the "
+            f"{plural(priced[0].shared, 'case')} that all were timed on (geometric means): {join_words(parts)}."
+        )
+    return written
+
+
+def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+    """What tuning changes, in whole cases."""
+    if not {"default", "tuned"} <= set(tracks(store)):
+        return []
+    changed = []
+    for name, engine in engines(store).items():
+        pairs = [(cells.get((case, name, "default")), cells.get((case, name, "tuned"))) for case in cases(store)]
+        gained = sum(bool(d and t and d.worst.name != "passed" and t.worst.name == "passed") for d, t in pairs)
+        lost = sum(bool(d and t and d.worst.name == "passed" and t.worst.name != "passed") for d, t in pairs)
+        if gained or lost:
+            changed.append(f"{engine['title']} gains {gained}" + (f" and loses {lost}" if lost else ""))
+    if not changed:
+        return ["Tuning changes no case from not passed to passed, on any engine."]
+    return [f"Cases that pass in full once an engine is tuned, against its defaults: {join_words(changed)}."]
+
+
+def extremes(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+    """The cases that all pass, and those that nobody passes."""
+    everybody, nobody = [], []
+    for name, case in cases(store).items():
+        judged = [cell for (of, _, _), cell in cells.items() if of == name and any(o.answered for o, _ in cell.counts)]
+        if len(judged) > 1 and all(cell.worst.name == "passed" for cell in judged):
+            everybody.append(case["title"])
+        if judged and not any(o.name == "passed" for cell in judged for o, _ in cell.counts):
+            nobody.append(case["title"])
+    written = []
+    if nobody:
+        written.append(f"No engine passes {join_words(f'“{title}”' for title in nobody[:4])}{more(nobody)}.")
+    if everybody:
+        written.append(
+            f"Every engine that answers passes {join_words(f'“{title}”' for title in everybody[:4])}{more(everybody)}."
+        )
+    return written
+
+
+def more(titles: list[str]) -> str:
+    """A tail for a list that was cut to four."""
+    return f" and {len(titles) - 4} more" if len(titles) > 4 else ""
+
+
+def ours(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+    """Our own engine's failures, by name: nobody should have to look for them."""
+    written = []
+    for name, engine in engines(store).items():
+        if engine["ours"]:
+            short = [
+                cases(store)[case]["title"]
+                for (case, of, track), cell in cells.items()
+                if of == name and track == "tuned" and cell.worst.name != "passed"
+            ]
+            written.append(
+                f"{engine['title']} is ours; tuned, it falls short in {join_words(f'“{t}”' for t in short[:4])}{more(short)}."
+                if short
+                else f"{engine['title']} is ours; tuned, it passes every trial that was put to it."
+            )
+    return written
+
+
+def silence(store: "Store") -> list[str]:
+    """What the reader should not rely on: engines that were away, and noisy clocks."""
+    written = [
+        f"{engine['title']} was unavailable: {engine['unavailable']}"
+        for engine in engines(store).values()
+        if engine["unavailable"]
+    ]
+    timed = store.trials["unstable_timing"].dropna()
+    if (noisy := int(timed.astype(bool).sum())) > 0:
+        written.append(f"{noisy} of {plural(len(timed), 'timing')} were noisy and are marked unstable.")
+    return written

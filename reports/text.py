@@ -1,0 +1,110 @@
+"""Strings and numbers as people read them, safe in HTML, in file names and in spreadsheets."""
+
+import json
+import math
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from harness.record import digest
+
+__all__ = ["TIMES", "amount", "csv_cell", "join_words", "plural", "settings_text", "slug", "visible"]
+
+LONGEST = 2000
+"""Characters of one string that are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
+
+TIMES = "\N{MULTIPLICATION SIGN}"
+NONE = "\N{EN DASH}"
+MINUS = "\N{MINUS SIGN}"
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def visible(text: str) -> str:
+    """The text with control and direction-changing characters spelled out, and its tail cut off.
+
+    A right-to-left override would reorder what stands around it, an escape sequence would act in a terminal it is pasted to.
+    """
+    tail = "" if len(text) <= LONGEST else f" … ({len(text) - LONGEST} characters more)"
+    shown = (
+        c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Zl", "Zp") else f"\\u{ord(c):04x}"
+        for c in text[:LONGEST]
+    )
+    return "".join(shown) + tail
+
+
+def amount(value: Any, digits: int = 3) -> str:
+    """A number with so many significant digits; powers of ten beyond 1e-3..1e5; a dash where there is none."""
+    if value is None or not isinstance(value, (int, float)) or isinstance(value, bool):
+        return NONE
+    if math.isnan(value):
+        return "NaN"
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    if value == 0:
+        return "0"
+    if 1e-3 <= abs(value) < 1e5:
+        if isinstance(value, int) or abs(value) >= 10 ** (digits - 1):
+            return f"{value:.0f}"
+        places = digits - 1 - math.floor(math.log10(abs(value)))
+        text = f"{value:.{places}f}"
+        return text.rstrip("0").rstrip(".") if "." in text else text
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+    return f"{mantissa}{TIMES}10{str(int(exponent)).translate(SUPERSCRIPT)}"
+
+
+def plural(count: int, noun: str) -> str:
+    """'1 case', '2 cases'."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def join_words(words: Iterable[str]) -> str:
+    """'a, b and c'."""
+    listed = list(words)
+    return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} and {listed[-1]}" if listed else ""
+
+
+def slug(name: str) -> str:
+    """A file name from any string: itself where it is plain, otherwise its plain characters and a digest."""
+    if re.fullmatch(r"[A-Za-z0-9_-]{1,80}", name):
+        return name
+    return f"{re.sub(r'[^A-Za-z0-9_-]+', '_', name)[:40].strip('_')}-{digest(name)[:8]}"
+
+
+def csv_cell(value: Any) -> Any:
+    """A cell that no spreadsheet takes for a formula; numbers stay numbers.
+
+    Source:
+        OWASP, 'CSV injection': cells that start with = + - @, tab or carriage return are evaluated.
+    """
+    if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")):
+        return f"'{value}"
+    return value
+
+
+def settings_text(settings: str | Mapping[str, Any]) -> str:
+    """Settings on one line: 'dt 0.00417, iterations 50, options.cone elliptic'; the source is left to its own column."""
+    if isinstance(settings, str):
+        try:
+            settings = json.loads(settings)
+        except ValueError:
+            return settings if isinstance(settings, str) else ""
+    if not isinstance(settings, Mapping):
+        return str(settings)
+    flat: list[str] = []
+    for name, value in settings.items():
+        if name == "source" or value in (None, "", {}):
+            continue
+        if isinstance(value, Mapping):
+            flat += [f"{inner} {plain_value(v)}" for inner, v in value.items()]
+        else:
+            flat.append(f"{name} {plain_value(value)}")
+    return ", ".join(flat)
+
+
+def plain_value(value: Any) -> str:
+    """One setting's value; short for numbers."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,100 @@
+"""Energy drift: the largest departure of the mechanical energy from its start, as a share of the energy in play.
+
+Semi-implicit Euler keeps velocity half a step behind position (v_k belongs to t_k - dt/2), so that its raw energy oscillates to
+first order in dt without any drift. The staggered figure moves velocities on by half a step, v + dt/2 dv/dt, before it squares
+them. For an integrator that does not stagger the raw figure is the right one; both are always given and none is chosen.
+"""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from harness.kinematics import joint_coordinate, movable, rotate_back
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import last, maximum
+from harness.scene import Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["ENERGY_FINAL", "ENERGY_MAX", "ENERGY_STAGGERED", "METRIC"]
+
+SOURCE = "conservation of energy; half-step correction: Hairer, Lubich, Wanner, Geometric Numerical Integration, section I.1.4"
+
+
+def _kinetic(scene: Scene, trajectory: Trajectory, v_WB: Floats, w_WB: Floats) -> Floats:
+    """(t,) J."""
+    energy = np.zeros(len(trajectory))
+    for place in movable(scene):
+        body = scene.bodies[place]
+        w_B = rotate_back(trajectory.q_WB[:, place], w_WB[:, place])
+        energy += 0.5 * body.mass * np.sum(np.square(v_WB[:, place]), axis=-1)
+        energy += 0.5 * np.sum(w_B * (w_B @ np.array(body.inertia)), axis=-1)
+    return energy
+
+
+def _potential(scene: Scene, trajectory: Trajectory) -> Floats:
+    """Of gravity and of springs, (t,) J."""
+    energy = np.zeros(len(trajectory))
+    for place in movable(scene):
+        energy -= scene.bodies[place].mass * (trajectory.p_WB[:, place] @ np.array(scene.gravity))
+    for joint in scene.joints:
+        spring = getattr(joint, "spring", None)
+        if spring is not None:
+            stretch = joint_coordinate(scene, joint, trajectory) - spring.rest
+            energy += 0.5 * spring.stiffness * np.square(stretch)
+    return energy
+
+
+def _check(scene: Scene, actual: Trajectory) -> None:
+    for joint in scene.joints:
+        if getattr(joint, "drive", None) is not None:
+            raise NotMeasurable(f"joint '{joint.name}' is driven: mechanical energy is not conserved")
+        spring = getattr(joint, "spring", None)
+        if spring is not None and spring.damping > 0:
+            raise NotMeasurable(f"joint '{joint.name}' is damped: mechanical energy is not conserved")
+    for body in scene.bodies:
+        if body.movable and (body.linear_damping > 0 or body.angular_damping > 0):
+            raise NotMeasurable(f"body '{body.name}' is damped: mechanical energy is not conserved")
+    if len(actual) == 0:
+        raise NotMeasurable("no sample lies in the time that is judged")
+
+
+def _scale(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    """The energy in play [J]: largest kinetic energy of the truth, else that at the start, else the swing of the potential."""
+    if expected is not None and len(expected) > 0:
+        scale = float(np.max(_kinetic(scene, expected, expected.v_WB, expected.w_WB)))
+    else:
+        scale = float(_kinetic(scene, actual, actual.v_WB, actual.w_WB)[0])
+        if scale == 0.0:
+            scale = float(np.ptp(_potential(scene, actual)))
+    if scale == 0.0:
+        raise NotMeasurable("nothing moves: there is no energy to compare a drift with")
+    return scale
+
+
+def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+    _check(scene, actual)
+    energy = _kinetic(scene, actual, actual.v_WB, actual.w_WB) + _potential(scene, actual)
+    drift: Floats = np.abs(energy - energy[0]) / _scale(scene, actual, expected)
+    return drift
+
+
+def _staggered_drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+    _check(scene, actual)
+    if len(actual) < 4:
+        raise NotMeasurable(f"{len(actual)} samples, at least 4 are needed to differentiate velocities")
+    if not actual.finite:
+        return np.full(len(actual), np.nan)
+    half = actual.dt / 2
+    v_WB = actual.v_WB + half * CubicSpline(actual.time, actual.v_WB).derivative()(actual.time)
+    w_WB = actual.w_WB + half * CubicSpline(actual.time, actual.w_WB).derivative()(actual.time)
+    energy = _kinetic(scene, actual, v_WB, w_WB) + _potential(scene, actual)
+    drift: Floats = np.abs(energy - energy[0]) / _scale(scene, actual, expected)
+    return drift
+
+
+ENERGY_MAX = Metric(name="energy_drift_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_drift(s, a, e)))
+ENERGY_FINAL = Metric(name="energy_drift_final", unit="1", source=SOURCE, measure=lambda s, a, e: last(_drift(s, a, e)))
+ENERGY_STAGGERED = Metric(
+    name="energy_drift_staggered_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_staggered_drift(s, a, e))
+)
+
+METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED)

@@ -1,0 +1,38 @@
+"""Joint gap: how far a joint's two anchors lie apart where the joint says that they must not."""
+
+import numpy as np
+
+from harness.kinematics import across_axis, anchors
+from harness.metric import NotMeasurable
+from harness.reduction import three
+from harness.scene import Distance, Prismatic, Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["JOINT_GAP_FINAL", "JOINT_GAP_MAX", "JOINT_GAP_RMS", "METRIC"]
+
+
+def _gap(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floats:
+    """Gap of every joint, (t, joints) m."""
+    gaps: list[Floats] = []
+    for joint in scene.joints:
+        on_parent, on_child = anchors(scene, joint, actual)
+        offset: Floats = np.linalg.norm(on_child - on_parent, axis=-1)
+        if isinstance(joint, Distance):
+            if joint.limits is not None:
+                lower = -np.inf if joint.limits.lower is None else joint.limits.lower
+                upper = np.inf if joint.limits.upper is None else joint.limits.upper
+                gaps.append(np.maximum(np.maximum(lower - offset, offset - upper), offset * 0.0))
+            elif joint.spring is None:
+                gaps.append(np.abs(offset - np.linalg.norm(np.subtract(joint.child_anchor_W, joint.anchor_W))))
+        elif isinstance(joint, Prismatic):
+            gaps.append(across_axis(scene, joint, actual))
+        else:
+            gaps.append(offset)
+    if not gaps:
+        raise NotMeasurable("the scene has no joint that holds anchors together")
+    return np.stack(gaps, axis=1)
+
+
+METRIC = JOINT_GAP_MAX, JOINT_GAP_RMS, JOINT_GAP_FINAL = three(
+    "joint_gap", "m", "definition: distance between the anchors on parent and child", _gap
+)

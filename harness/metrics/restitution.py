@@ -1,0 +1,142 @@
+"""Bouncing of balls on a level plane, read off the parabolas between impacts.
+
+Positions alone are read: between impacts every engine's heights lie on a parabola of curvature -g, also where a
+semi-implicit scheme keeps velocities half a step aside, so apexes and landings are found between samples and free of
+that artefact. A hop of fewer than three samples is not seen; it counts as no bounce.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Plane, Scene, Sphere
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["APEX_GAIN", "IMPACT_TIME_ERROR", "LATER_RESTITUTION_ERROR", "METRIC", "RESTITUTION_ERROR"]
+
+SOURCE = "Stronge, Impact Mechanics, 2nd ed., section 3.2 (kinematic coefficient); apexes h' = e^2 h"
+FREE = 0.1
+"""Share of g by which a vertical acceleration may miss -g and still be free flight: above any hidden damping at these speeds,
+below any support."""
+
+Flight = tuple[float, float]
+"""Apex over the plane [m] and time of landing [s]."""
+
+
+def _balls(scene: Scene) -> list[tuple[int, float, float]]:
+    """Place, height of the centre in contact [m] and restitution of each ball over the scene's plane."""
+    planes = [b for b in scene.bodies if not b.movable and any(isinstance(s.shape, Plane) for s in b.collision)]
+    balls = []
+    for place, body in enumerate(scene.bodies):
+        shapes = [placed.shape for placed in body.collision]
+        if body.movable and planes and len(shapes) == 1 and isinstance(shapes[0], Sphere):
+            restitution = scene.surface(body, planes[0]).restitution
+            balls.append((place, planes[0].p_WB[2] + shapes[0].radius, restitution))
+    if not balls or scene.gravity[2] >= 0:
+        raise NotMeasurable("no ball falls on a plane")
+    return balls
+
+
+def _flights(time: Floats, gap: Floats, gravity: float) -> list[Flight]:
+    """The free flights of one ball in order; gap (t,) m is the height over contact, gravity [m/s2] positive."""
+    spacing = np.diff(time)
+    whole = int(np.sum(np.isclose(spacing, spacing[0], rtol=1e-6))) + 1 if len(spacing) else 0
+    if whole < 3:
+        raise NotMeasurable("fewer than three evenly spaced samples")
+    time, gap, interval = time[:whole], gap[:whole], float(spacing[0])
+    fall = gravity * interval**2
+    free = np.abs(gap[2:] - 2 * gap[1:-1] + gap[:-2] + fall) <= FREE * fall
+    slope = (gap[2:] - gap[:-2]) / (2 * interval)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], free.astype(np.int64), [0]))))
+    flights = []
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
+        top = start + int(np.argmax(gap[start + 1 : end + 1]))
+        apex = float(gap[top + 1] + slope[top] ** 2 / (2 * gravity))
+        fallen = max(slope[end - 1] ** 2 + 2 * gravity * gap[end], 0.0)
+        flights.append((apex, float(time[end] + (slope[end - 1] + math.sqrt(fallen)) / gravity)))
+    return flights
+
+
+def _all_flights(scene: Scene, run: Trajectory) -> list[tuple[float, list[Flight]]]:
+    return [(e, _flights(run.time, run.p_WB[:, i, 2] - at, -scene.gravity[2])) for i, at, e in _balls(scene)]
+
+
+def _bounces(flights: list[Flight], count: int) -> list[float]:
+    """Effective restitutions of the first `count` impacts; 0 where no flight follows."""
+    apexes = [max(apex, 0.0) for apex, _ in flights[: count + 1]]
+    apexes += [0.0] * (count + 1 - len(apexes))
+    return [math.sqrt(after / before) if before > 0 else math.nan for before, after in pairwise(apexes)]
+
+
+def _first(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    errors = [abs(_bounces(flights, 1)[0] - e) for e, flights in _all_flights(scene, actual)]
+    return float(np.max(errors))
+
+
+def _later(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    if expected is None:
+        raise NotMeasurable("no truth to say which bounces fall into the run")
+    errors = []
+    for (e, flights), (_, true_flights) in zip(_all_flights(scene, actual), _all_flights(scene, expected), strict=True):
+        # Bounce n + 1 comes in with e^n of the first speed; its flight must have begun and passed its apex within the truth.
+        asked = [n for n in (1, 2) if e**n >= 0.5 and len(true_flights) > n + 1 and true_flights[n + 1][1] <= expected.time[-1]]
+        found = _bounces(flights, 3)
+        errors += [abs(found[n] - e) for n in asked]
+    if not errors:
+        raise NotMeasurable("no second or third bounce comes in with half the speed of the first")
+    return float(np.max(errors))
+
+
+def _landing(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    if expected is None:
+        raise NotMeasurable("no truth with impact times")
+    errors = []
+    for (_, flights), (_, true_flights) in zip(_all_flights(scene, actual), _all_flights(scene, expected), strict=True):
+        for n, (_, landing) in enumerate(true_flights[:2]):
+            if landing <= expected.time[-1]:
+                errors.append(abs(flights[n][1] - landing) if n < len(flights) else math.inf)
+    if not errors:
+        raise NotMeasurable("no impact falls into the run")
+    return float(np.max(errors))
+
+
+def _gain(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    gains = []
+    for (place, at, _), (_, flights) in zip(_balls(scene), _all_flights(scene, actual), strict=True):
+        body = scene.bodies[place]
+        start = body.p_WB[2] - at + body.v_WB[2] ** 2 / (-2 * scene.gravity[2])
+        gains += [apex / start - 1 for apex, _ in flights] or [math.nan]
+    return float(np.max(gains))
+
+
+RESTITUTION_ERROR = Metric(name="restitution_error", unit="1", source=f"{SOURCE}; first impact, worst ball", measure=_first)
+LATER_RESTITUTION_ERROR = Metric(
+    name="later_restitution_error",
+    unit="1",
+    source=f"{SOURCE}; second and third impact where they come in with half the first speed, worst ball",
+    measure=_later,
+)
+IMPACT_TIME_ERROR = Metric(
+    name="impact_time_error",
+    unit="s",
+    source=f"{SOURCE}; landings of the first two parabolas against the truth's, worst ball",
+    measure=_landing,
+)
+APEX_GAIN = Metric(
+    name="apex_gain",
+    unit="1",
+    source="conservation of energy: m g h of the highest apex over the energy of the start, less 1",
+    measure=_gain,
+)
+
+METRIC = (RESTITUTION_ERROR, LATER_RESTITUTION_ERROR, IMPACT_TIME_ERROR, APEX_GAIN)

@@ -1,0 +1,96 @@
+"""Bodies that slide to a stop: how far, how long, and how level."""
+
+import math
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["LIFT_OFF", "METRIC", "STOP_DISTANCE_ERROR", "STOP_TIME_ERROR"]
+
+SOURCE = "Coulomb friction: d = v0^2/(2 mu g), t = v0/(mu g)"
+LEVEL = 0.1
+"""The share of its first speed at which a body counts as stopping: high enough that the end of a linear ramp is read between
+two samples, where engines regularise friction near zero speed."""
+
+
+def _movable(scene: Scene) -> list[int]:
+    return [place for place, body in enumerate(scene.bodies) if body.movable]
+
+
+def _truth(expected: Trajectory | None) -> Trajectory:
+    if expected is None or len(expected) == 0:
+        raise NotMeasurable("no truth to compare with")
+    return expected
+
+
+def _distance(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    truth = _truth(expected)
+    if not actual.finite:
+        return math.nan
+    errors = []
+    for i in _movable(scene):
+        start = np.array(scene.bodies[i].p_WB)
+        true_way = float(np.linalg.norm((truth.p_WB[-1, i] - start)[:2]))
+        way = float(np.linalg.norm((actual.p_WB[-1, i] - start)[:2]))
+        if true_way > 0:
+            errors.append(abs(way - true_way) / true_way)
+    if not errors:
+        raise NotMeasurable("the truth moves no body")
+    return float(np.max(errors))
+
+
+def _stopping(time: Floats, speed: Floats) -> float:
+    """When a speed (t,) first falls to LEVEL of its first value [s]; infinite where it never does."""
+    level = LEVEL * speed[0]
+    below = np.flatnonzero(speed <= level)
+    if len(below) == 0:
+        return math.inf
+    k = int(below[0])
+    share = (speed[k - 1] - level) / (speed[k - 1] - speed[k])
+    return float(time[k - 1] + share * (time[k] - time[k - 1]))
+
+
+def _time(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    truth = _truth(expected)
+    if not actual.finite:
+        return math.nan
+    errors = []
+    for i in _movable(scene):
+        true_speed = np.linalg.norm(truth.v_WB[:, i, :2], axis=1)
+        if true_speed[0] > 0 and np.isfinite(stop := _stopping(truth.time, true_speed)):
+            errors.append(abs(_stopping(actual.time, np.linalg.norm(actual.v_WB[:, i, :2], axis=1)) - stop) / stop)
+    if not errors:
+        raise NotMeasurable("the truth stops no body within the run")
+    return float(np.max(errors))
+
+
+def _rise(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    starts = np.array([scene.bodies[i].p_WB[2] for i in _movable(scene)])
+    return float(np.max(actual.p_WB[:, _movable(scene), 2] - starts))
+
+
+STOP_DISTANCE_ERROR = Metric(
+    name="stop_distance_error",
+    unit="1",
+    source=f"{SOURCE}; horizontal way at the end against the truth's, relative, worst body",
+    measure=_distance,
+)
+STOP_TIME_ERROR = Metric(
+    name="stop_time_error",
+    unit="1",
+    source=f"{SOURCE}; time to fall to a tenth of the first speed, relative to the truth's, worst body",
+    measure=_time,
+)
+LIFT_OFF = Metric(
+    name="lift_off",
+    unit="m",
+    source="unilateral contact on a level plane: the greatest rise of a centre of mass over its start, worst body",
+    measure=_rise,
+)
+
+METRIC = (STOP_DISTANCE_ERROR, STOP_TIME_ERROR, LIFT_OFF)

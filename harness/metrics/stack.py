@@ -1,0 +1,89 @@
+"""Stacks: does the tower keep its height, stay upright and come to rest?"""
+
+import math
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Scene, rotation_matrix
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["LEAN", "METRIC", "RESIDUAL_KINETIC_ENERGY", "STACK_HEIGHT_ERROR", "STANDING_HEIGHT"]
+
+
+def _top(scene: Scene, actual: Trajectory) -> int:
+    """The place of the movable body that starts highest."""
+    movable = [place for place, body in enumerate(scene.bodies) if body.movable]
+    if not movable or len(actual) == 0:
+        raise NotMeasurable("no movable body or no samples")
+    return max(movable, key=lambda place: scene.bodies[place].p_WB[2])
+
+
+def _sag(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    top = _top(scene, actual)
+    if not actual.finite:
+        return math.nan
+    start = scene.bodies[top].p_WB[2]
+    return float(np.max(np.abs(actual.p_WB[:, top, 2] - start))) / start
+
+
+def _standing(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    top = _top(scene, actual)
+    if not actual.finite:
+        return math.nan
+    return float(np.min(actual.p_WB[:, top, 2])) / scene.bodies[top].p_WB[2]
+
+
+def _lean(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    _top(scene, actual)
+    if not actual.finite:
+        return math.nan
+    movable = [place for place, body in enumerate(scene.bodies) if body.movable]
+    starts = np.array([scene.bodies[place].p_WB[:2] for place in movable])
+    return float(np.max(np.linalg.norm(actual.p_WB[:, movable, :2] - starts, axis=2)))
+
+
+def _turning(actual: Trajectory, place: int, inertia: Floats) -> Floats:
+    """Rotational kinetic energy (t,) J."""
+    energies = np.empty(len(actual))
+    for k, (q, w) in enumerate(zip(actual.q_WB[:, place], actual.w_WB[:, place], strict=True)):
+        w_B = np.array(rotation_matrix((q[0], q[1], q[2], q[3]))).T @ w
+        energies[k] = 0.5 * w_B @ inertia @ w_B
+    return energies
+
+
+def _kinetic(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    _top(scene, actual)
+    if not actual.finite:
+        return math.nan
+    total, mass = np.zeros(len(actual)), 0.0
+    for place, body in enumerate(scene.bodies):
+        if body.movable:
+            total += 0.5 * body.mass * np.sum(actual.v_WB[:, place] ** 2, axis=1)
+            total += _turning(actual, place, np.array(body.inertia))
+            mass += body.mass
+    return float(total.mean()) / mass
+
+
+STACK_HEIGHT_ERROR = Metric(
+    name="stack_height_error",
+    unit="1",
+    source="impenetrability: greatest change of the top body's height over the window, relative to its start over z = 0",
+    measure=_sag,
+)
+STANDING_HEIGHT = Metric(
+    name="standing_height",
+    unit="1",
+    source="least height of the top body over the window, relative to its start over z = 0; below 1/2 the stack has collapsed",
+    measure=_standing,
+    better="higher",
+)
+LEAN = Metric(name="lean", unit="m", source="greatest horizontal way of any movable body from its start", measure=_lean)
+RESIDUAL_KINETIC_ENERGY = Metric(
+    name="residual_kinetic_energy",
+    unit="J/kg",
+    source="mean kinetic energy of all movable bodies over the window, divided by their mass",
+    measure=_kinetic,
+)
+
+METRIC = (STACK_HEIGHT_ERROR, STANDING_HEIGHT, LEAN, RESIDUAL_KINETIC_ENERGY)

@@ -1,0 +1,82 @@
+"""Sticking and sliding of boxes on inclines: the threshold angle and the acceleration beyond it."""
+
+import math
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Body, Scene, rotate
+from harness.trajectory import Trajectory
+
+__all__ = ["INCLINE_ACCELERATION_ERROR", "METRIC", "THRESHOLD_ANGLE_ERROR"]
+
+SOURCE = "Coulomb friction on an incline: slides iff tan(angle) > mu, then a = g (sin - mu cos)"
+
+Slope = tuple[float, float, float, float]
+"""Angle [rad], friction coefficient, acceleration in truth (negative: margin of sticking) and as measured [m/s2]."""
+
+
+def _friction(scene: Scene, body: Body) -> float:
+    for other in scene.bodies:
+        if not other.movable and scene.collides(body, other):
+            return scene.surface(body, other).kinetic_friction
+    raise NotMeasurable(f"body '{body.name}' has nothing to rest on")
+
+
+def _slopes(scene: Scene, actual: Trajectory) -> list[Slope]:
+    """One row a box; its base is parallel to the incline at the start, and it starts at rest."""
+    g = float(np.linalg.norm(scene.gravity))
+    if g == 0 or len(actual) == 0 or actual.time[-1] <= 0:
+        raise NotMeasurable("no gravity or no time to slide")
+    found = []
+    for place, body in enumerate(scene.bodies):
+        if body.movable:
+            normal = np.array(rotate(body.q_WB, (0.0, 0.0, 1.0)))
+            pull = np.array(scene.gravity)
+            along = pull - normal * (pull @ normal)
+            angle = math.atan2(float(np.linalg.norm(along)), float(-pull @ normal))
+            mu = _friction(scene, body)
+            way = float((actual.p_WB[-1, place] - np.array(body.p_WB)) @ along / np.linalg.norm(along))
+            found.append((angle, mu, g * (math.sin(angle) - mu * math.cos(angle)), 2 * way / float(actual.time[-1]) ** 2))
+    if not found:
+        raise NotMeasurable("no box stands on an incline")
+    return found
+
+
+def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    slopes = _slopes(scene, actual)
+    if not actual.finite:
+        return math.nan
+    if len({mu for _, mu, _, _ in slopes}) > 1:
+        raise NotMeasurable("the boxes differ in friction, so that there is no common threshold")
+    # A box slides when it covers half the way that the excess (or, below the threshold, the shortfall) of its angle makes.
+    sticking = max([0.0, *(angle for angle, _, true, found in slopes if found <= abs(true) / 2)])
+    sliding = min([math.pi / 2, *(angle for angle, _, true, found in slopes if found > abs(true) / 2)])
+    true_angle = math.atan(slopes[0][1])
+    return abs((sticking + sliding) / 2 - true_angle) / true_angle
+
+
+def _acceleration(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    slopes = _slopes(scene, actual)
+    if not actual.finite:
+        return math.nan
+    errors = [abs(found - true) for _, _, true, found in slopes if true > 0]
+    if not errors:
+        raise NotMeasurable("no incline is steep enough to slide")
+    return float(np.max(errors)) / float(np.linalg.norm(scene.gravity))
+
+
+THRESHOLD_ANGLE_ERROR = Metric(
+    name="threshold_angle_error",
+    unit="1",
+    source=f"{SOURCE}; middle between the steepest incline that holds and the flattest that does not, relative to atan(mu)",
+    measure=_threshold,
+)
+INCLINE_ACCELERATION_ERROR = Metric(
+    name="incline_acceleration_error",
+    unit="1",
+    source=f"{SOURCE}; mean acceleration 2 s/t^2 of the boxes that slide in truth, error over g, worst box",
+    measure=_acceleration,
+)
+
+METRIC = (THRESHOLD_ANGLE_ERROR, INCLINE_ACCELERATION_ERROR)

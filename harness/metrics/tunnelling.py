@@ -1,0 +1,108 @@
+"""Tunnelling: which of the spheres shot at a wall did it not stop?"""
+
+import math
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Body, Box, Scene, Sphere, rotate
+from harness.trajectory import Trajectory
+
+__all__ = [
+    "EMBEDDED_SHARE",
+    "METRIC",
+    "TUNNEL_PROBABILITY",
+    "TUNNEL_PROBABILITY_HIGH",
+    "TUNNEL_PROBABILITY_LOW",
+    "wilson_interval",
+]
+
+SOURCE = "share of spheres that end beyond the wall or in it (deeper than half its thickness)"
+Z_95 = 1.959963984540054
+"""The 97.5 % quantile of the standard normal distribution."""
+
+
+def wilson_interval(hits: int, trials: int, z: float = Z_95) -> tuple[float, float]:
+    """Bounds of a binomial probability: (p + z^2/2n -+ z sqrt(p (1-p)/n + z^2/4n^2)) / (1 + z^2/n), p = hits/n.
+
+    Source: Wilson, J. Amer. Statist. Assoc. 22 (1927) 209.
+    """
+    if not 0 <= hits <= trials or trials == 0:
+        raise ValueError(f"{hits} of {trials}, expected 0 <= hits <= trials and trials > 0")
+    share, square = hits / trials, z * z / trials
+    half = z * math.sqrt(share * (1 - share) / trials + square / (4 * trials))
+    # At the ends one bound is exactly 0 or 1, which rounding would miss.
+    low = 0.0 if hits == 0 else (share + square / 2 - half) / (1 + square)
+    high = 1.0 if hits == trials else (share + square / 2 + half) / (1 + square)
+    return low, high
+
+
+def _wall(scene: Scene) -> tuple[Body, Box]:
+    for body in scene.bodies:
+        if not body.movable and len(body.collision) == 1 and isinstance(body.collision[0].shape, Box):
+            return body, body.collision[0].shape
+    raise NotMeasurable("no wall: a fixed body of one box")
+
+
+def _count(scene: Scene, actual: Trajectory) -> tuple[int, int, int]:
+    """How many passed, how many are left embedded, and how many were shot.
+
+    The wall's extent along the shot is that of its box, which lies across the shot.
+    """
+    wall, box = _wall(scene)
+    passed = embedded = shot = 0
+    if len(actual) == 0:
+        raise NotMeasurable("no samples")
+    for place, body in enumerate(scene.bodies):
+        shapes = [placed.shape for placed in body.collision]
+        if not body.movable or not any(body.v_WB) or len(shapes) != 1 or not isinstance(shapes[0], Sphere):
+            continue
+        shot += 1
+        way = np.array(body.v_WB) / np.linalg.norm(body.v_WB)
+        axes = [np.array(rotate(wall.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+        half = float(sum(abs(way @ axis) * extent for axis, extent in zip(axes, box.half_extents, strict=True)))
+        depth = float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way) + half + shapes[0].radius
+        if depth >= 2 * (half + shapes[0].radius):
+            passed += 1
+        elif depth > half:
+            embedded += 1
+    if shot == 0:
+        raise NotMeasurable("no sphere is shot")
+    return passed, embedded, shot
+
+
+def _probability(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    passed, embedded, shot = _count(scene, actual)
+    return (passed + embedded) / shot if actual.finite else math.nan
+
+
+def _low(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    passed, embedded, shot = _count(scene, actual)
+    return wilson_interval(passed + embedded, shot)[0] if actual.finite else math.nan
+
+
+def _high(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    passed, embedded, shot = _count(scene, actual)
+    return wilson_interval(passed + embedded, shot)[1] if actual.finite else math.nan
+
+
+def _embedded(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    _, embedded, shot = _count(scene, actual)
+    return embedded / shot if actual.finite else math.nan
+
+
+TUNNEL_PROBABILITY = Metric(name="tunnel_probability", unit="1", source=SOURCE, measure=_probability)
+TUNNEL_PROBABILITY_LOW = Metric(
+    name="tunnel_probability_low", unit="1", source="lower 95 % bound of Wilson (1927) on tunnel_probability", measure=_low
+)
+TUNNEL_PROBABILITY_HIGH = Metric(
+    name="tunnel_probability_high", unit="1", source="upper 95 % bound of Wilson (1927) on tunnel_probability", measure=_high
+)
+EMBEDDED_SHARE = Metric(
+    name="embedded_share",
+    unit="1",
+    source="share of spheres that end in the wall, deeper than half its thickness",
+    measure=_embedded,
+)
+
+METRIC = (TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, EMBEDDED_SHARE)

@@ -116,7 +116,7 @@ class Store:
         return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
     def trajectory(self, trajectory_hash: str) -> dict[str, NDArray[Any]]:
-        """The arrays of one trajectory: time, p_WB, q_WB, v_WB, w_WB, truth_..., contacts_..., stream:..., scene (JSON text)."""
+        """The arrays of one trajectory: time, p_WB, ..., truth_p_WB, ..., contacts_..., stream:..., scene (JSON)."""
         path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
         try:
             with np.load(path, allow_pickle=False) as arrays:

@@ -119,7 +119,7 @@ class Trajectory:
     Terms:
         dt [s]: the step that made it; 0 for a truth.
         contacts: one `Contacts` an instant, or None where they were not asked for.
-        streams: sensor signals by name, '<sensor>/<channel>', each (k, ...), their time stamps (k,) s under '<sensor>/time'.
+        streams: sensor signals by name, "<sensor>/<channel>", each (k, ...), stamped (k,) s under "<sensor>/time".
     """
 
     time: Floats

@@ -1,0 +1,112 @@
+"""Carrying out a study into a run folder: accuracy runs first, then timing runs, every result on disk as it comes."""
+
+import json
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from datetime import UTC, datetime
+from itertools import groupby
+from pathlib import Path
+
+import tomli_w
+
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.catalogue import describe_case, describe_engine
+from harness.clock import clock_group
+from harness.discover import version_of
+from harness.journal import Journal, StoreError, read_journal
+from harness.machine import fingerprint
+from harness.pool import run_isolated
+from harness.progress import Progress
+from harness.record import Record
+from harness.run import outcome
+from harness.store import Store, write_atomically, write_tables
+from harness.study import Study, Trial
+
+__all__ = ["Shard", "carry_out"]
+
+Shard = tuple[int, int]
+"""(i, n): the i-th of n parts, from 1."""
+
+_TIMED = ("passed", "failed")
+
+
+def _write_json(path: Path, content: object) -> None:
+    write_atomically(path, json.dumps(content, indent=1, allow_nan=False, default=str).encode())
+
+
+def _study_toml(study: Study) -> bytes:
+    plain = json.loads(json.dumps(asdict(study)))
+    return tomli_w.dumps(plain).encode()
+
+
+def _accuracy(trials: Sequence[Trial], reasons: Mapping[str, str | None], journal: Journal, folder: Path, workers: int) -> None:
+    waiting = [trial for trial in trials if trial.trial not in journal.records]
+    for trial in waiting:
+        reason = reasons[trial.engine]
+        if reason is not None:
+            journal.append(outcome(trial, "unavailable", reason))
+    waiting = [trial for trial in waiting if reasons[trial.engine] is None]
+    with Progress("accuracy", len(waiting)) as progress:
+        for record in run_isolated(waiting, folder, workers):
+            if record.status != "interrupted":
+                journal.append(record)
+            progress.advance(f"{record.case} {record.engine}/{record.track} {record.status}")
+
+
+def _timing(trials: Sequence[Trial], records: Mapping[str, Record], journal: Journal, folder: Path) -> None:
+    due = [
+        trial
+        for trial in trials
+        if trial.experiment.timing and trial.trial not in journal.timings and records[trial.trial].status in _TIMED
+    ]
+    shuffle = random.Random(0)
+    with Progress("timing", len(due)) as progress:
+        for _, group in groupby(due, key=lambda t: (t.experiment.name, t.case, t.settings.dt, t.seed)):
+            for timing in clock_group(tuple(group), folder, shuffle):
+                journal.append(timing)
+                progress.advance(f"{records[timing.trial].case} {records[timing.trial].engine}")
+
+
+def carry_out(
+    study: Study,
+    folder: Path,
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],
+    *,
+    workers: int,
+    resume: bool,
+    shard: Shard = (1, 1),
+) -> Store:
+    """Run every trial of a study that the folder does not hold yet.
+
+    The journal grows with each finished run, so a kill loses at most the runs under way. Interrupting leaves the same tables
+    as finishing, of what was done.
+
+    Raises:
+        StoreError: where the folder holds another run, is locked, or cannot be written. KeyboardInterrupt: passed on.
+    """
+    if (folder / "journal.jsonl").exists() and not resume:
+        raise StoreError(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
+    folder.mkdir(parents=True, exist_ok=True)
+    engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
+    versions = {name: version_of(adapter)[0] for name, adapter in adapters.items()}
+    trials = list(study.trials(cases, adapters, versions))[shard[0] - 1 :: shard[1]]
+    journal = Journal(folder)
+    machine = fingerprint()
+    try:
+        write_atomically(folder / "study.toml", _study_toml(study))
+        chosen = {trial.case for trial in trials}
+        rows = {name: describe_case(case) for name, case in cases.items() if case.name in chosen}
+        _write_json(folder / "catalogue.json", {"cases": rows, "engines": engines})
+        _write_json(folder / "machine.json", machine)
+        reasons = {name: row["unavailable"] for name, row in engines.items()}
+        _accuracy(trials, reasons, journal, folder, workers)
+        _timing(trials, read_journal(journal.path), journal, folder)
+    finally:
+        journal.close()
+        write_tables(folder)
+        machine["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
+        _write_json(folder / "machine.json", machine)
+    return Store(folder)

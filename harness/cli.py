@@ -1,0 +1,361 @@
+"""The command line: the one place that knows every part; each command imports what it needs when it is called."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+if TYPE_CHECKING:
+    from harness.case import Case
+    from harness.store import Store
+    from harness.study import Study
+
+__all__ = ["main"]
+
+_GATE, _USAGE, _MACHINE, _INTERRUPTED = 1, 2, 3, 130
+_TABLES = ("trials", "measurements", "samples")
+
+
+def _stop(code: int, message: str) -> NoReturn:
+    click.echo(message, err=True)
+    sys.exit(code)
+
+
+class _Guarded(click.Group):
+    """Turns the errors that people can mend into a line and an exit code; anything else keeps its trace."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except (click.ClickException, click.exceptions.Exit, click.Abort):
+            raise
+        except KeyboardInterrupt:
+            _stop(_INTERRUPTED, "interrupted")
+        except OSError as error:
+            _stop(_MACHINE, f"{error.filename or 'machine'}: {error.strerror or error}")
+        except Exception as error:
+            codes = {
+                "StoreError": _MACHINE,
+                "StudyError": _USAGE,
+                "SceneError": _USAGE,
+                "PluginError": _USAGE,
+                "SettingsError": _USAGE,
+            }
+            code = codes.get(type(error).__name__)
+            if code is None:
+                raise
+            _stop(code, str(error))
+
+
+@click.group(cls=_Guarded, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="plumbline")
+def main() -> None:
+    """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
+
+
+def _print_json(rows: Sequence[dict[str, Any]]) -> None:
+    import json
+    import math
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, float) and not math.isfinite(value):
+            return None
+        if isinstance(value, dict):
+            return {key: plain(part) for key, part in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(part) for part in value]
+        return value
+
+    click.echo(json.dumps([plain(row) for row in rows], indent=1, allow_nan=False, default=str))
+
+
+def _print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    for row in rows:
+        table.add_row(*(Text("".join(c if c.isprintable() or c == "\n" else "?" for c in str(cell))) for cell in row))
+    width = None if sys.stdout.isatty() else 160
+    Console(width=width).print(table)
+
+
+@main.command()
+@click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
+def engines(as_json: bool) -> None:
+    """List what is installed: version, features, and why something is unavailable."""
+    from harness import discover
+    from harness.catalogue import describe_engine
+
+    rows = [describe_engine(adapter) for adapter in discover.adapters().values()]
+    if as_json:
+        _print_json(rows)
+        return
+    shown = [
+        (r["name"], r["title"], r["version"] or f"unavailable: {r['unavailable']}", ", ".join(r["features"])) for r in rows
+    ]
+    _print_table("Engines", ("name", "engine", "version", "features"), shown)
+
+
+@main.command()
+@click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
+def cases(as_json: bool) -> None:
+    """List the catalogue: question, truth, effects, source."""
+    from harness import discover
+    from harness.catalogue import describe_case
+
+    rows = [describe_case(case) for case in discover.cases().values()]
+    if as_json:
+        _print_json(rows)
+        return
+    shown = [(r["name"], r["question"], r["truth"], ", ".join(r["effects"]), r["source"]) for r in rows]
+    _print_table("Cases", ("name", "question", "truth", "effects", "source"), shown)
+
+
+@main.command()
+@click.argument("engine")
+@click.option("--track", "tracks", multiple=True, type=click.Choice(["default", "tuned"]), help="Only this track.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
+def check(engine: str, tracks: tuple[str, ...], as_json: bool) -> None:
+    """Put one adapter, built in or third-party, through the conformance kit."""
+    from dataclasses import asdict
+
+    from harness import discover
+    from harness.conformance import gate, run_conformance
+
+    adapter = discover.adapter(engine)
+    version, reason = discover.version_of(adapter)
+    if reason is not None:
+        _stop(_GATE, f"{engine}: unavailable: {reason}")
+    outcomes = run_conformance(adapter, tracks=tracks or ("default", "tuned"))
+    if as_json:
+        _print_json([asdict(outcome) for outcome in outcomes])
+    else:
+        rows = [(o.track, o.check, o.status, o.message) for o in outcomes]
+        _print_table(f"{adapter.title} {version}", ("track", "check", "status", "finding"), rows)
+        counts = {status: sum(o.status == status for o in outcomes) for status in dict.fromkeys(o.status for o in outcomes)}
+        checks = len({o.check for o in outcomes})
+        click.echo(f"{checks} checks: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
+    if not gate(outcomes):
+        sys.exit(_GATE)
+
+
+def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
+    part, _slash, whole = text.partition("/")
+    if not (part.isdigit() and whole.isdigit() and 1 <= int(part) <= int(whole)):
+        raise click.BadParameter(f"'{text}', expected i/n with 1 <= i <= n, like 2/4")
+    return int(part), int(whole)
+
+
+def _is_scene(name: str) -> bool:
+    path = Path(name)
+    if path.suffix == ".json":
+        return True
+    if path.suffix != ".toml" or not path.is_file():
+        return False
+    import tomllib
+
+    try:
+        return "bodies" in tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError:
+        return False
+
+
+def _study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
+    from fnmatch import fnmatchcase
+
+    from harness import discover
+    from harness.own_scene import SCENE_PREFIX
+    from harness.study import Experiment, Study, load_study
+
+    if _is_scene(name):
+        case = discover.case(f"{SCENE_PREFIX}{Path(name).resolve()}")
+        study = Study(name="scene", title=case.title, experiments=(Experiment(name="scene", dt=(1 / 240, 1 / 480, 1 / 960)),))
+        return study, {case.name: case}
+    study, found = load_study(name), discover.cases()
+    for glob in globs:
+        if not any(fnmatchcase(case, glob) for case in found):
+            raise click.BadParameter(
+                f"'{glob}' names no case, expected a pattern over: {', '.join(found)}", param_hint="--case"
+            )
+    return study, {n: c for n, c in found.items() if not globs or any(fnmatchcase(n, glob) for glob in globs)}
+
+
+def _publish(store: "Store", recordings: bool) -> Path:
+    from harness.summary import write_summary
+    from reports import build, write_recordings
+
+    write_summary(store)
+    if recordings:
+        write_recordings(store.folder)
+    return build(store.folder)
+
+
+@main.command()
+@click.argument("study")
+@click.option("--engine", "engine_names", multiple=True, help="Only this engine; may be repeated.")
+@click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
+@click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
+@click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
+@click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
+def run(
+    study: str,
+    engine_names: tuple[str, ...],
+    globs: tuple[str, ...],
+    out: Path | None,
+    workers: int,
+    shard: tuple[int, int],
+    resume: bool,
+) -> None:
+    """Run STUDY: a built-in name (quick, accuracy), a study file, or a scene file of your own."""
+    from harness import discover
+    from harness.campaign import carry_out
+
+    plan, chosen = _study_and_cases(study, globs)
+    adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
+    folder = out or Path("build") / plan.name
+    try:
+        store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume, shard=shard)
+    except KeyboardInterrupt:
+        _stop(_INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
+    index = _publish(store, plan.recordings)
+    counts = store.trials["status"].value_counts()
+    click.echo(f"{len(store.trials)} trials: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
+    click.echo(str(index))
+    ours = [name for name, row in store.catalogue["engines"].items() if row["ours"]]
+    trials = store.trials
+    broken = trials[
+        trials["engine"].isin(ours) & (trials["track"] == "tuned") & ~trials["status"].isin(("passed", "unsupported"))
+    ]
+    for row in broken.itertuples():
+        click.echo(f"gate: {row.case} on {row.engine}/{row.track} at dt {row.dt:g}: {row.status}: {row.reason}", err=True)
+    if len(broken):
+        sys.exit(_GATE)
+
+
+def _guard_cell(cell: object) -> str:
+    """A CSV cell that no spreadsheet takes for a formula."""
+    text = str(cell)
+    return f"'{text}" if text[:1] in {"=", "+", "@", "\t", "\r"} or (text[:1] == "-" and not text[1:2].isdigit()) else text
+
+
+def _print_csv(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
+    import csv
+
+    writer = csv.writer(sys.stdout)
+    writer.writerow(columns)
+    writer.writerows([_guard_cell(row[column]) for column in columns] for row in rows)
+
+
+def _print_markdown(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
+    click.echo("| " + " | ".join(columns) + " |")
+    click.echo("|---" * len(columns) + "|")
+    for row in rows:
+        cells = (str(row[column]).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;") for column in columns)
+        click.echo("| " + " | ".join(cells) + " |")
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--table", type=click.Choice(_TABLES), default="trials", show_default=True)
+@click.option("--format", "form", type=click.Choice(["text", "json", "csv", "markdown"]), default="text", show_default=True)
+def show(folder: Path, table: str, form: str) -> None:
+    """Print a table of the run folder DIR."""
+    from harness.store import Store
+
+    frame = getattr(Store(folder), table)
+    rows = [
+        {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
+        for row in frame.to_dict(orient="records")
+    ]
+    columns = [str(name) for name in frame.columns]
+    if form == "json":
+        _print_json(rows)
+    elif form == "csv":
+        _print_csv(columns, rows)
+    elif form == "markdown":
+        _print_markdown(columns, rows)
+    else:
+        brief = (
+            ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
+        )
+        shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]
+        _print_table(table, brief, shown)
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
+def report(folder: Path, show_it: bool) -> None:
+    """Rebuild the HTML report of DIR from its store."""
+    from harness.store import Store
+    from reports import build
+
+    index = build(Store(folder).folder)
+    click.echo(str(index))
+    if show_it:
+        click.launch(str(index))
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("case")
+def view(folder: Path, case: str) -> None:
+    """Open the recording of CASE in the rerun viewer."""
+    from reports import open_viewer, recording_of
+
+    path = recording_of(folder, case)
+    click.echo(f"opening {path}", err=True)
+    sys.exit(open_viewer(path))
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--port", type=click.IntRange(0, 65535), default=8800, show_default=True, help="0 takes any free port.")
+def serve(folder: Path, port: int) -> None:
+    """Serve the report and the web viewer of DIR on loopback until interrupted."""
+    from harness.store import Store
+    from reports import serve as serve_reports
+
+    serve_reports(Store(folder).folder, port, announce=_say)
+
+
+def _say(message: str) -> None:
+    click.echo(message)
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("trial")
+def reproduce(folder: Path, trial: str) -> None:
+    """Run TRIAL of DIR again and say whether the answer is bit-identical."""
+    from tempfile import TemporaryDirectory
+
+    from harness import discover
+    from harness.pool import run_isolated
+    from harness.repeat import trial_of
+    from harness.store import Store
+
+    store = Store(folder)
+    again = trial_of(store, trial)
+    row = store.trials.set_index("trial").loc[again.trial]
+    version, reason = discover.version_of(discover.adapter(again.engine))
+    if reason is not None:
+        _stop(_GATE, f"{again.engine}: unavailable: {reason}")
+    if version != row["engine_version"]:
+        click.echo(f"note: {again.engine} was {row['engine_version']}, now {version}", err=True)
+    with TemporaryDirectory() as scratch:
+        (record,) = run_isolated([again], Path(scratch), 1)
+    click.echo(f"then: {row['status']}  {row['trajectory_hash']}  {row['reason']}")
+    click.echo(f"now:  {record.status}  {record.trajectory_hash}  {record.reason}")
+    same = record.trajectory_hash == row["trajectory_hash"] and record.status == row["status"]
+    click.echo("bit-identical" if same else "different")
+    if not same:
+        sys.exit(_GATE)

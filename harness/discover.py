@@ -1,0 +1,118 @@
+"""Finding plug-ins: adapters, cases, metrics and pages, by walking a folder and by entry points; nothing is listed by hand.
+
+A name found twice, or a file that does not end in its constant, is an error; an import error is raised, never hidden.
+"""
+
+import importlib
+import pkgutil
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any
+
+from harness.adapter import Adapter, Unavailable
+from harness.case import Case
+from harness.metric import Metric
+from harness.own_scene import SCENE_PREFIX, own_case
+
+__all__ = ["PluginError", "adapter", "adapters", "case", "cases", "metrics", "names", "pages", "version_of"]
+
+
+class PluginError(Exception):
+    """A plug-in that breaks its contract; the message names it and what was expected."""
+
+
+def _folder(package: str) -> dict[str, str]:
+    """File names of a package to module paths, in the order of the listing."""
+    paths = importlib.import_module(package).__path__
+    return {m.name: f"{package}.{m.name}" for m in pkgutil.iter_modules(paths) if not m.name.startswith("_")}
+
+
+def _outside(group: str) -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=group)}
+
+
+def names(kind: str) -> tuple[str, ...]:
+    """The names of all plug-ins of a kind ('adapters', 'cases', 'pages'), without importing one.
+
+    Raises:
+        PluginError: where a third party's plug-in takes a built-in name.
+    """
+    inside, outside = _folder("reports.pages" if kind == "pages" else kind), _outside(f"plumbline.{kind}")
+    for name in inside.keys() & outside.keys():
+        raise PluginError(
+            f"entry point plumbline.{kind} '{name}' ({outside[name].value}): the name is built in; choose another"
+        )
+    return (*inside, *outside)
+
+
+def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | type[Case]) -> Any:
+    inside = _folder(kind)
+    if name in inside:
+        found = getattr(importlib.import_module(inside[name]), constant, None)
+        where = inside[name]
+    else:
+        point = _outside(f"plumbline.{kind}").get(name)
+        if point is None:
+            raise PluginError(f"{kind[:-1]} '{name}': not found, expected one of {', '.join(names(kind))}")
+        found, where = point.load(), point.value
+    if not isinstance(found, expected):
+        raise PluginError(f"{where}: {constant} is {type(found).__name__}, expected {expected.__name__}")
+    if found.name != name:
+        raise PluginError(f"{where}: {constant}.name is '{found.name}', expected '{name}' like its file")
+    return found
+
+
+def adapter(name: str) -> Adapter:
+    """The adapter of that name. Raises: PluginError."""
+    found: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
+    return found
+
+
+def case(name: str) -> Case:
+    """The case of that name, or the one made of a scene file for a name 'scene:<path>'. Raises: PluginError, SceneError."""
+    if name.startswith(SCENE_PREFIX):
+        return own_case(Path(name.removeprefix(SCENE_PREFIX)))
+    found: Case = _constant("cases", name, "CASE", Case)
+    return found
+
+
+def adapters() -> dict[str, Adapter]:
+    """All adapters by name."""
+    return {name: adapter(name) for name in names("adapters")}
+
+
+def cases() -> dict[str, Case]:
+    """All cases by name."""
+    return {name: case(name) for name in names("cases")}
+
+
+def metrics() -> dict[str, Metric]:
+    """All metrics by name, of every file in harness/metrics and of entry points. Raises: PluginError."""
+    found: dict[str, Metric] = {}
+    modules = [getattr(importlib.import_module(path), "METRIC", None) for path in _folder("harness.metrics").values()]
+    for group in (*modules, *(point.load() for point in _outside("plumbline.metrics").values())):
+        for metric in group if isinstance(group, tuple) else (group,):
+            if not isinstance(metric, Metric):
+                raise PluginError(f"METRIC is {type(metric).__name__}, expected Metric")
+            if metric.name in found:
+                raise PluginError(f"metric '{metric.name}': two files define it, expected one")
+            found[metric.name] = metric
+    return found
+
+
+def pages() -> tuple[Any, ...]:
+    """All pages of the report, by their order. Raises: PluginError."""
+    found = [getattr(importlib.import_module(path), "PAGE", None) for path in _folder("reports.pages").values()]
+    found += [point.load() for point in _outside("plumbline.pages").values()]
+    for page in found:
+        if page is None:
+            raise PluginError("a file in reports/pages lacks PAGE, expected one constant at its end")
+    return tuple(sorted(found, key=lambda page: (page.order, page.name)))
+
+
+def version_of(engine: Adapter) -> tuple[str, str | None]:
+    """The installed version and None, or 'none' and the reason why the engine is unavailable."""
+    try:
+        return engine.version(), None
+    except Unavailable as error:
+        return "none", str(error)

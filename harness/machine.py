@@ -1,0 +1,46 @@
+"""The machine's fingerprint: what a number has to be read with."""
+
+import os
+import platform
+import sys
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+__all__ = ["fingerprint"]
+
+_PACKAGES = ("plumbline", "numpy", "scipy", "numba", "pandas", "pyarrow", "rerun-sdk", "altair")
+
+
+def _processor() -> str:
+    path = Path("/proc/cpuinfo")
+    if path.is_file():
+        for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "none"
+
+
+def fingerprint() -> dict[str, Any]:
+    """Processor, cores, memory [MB], system, versions, load and the command that was given; JSON-ready."""
+    return {
+        "processor": _processor(),
+        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "memory_mb": psutil.virtual_memory().total // 2**20,
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "packages": {package: _version(package) for package in _PACKAGES},
+        "load": list(os.getloadavg()),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command": ["plumbline", *sys.argv[1:]],
+    }

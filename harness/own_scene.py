@@ -1,0 +1,34 @@
+"""A case made of a scene file of the user's own: without a truth, it asks for finiteness and observes conservation."""
+
+from pathlib import Path
+
+from harness.case import Case, Check
+from harness.metrics import divergence, energy
+from harness.scene import Scene
+from harness.scene.file import load
+
+__all__ = ["SCENE_PREFIX", "own_case"]
+
+SCENE_PREFIX = "scene:"
+"""How the name of a case says that it lies in a file."""
+
+
+def own_case(path: Path, duration: float = 5.0) -> Case:
+    """The case that asks every engine to carry a scene file through `duration` [s].
+
+    Raises:
+        SceneError: where the file is no scene.
+    """
+    scene: Scene = load(path)
+    return Case(
+        name=f"{SCENE_PREFIX}{path}",
+        title=path.stem,
+        question="How does each engine carry this scene, and at what cost?",
+        source=f"the file {path.name}",
+        truth="conservation",
+        scene=lambda: scene,
+        checks=(Check(metric=divergence.METRIC, at_most=0.0, because="every number of every sampled state has to be finite"),),
+        observe=tuple(metric for metric in energy.METRIC if metric.better == "lower"),
+        duration=duration,
+        with_contacts=False,
+    )

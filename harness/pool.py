@@ -1,0 +1,78 @@
+"""Accuracy runs in processes of their own (pebble): a crash, a hang or a leak costs one trial and is a record."""
+
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from pathlib import Path
+
+from pebble import ProcessExpired, ProcessPool
+
+from harness.record import Record
+from harness.run import outcome
+from harness.study import Trial
+from harness.worker import context, isolated_trial
+
+__all__ = ["run_isolated"]
+
+_TAIL = 4000
+
+
+def _tail(log: Path) -> str:
+    if not log.is_file():
+        return ""
+    with log.open("rb") as stream:
+        stream.seek(max(0, log.stat().st_size - _TAIL))
+        return stream.read().decode("utf-8", errors="replace").strip()
+
+
+def _expired(trial: Trial, error: ProcessExpired, log: Path) -> Record:
+    detail = _tail(log)
+    code = error.exitcode
+    if "bad_alloc" in detail or "MemoryError" in detail:
+        return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for", detail)
+    if code is not None and code < 0:
+        return outcome(trial, "crashed", f"killed by {signal.Signals(-code).name}", detail)
+    return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
+
+
+def _record(trial: Trial, future: Future[Record], log: Path) -> Record:
+    try:
+        return future.result()
+    except ProcessExpired as error:
+        return _expired(trial, error, log)
+    except TimeoutError:
+        return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
+    except CancelledError:
+        return outcome(trial, "interrupted", "the run was stopped")
+    except Exception as error:
+        return outcome(trial, "crashed", f"{type(error).__name__}: {error}"[:2000], _tail(log))
+
+
+def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
+    """Records as they come in, one for each trial; leaving the iterator early stops all children."""
+    logs = folder / "logs"
+    logs.mkdir(exist_ok=True)
+    pool = ProcessPool(max_workers=workers, max_tasks=1, context=context())
+    pending: dict[Future[Record], Trial] = {}
+    try:
+        for trial in trials:
+            log = logs / f"{trial.trial}.log"
+            log.unlink(missing_ok=True)
+            future: Future[Record] = pool.schedule(isolated_trial, args=(trial, folder, log), timeout=trial.experiment.deadline)
+            pending[future] = trial
+        while pending:
+            done, _ = wait(pending, return_when=FIRST_COMPLETED)
+            for future in done:
+                trial = pending.pop(future)
+                log = logs / f"{trial.trial}.log"
+                record = _record(trial, future, log)
+                if log.is_file() and (log.stat().st_size == 0 or record.status in {"passed", "failed", "unsupported"}):
+                    log.unlink()
+                yield record
+        pool.close()  # type: ignore[no-untyped-call]  # pebble leaves it untyped
+    finally:
+        if pending:
+            pool.stop()  # type: ignore[no-untyped-call]  # pebble leaves it untyped
+        pool.join()
+        if logs.is_dir() and not any(logs.iterdir()):
+            logs.rmdir()

@@ -1,0 +1,64 @@
+"""Two short answers beside the tables: junit.xml for build servers, and summary.md for people."""
+
+from xml.etree import ElementTree
+
+import pandas as pd
+
+from harness.store import Store, write_atomically
+
+__all__ = ["write_summary"]
+
+_ERRORS = ("crashed", "timeout", "oom", "diverged")
+_SKIPPED = ("unsupported", "unavailable", "interrupted")
+
+
+def _printable(text: str) -> str:
+    """Without the control characters that XML cannot hold."""
+    return "".join(c if c.isprintable() or c in "\n\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def _junit(trials: pd.DataFrame) -> bytes:
+    suite = ElementTree.Element("testsuite", name="plumbline", tests=str(len(trials)))
+    counts = trials["status"].value_counts()
+    suite.set("failures", str(int(counts.get("failed", 0))))
+    suite.set("errors", str(int(counts.reindex(_ERRORS, fill_value=0).sum())))
+    suite.set("skipped", str(int(counts.reindex(_SKIPPED, fill_value=0).sum())))
+    for row in trials.itertuples():
+        name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}]"
+        test = ElementTree.SubElement(suite, "testcase", classname=_printable(str(row.study)), name=_printable(name))
+        kind = {"failed": "failure"} | dict.fromkeys(_ERRORS, "error") | dict.fromkeys(_SKIPPED, "skipped")
+        if row.status in kind:
+            ElementTree.SubElement(test, kind[row.status], message=_printable(f"{row.status}: {row.reason}"))
+    text: bytes = ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)
+    return text
+
+
+def _cell(text: object) -> str:
+    return _printable(str(text)).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
+
+
+def _markdown(trials: pd.DataFrame) -> bytes:
+    table = trials.groupby(["engine", "track", "status"]).size().unstack(fill_value=0)
+    lines = ["# Outcomes", "", "| engine | track | " + " | ".join(table.columns) + " |"]
+    lines.append("|---" * (2 + len(table.columns)) + "|")
+    for (engine, track), row in table.iterrows():
+        lines.append(f"| {_cell(engine)} | {_cell(track)} | " + " | ".join(str(n) for n in row) + " |")
+    notable = trials[trials["status"].isin((*_ERRORS, "failed"))]
+    if len(notable):
+        lines += [
+            "",
+            "# What did not pass",
+            "",
+            "| case | engine | track | dt | status | reason |",
+            "|---|---|---|---|---|---|",
+        ]
+        for row in notable.itertuples():
+            cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason)
+            lines.append("| " + " | ".join(map(_cell, cells)) + " |")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def write_summary(store: Store) -> None:
+    """Write junit.xml and summary.md into the run folder."""
+    write_atomically(store.folder / "junit.xml", _junit(store.trials))
+    write_atomically(store.folder / "summary.md", _markdown(store.trials))

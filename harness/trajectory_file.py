@@ -1,0 +1,58 @@
+"""A trajectory on disk: one npz of float64 arrays with its scene and its truth, named by the hash of what the engine said."""
+
+import hashlib
+import io
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.scene import Scene
+from harness.scene.file import dump_json
+from harness.store import write_atomically
+from harness.trajectory import Contacts, Trajectory
+
+__all__ = ["save_trajectory", "trajectory_hash"]
+
+_STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
+_CONTACTS = ("body_A", "body_B", "point_W", "normal_W", "gap", "force_W")
+
+
+def _ragged(contacts: tuple[Contacts, ...]) -> dict[str, NDArray[Any]]:
+    """Contacts of all instants behind each other, with their number at each instant under 'contacts_count'."""
+    arrays: dict[str, NDArray[Any]] = {"contacts_count": np.array([len(c) for c in contacts], dtype=np.int64)}
+    for name in _CONTACTS:
+        arrays[f"contacts_{name}"] = np.concatenate([getattr(c, name) for c in contacts])
+    return arrays
+
+
+def _arrays(trajectory: Trajectory) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {name: getattr(trajectory, name) for name in _STATES}
+    if trajectory.contacts:
+        arrays |= _ragged(trajectory.contacts)
+    return arrays | {f"stream:{name}": signal for name, signal in trajectory.streams.items()}
+
+
+def trajectory_hash(scene: Scene, trajectory: Trajectory) -> str:
+    """Sixteen hexadecimal digits of the scene and every bit of the answer; equal hashes are bit-identical runs."""
+    sha = hashlib.sha256(dump_json(scene).encode())
+    for name, array in sorted(_arrays(trajectory).items()):
+        sha.update(f"{name}{array.dtype}{array.shape}".encode())
+        sha.update(np.ascontiguousarray(array).tobytes())
+    return sha.hexdigest()[:16]
+
+
+def save_trajectory(folder: Path, scene: Scene, actual: Trajectory, expected: Trajectory | None) -> str:
+    """Write <folder>/trajectories/<hash>.npz and return the hash."""
+    name = trajectory_hash(scene, actual)
+    arrays = _arrays(actual) | {"scene": np.array(dump_json(scene)), "dt": np.array(actual.dt)}
+    if expected is not None:
+        arrays |= {f"truth_{key}": value for key, value in _arrays(expected).items() if math.prod(value.shape)}
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)  # type: ignore[arg-type]  # the stub takes the keyword 'allow_pickle' for one of them
+    target = folder / "trajectories"
+    target.mkdir(parents=True, exist_ok=True)
+    write_atomically(target / f"{name}.npz", buffer.getvalue())
+    return name

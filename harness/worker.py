@@ -1,0 +1,55 @@
+"""Child processes: how they are started, confined in memory and output, and what one does with a trial."""
+
+import multiprocessing
+import os
+import resource
+import traceback
+from multiprocessing.context import ForkServerContext
+from pathlib import Path
+
+import psutil
+
+from harness import discover
+from harness.record import Record, Status
+from harness.run import outcome, run_trial
+from harness.study import Trial
+
+__all__ = ["confine", "context", "isolated_trial"]
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_PRELOAD = ["harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba"]
+
+
+def context() -> ForkServerContext:
+    """Processes forked off a small server that has the libraries but no engine, so that a start costs milliseconds.
+
+    Numeric libraries that load in them use one thread.
+    """
+    for name in _THREADS:
+        os.environ[name] = "1"
+    forkserver = multiprocessing.get_context("forkserver")
+    forkserver.set_forkserver_preload(_PRELOAD)
+    return forkserver
+
+
+def confine(memory: float, log: Path) -> None:
+    """Limit the growth of this process to `memory` [MB] of addresses and send its output to `log`."""
+    stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    os.dup2(stream, 1)
+    os.dup2(stream, 2)
+    os.close(stream)
+    limit = psutil.Process().memory_info().vms + int(memory * 2**20)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def isolated_trial(trial: Trial, folder: Path, log: Path) -> Record:
+    """The accuracy run of a trial, whatever its Python code raises; the process may still die under it."""
+    confine(trial.experiment.memory, log)
+    try:
+        return run_trial(trial, discover.case(trial.case), discover.adapter(trial.engine), folder)
+    except MemoryError:
+        return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for")
+    except Exception as error:
+        status: Status = "oom" if "bad_alloc" in str(error) else "crashed"
+        return outcome(trial, status, f"{type(error).__name__}: {error}"[:2000], traceback.format_exc()[-4000:])

@@ -1,0 +1,43 @@
+# Two commands need nothing but Python 3.11 and a package index: `make compare` and `make test`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+WORKERS ?= 2
+OUT ?= build/compare
+
+.PHONY: compare report test test-all lint lock clean help
+
+help:            ## this list
+	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
+
+$(STAMP): requirements.lock pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	touch $@
+
+compare: $(STAMP)  ## the quick study on all engines, ending with the path of the report
+	rm -rf $(OUT)
+	$(BIN)/plumbline run quick --out $(OUT) --workers $(WORKERS)
+
+report: $(STAMP)   ## the report of the last compare, rebuilt from its store
+	$(BIN)/plumbline report $(OUT)
+
+test: $(STAMP)     ## all tests but the long ones
+	$(BIN)/python -m pytest -m "not slow"
+
+test-all: $(STAMP) ## all tests, with the long stress and soak runs
+	$(BIN)/python -m pytest
+
+lint: $(STAMP)     ## style, types, layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/python -m mypy
+	$(BIN)/lint-imports
+
+lock:              ## requirements.lock anew from pyproject.toml (needs uv)
+	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --no-header --no-emit-index-url pyproject.toml -o requirements.lock
+
+clean:             ## everything that can be made again
+	rm -rf build $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

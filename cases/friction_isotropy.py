@@ -1,0 +1,103 @@
+"""The same box pushed in thirteen directions: friction has no favourite axis.
+
+All boxes lie alike; only the azimuth of the push changes. Each stops after v0^2/(2 mu g). A friction cone that is
+approximated by a pyramid along fixed axes makes diagonal pushes stop after 0.71 or 1.41 of that.
+Source: Stewart, SIAM Review 42 (2000) 3, section 4 (polyhedral approximations of the friction cone).
+"""
+
+import math
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.isotropy import HEADING_ERROR, POLAR_SPREAD
+from harness.metrics.slide import LIFT_OFF, STOP_DISTANCE_ERROR
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DIRECTIONS, FRICTION, SPEED, MASS = 13, 0.5, 2.0, 1.0
+HALF = (0.1, 0.1, 0.025)
+"""Half extents [m], flat enough that no push tips a box."""
+
+
+def _azimuths(directions: int) -> list[float]:
+    """Evenly spaced from 0 to pi/2, both ends included [rad]."""
+    return [math.pi / 2 * i / (directions - 1) for i in range(directions)]
+
+
+def _spacing(friction: float, speed: float) -> float:
+    """Distance of neighbours [m], a box more than any way."""
+    return speed**2 / (2 * friction * G) * 1.5 + 4 * HALF[0]
+
+
+def scene(directions: int = DIRECTIONS, friction: float = FRICTION, speed: float = SPEED) -> Scene:
+    """`directions` boxes in a row along y, touching the ground, pushed at `speed` [m/s] at azimuths from x to y."""
+    boxes = [
+        Body(
+            name=f"box_{i}",
+            mass=MASS,
+            inertia=box_inertia(MASS, HALF),
+            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+            material="box",
+            p_WB=(0.0, _spacing(friction, speed) * i, HALF[2]),
+            v_WB=(speed * math.cos(azimuth), speed * math.sin(azimuth), 0.0),
+        )
+        for i, azimuth in enumerate(_azimuths(directions))
+    ]
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *boxes),
+        surfaces=(Surface(between=("box", "ground"), static_friction=friction, kinetic_friction=friction),),
+        apart=(("box", "box"),),
+        # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def expected(time: Floats, directions: int = DIRECTIONS, friction: float = FRICTION, speed: float = SPEED) -> Trajectory:
+    """The closed form: uniform deceleration along each push, then rest."""
+    truth = Trajectory.of(time, 1 + directions)
+    sliding = np.minimum(truth.time, speed / (friction * G))
+    way, rate = speed * sliding - friction * G * sliding**2 / 2, speed - friction * G * sliding
+    for i, azimuth in enumerate(_azimuths(directions), start=1):
+        push = (math.cos(azimuth), math.sin(azimuth))
+        truth.p_WB[:, i, :2] = np.outer(way, push)
+        truth.p_WB[:, i, 1] += _spacing(friction, speed) * (i - 1)
+        truth.p_WB[:, i, 2] = HALF[2]
+        truth.v_WB[:, i, :2] = np.outer(rate, push)
+    return truth
+
+
+CASE = Case(
+    name="friction_isotropy",
+    title="Friction in every direction",
+    question="Does the stopping distance depend on the azimuth of the push?",
+    source="Stewart, SIAM Review 42 (2000) 3, section 4",
+    truth="closed form",
+    scene=scene,
+    expected=expected,
+    parameters={"directions": DIRECTIONS, "friction": FRICTION, "speed": SPEED},
+    duration=0.75,
+    checks=(
+        Check(
+            metric=POLAR_SPREAD,
+            at_most=lambda dt: SPEED * dt / (SPEED**2 / (2 * FRICTION * G)),
+            because="each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
+            "relative to v0^2/(2 mu g)",
+        ),
+        Check(
+            metric=HEADING_ERROR,
+            at_most=lambda dt: SPEED * dt / (SPEED**2 / (2 * FRICTION * G)),
+            because="friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
+            "would end v0 dt aside",
+        ),
+        Check(
+            metric=STOP_DISTANCE_ERROR,
+            at_most=lambda dt: 1.5 * SPEED * dt / (SPEED**2 / (2 * FRICTION * G)),
+            because="half a step's way by a staggered scheme, one step's way before there is a contact to rub",
+        ),
+    ),
+    observe=(LIFT_OFF,),
+    headline="polar_spread",
+)

@@ -1,0 +1,102 @@
+"""Boxes sliding to a stop on level ground.
+
+A box with speed v0 slows by mu g and stops after d = v0^2/(2 mu g) at t = v0/(mu g), whatever its mass and shape.
+Source: Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 3/4.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.jitter import RMS_SPEED
+from harness.metrics.slide import LIFT_OFF, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+FRICTIONS = (0.2, 0.4, 0.7)
+SPEED, MASS, SPACING = 2.0, 1.0, 1.0
+HALF = (0.2, 0.2, 0.05)
+"""Half extents [m], so flat that friction at the base tips no box: mu times the centre's height stays under the half length."""
+
+
+def scene(frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> Scene:
+    """One box for each coefficient, side by side along y, touching the ground and moving along x at `speed` [m/s]."""
+    materials = [f"box_{i}" for i in range(len(frictions))]
+    boxes = [
+        Body(
+            name=f"box_{i}",
+            mass=MASS,
+            inertia=box_inertia(MASS, HALF),
+            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+            material=materials[i],
+            p_WB=(0.0, SPACING * i, HALF[2]),
+            v_WB=(speed, 0.0, 0.0),
+        )
+        for i in range(len(frictions))
+    ]
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *boxes),
+        surfaces=tuple(
+            Surface(between=(m, "ground"), static_friction=mu, kinetic_friction=mu)
+            for m, mu in zip(materials, frictions, strict=True)
+        ),
+        apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
+        # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def expected(time: Floats, frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> Trajectory:
+    """The closed form: uniform deceleration, then rest."""
+    truth = Trajectory.of(time, 1 + len(frictions))
+    for i, mu in enumerate(frictions, start=1):
+        sliding = truth.time if mu == 0 else np.minimum(truth.time, speed / (mu * G))
+        truth.p_WB[:, i, 0] = speed * sliding - mu * G * sliding**2 / 2
+        truth.p_WB[:, i, 1] = SPACING * (i - 1)
+        truth.p_WB[:, i, 2] = HALF[2]
+        truth.v_WB[:, i, 0] = speed - mu * G * sliding
+    return truth
+
+
+CASE = Case(
+    name="friction_stop",
+    title="Sliding to a stop",
+    question="Does a sliding box stop where and when Coulomb's law says, and stay on the ground on its way?",
+    source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 3/4",
+    truth="closed form",
+    scene=scene,
+    expected=expected,
+    parameters={"frictions": FRICTIONS, "speed": SPEED},
+    duration=1.5,
+    sample_interval=1 / 240,
+    checks=(
+        Check(
+            metric=STOP_DISTANCE_ERROR,
+            at_most=lambda dt: 1.5 * SPEED * dt / (SPEED**2 / (2 * max(FRICTIONS) * G)),
+            because="a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
+            "is a contact to rub, one way v0 dt more; relative to the shortest way v0^2/(2 mu g), mu = 0.7",
+        ),
+        Check(
+            metric=STOP_TIME_ERROR,
+            at_most=lambda dt: 2 * dt / (0.9 * SPEED / (max(FRICTIONS) * G)),
+            because="one step without a contact at the start, one step's resolution at the end; relative to the shortest time "
+            "to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
+        ),
+        Check(
+            metric=LIFT_OFF,
+            at_most=lambda dt: G * dt**2,
+            because="nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
+            "moves at most g dt for dt",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: min(FRICTIONS) * G * dt,
+            because="friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
+            start=1.25,
+        ),
+    ),
+    headline="stop_distance_error",
+)

@@ -1,0 +1,117 @@
+"""Boxes on inclines around the angle of friction: which hold, which slide, and how fast?
+
+A box slides iff tan(angle) > mu, and then with a = g (sin(angle) - mu cos(angle)).
+Source: Coulomb's law; Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.creep import CREEP_SPEED
+from harness.metrics.threshold import INCLINE_ACCELERATION_ERROR, THRESHOLD_ANGLE_ERROR
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+FRICTION, MASS, SPACING, DURATION = 0.5, 1.0, 1.0, 1.0
+STEEPNESS = (0.5, 0.8, 0.9, 0.95, 0.97, 0.98, 0.99, 1.01, 1.02, 1.03, 1.05, 1.1, 1.2, 1.5)
+"""tan(angle)/mu of the inclines: densest at the threshold, which is never one of them."""
+HALF = (0.1, 0.1, 0.025)
+THICKNESS, WIDTH = 0.2, 0.3
+"""Half extents [m] of an incline along its normal and across the fall line."""
+
+
+def _acceleration(steepness: float, friction: float) -> float:
+    """Down the incline [m/s2], 0 where the box holds."""
+    angle = math.atan(steepness * friction)
+    return max(0.0, G * (math.sin(angle) - friction * math.cos(angle)))
+
+
+def scene(steepness: Sequence[float] = STEEPNESS, friction: float = FRICTION) -> Scene:
+    """One incline with a box at rest on it for each steepness, side by side along y; down is towards +x."""
+    # Each incline is long enough for twice the way that its box has in truth.
+    bodies = []
+    for i, steep in enumerate(steepness):
+        turn = axis_angle((0.0, 1.0, 0.0), math.atan(steep * friction))
+        length = 5 * HALF[0] + _acceleration(steep, friction) * DURATION**2
+        below = rotate(turn, (0.0, 0.0, -THICKNESS - HALF[2]))
+        box = (PlacedShape(shape=Box(half_extents=HALF)),)
+        incline = (PlacedShape(shape=Box(half_extents=(length, WIDTH, THICKNESS))),)
+        here = (0.0, SPACING * i, 0.0)
+        bodies += [
+            Body(
+                name=f"incline_{i}",
+                motion="static",
+                material="incline",
+                collision=incline,
+                p_WB=(below[0], here[1], below[2]),
+                q_WB=turn,
+            ),
+            Body(
+                name=f"box_{i}",
+                mass=MASS,
+                inertia=box_inertia(MASS, HALF),
+                material="box",
+                collision=box,
+                p_WB=here,
+                q_WB=turn,
+            ),
+        ]
+    return Scene(
+        bodies=tuple(bodies),
+        surfaces=(Surface(between=("box", "incline"), static_friction=friction, kinetic_friction=friction),),
+        apart=(("box", "box"),),
+        # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def expected(time: Floats, steepness: Sequence[float] = STEEPNESS, friction: float = FRICTION) -> Trajectory:
+    """The closed form: at rest, or uniformly accelerated down the incline."""
+    stage = scene(steepness, friction)
+    truth = Trajectory.of(time, len(stage.bodies))
+    for place, body in enumerate(stage.bodies):
+        truth.p_WB[:, place], truth.q_WB[:, place] = body.p_WB, body.q_WB
+        if body.movable:
+            a = _acceleration(steepness[place // 2], friction)
+            down = rotate(body.q_WB, (1.0, 0.0, 0.0))
+            truth.p_WB[:, place] += np.outer(a * truth.time**2 / 2, down)
+            truth.v_WB[:, place] = np.outer(a * truth.time, down)
+    return truth
+
+
+CASE = Case(
+    name="friction_threshold",
+    title="The angle of friction",
+    question="At which angle does a box begin to slide, how fast does it slide beyond, and does it stay put below?",
+    source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
+    truth="closed form",
+    scene=scene,
+    expected=expected,
+    parameters={"steepness": STEEPNESS, "friction": FRICTION},
+    duration=DURATION,
+    checks=(
+        Check(
+            metric=THRESHOLD_ANGLE_ERROR,
+            at_most=0.01,
+            because="the inclines next to the threshold stand 1 % of mu to both sides; if they are told apart the middle lies "
+            "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
+        ),
+        Check(
+            metric=INCLINE_ACCELERATION_ERROR,
+            at_most=lambda dt: 2 * max(STEEPNESS) * FRICTION * dt / DURATION,
+            because="the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
+            "s/t^2 sees as an acceleration of 2 g sin(angle) dt/t; sin < tan = 0.75 at the steepest",
+        ),
+        Check(
+            metric=CREEP_SPEED,
+            at_most=0.1 * _acceleration(1.01, FRICTION) * DURATION / 2,
+            because="a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
+            start=DURATION / 2,
+        ),
+    ),
+    headline="incline_acceleration_error",
+)

@@ -1,0 +1,108 @@
+"""Balls of different restitution dropped on level ground: how high do they come back?
+
+A ball dropped from h meets the ground at t0 = sqrt(2 h/g) and rises to e^2 h, e^4 h, ...; impact n comes at
+t0 (1 + 2 (e + ... + e^n)), and all bouncing ends at t0 (1 + e)/(1 - e).
+Source: Stronge, Impact Mechanics, 2nd ed., section 3.2; Falcon et al., Eur. Phys. J. B 3 (1998) 45.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.restitution import APEX_GAIN, IMPACT_TIME_ERROR, LATER_RESTITUTION_ERROR, RESTITUTION_ERROR
+from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+RESTITUTIONS = (0.0, 0.3, 0.5, 0.8, 0.95, 1.0)
+DROP, RADIUS, MASS, SPACING = 1.0, 0.1, 1.0, 1.0
+FALL = math.sqrt(2 * DROP / G)
+"""Time to the first impact [s]."""
+
+
+def scene(restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radius: float = RADIUS) -> Scene:
+    """One ball for each restitution, side by side along y, its lowest point `drop` [m] over the ground."""
+    materials = [f"ball_{i}" for i in range(len(restitutions))]
+    balls = [
+        Body(
+            name=f"ball_{i}",
+            mass=MASS,
+            inertia=sphere_inertia(MASS, radius),
+            collision=(PlacedShape(shape=Sphere(radius=radius)),),
+            material=materials[i],
+            p_WB=(0.0, (SPACING + 2 * radius) * i, radius + drop),
+        )
+        for i in range(len(restitutions))
+    ]
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *balls),
+        surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, restitutions, strict=True)),
+        apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
+    )
+
+
+def _bounce(time: Floats, restitution: float, drop: float) -> tuple[Floats, Floats]:
+    """Height over contact [m] and speed upwards [m/s] of one ball, each (t,)."""
+    fall = math.sqrt(2 * drop / G)
+    gap, speed = drop - G * time**2 / 2, -G * time
+    landing, up = fall, restitution * G * fall
+    # A flight shorter than a picosecond is rest: what remains of a bouncing that ends in finite time.
+    while landing <= time[-1] and 2 * up / G > 1e-12:
+        since = time - landing
+        gap = np.where(since >= 0, up * since - G * since**2 / 2, gap)
+        speed = np.where(since >= 0, up - G * since, speed)
+        landing, up = landing + 2 * up / G, restitution * up
+    resting = time >= landing
+    return np.where(resting, 0.0, gap), np.where(resting, 0.0, speed)
+
+
+def expected(
+    time: Floats, restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radius: float = RADIUS
+) -> Trajectory:
+    """The closed form: parabola after parabola, then rest."""
+    truth = Trajectory.of(time, 1 + len(restitutions))
+    for i, e in enumerate(restitutions, start=1):
+        truth.p_WB[:, i, 1] = (SPACING + 2 * radius) * (i - 1)
+        gap, truth.v_WB[:, i, 2] = _bounce(truth.time, e, drop)
+        truth.p_WB[:, i, 2] = gap + radius
+    return truth
+
+
+CASE = Case(
+    name="impact_bounce",
+    title="Bouncing balls",
+    question="Does a ball come back with the restitution that was asked for, on time, and never with more energy than it had?",
+    source="Stronge, Impact Mechanics, 2nd ed., section 3.2",
+    truth="closed form",
+    scene=scene,
+    expected=expected,
+    parameters={"restitutions": RESTITUTIONS, "drop": DROP, "radius": RADIUS},
+    duration=4.5,
+    # Short hops need three samples to be seen.
+    sample_interval=1 / 240,
+    checks=(
+        Check(
+            metric=RESTITUTION_ERROR,
+            at_most=lambda dt: 4 * dt / FALL,
+            because="within the step of the impact gravity changes the speed before and after by up to g dt, and a ball found "
+            "up to v dt below the surface loses as much again: 2 (1 + e) g dt/v = 4 dt/t0 for e = 1, t0 the time of fall",
+        ),
+        Check(
+            metric=IMPACT_TIME_ERROR,
+            at_most=lambda dt: 9.5 * dt,
+            because="the flight lasts 2 e t0, so an error of 4 dt/t0 in e moves its landing by 8 dt; the step of the first "
+            "impact adds one dt, a staggered fall half a dt",
+        ),
+        Check(
+            metric=APEX_GAIN,
+            at_most=lambda dt: G * dt**2 / (8 * DROP) + 1e-9,
+            because="energy never grows at an impact; a semi-implicit fall lies on a parabola whose apex, half a step before "
+            "the start, is g dt^2/8 higher; 1e-9 for rounding",
+        ),
+    ),
+    observe=(LATER_RESTITUTION_ERROR,),
+    headline="restitution_error",
+)

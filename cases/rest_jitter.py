@@ -1,0 +1,111 @@
+"""Boxes left alone: a single one and a short column, watched after they had time to settle.
+
+Nothing acts but weight and support, so nothing moves. What moves is the engine's jitter.
+"""
+
+from harness.case import Case, Check
+from harness.metrics.contact_flips import CONTACT_FLIPS
+from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.jitter import HEIGHT_SPREAD, REST_DRIFT, RMS_SECOND_DIFFERENCE, RMS_SPEED, RMS_SPIN
+from harness.metrics.penetration import PENETRATION
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+BOXES, FRICTION, MASS, HALF = 5, 0.5, 1.0, 0.1
+SETTLED, DURATION = 5.0, 6.0
+SHARE = 0.01
+"""Share of g that a jitter may reach: the noise of a consumer accelerometer over its band (300 micro-g/sqrt(Hz) over 1 kHz is
+0.0095 g), so that a sensor mounted on a resting box shows its own noise and not the engine's."""
+
+
+def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
+    """A single box and, beside it, a column of n; all start exactly touching."""
+    places = [(-1.0, 0.0, HALF)] + [(0.0, 0.0, HALF * (2 * i + 1)) for i in range(round(n))]
+    boxes = [
+        Body(
+            name=f"box_{i}",
+            mass=MASS,
+            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
+            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
+            p_WB=place,
+        )
+        for i, place in enumerate(places)
+    ]
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *boxes),
+        surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
+    )
+
+
+def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
+    """Rest."""
+    stage = scene(n, friction)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    return truth
+
+
+CASE = Case(
+    name="rest_jitter",
+    title="Standing still",
+    question="Does what should rest, rest?",
+    source="statics: each box in equilibrium under its weight and the forces of its neighbours",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"n": BOXES, "friction": FRICTION},
+    duration=DURATION,
+    # Every step: a jitter from step to step is invisible, or takes the look of a slow one, between samples further apart.
+    sample_interval=0.0,
+    with_contacts=True,
+    checks=(
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: SHARE * G * dt,
+            because="0.01 g, the noise of a consumer accelerometer, over one step",
+            start=SETTLED,
+        ),
+        Check(
+            metric=RMS_SPIN,
+            at_most=lambda dt: SHARE * G * dt / HALF,
+            because="the speed of 0.01 g over one step, at the edge of a box",
+            start=SETTLED,
+        ),
+        Check(
+            metric=RMS_SECOND_DIFFERENCE,
+            at_most=lambda dt: SHARE * G * dt**2,
+            because="0.01 g, the noise of a consumer accelerometer: one mounted on the box would see no more than its own",
+            start=SETTLED,
+        ),
+        Check(
+            metric=HEIGHT_SPREAD,
+            at_most=lambda dt: 2 * SHARE * G * dt**2,
+            because="up and down by the way of 0.01 g over one step",
+            start=SETTLED,
+        ),
+        Check(
+            metric=REST_DRIFT,
+            at_most=lambda dt: SHARE * G * dt * (DURATION - SETTLED),
+            because="the speed of 0.01 g over one step, kept up in one direction for the whole window",
+            start=SETTLED,
+        ),
+        Check(
+            metric=CONTACT_FLIPS,
+            at_most=0.0,
+            because="a body at rest neither gains nor loses a point of contact",
+            start=SETTLED,
+        ),
+        Check(
+            metric=SUPPORT_FORCE_ERROR,
+            at_most=lambda dt: SHARE * dt / (DURATION - SETTLED) + 1e-6,
+            because="the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
+            "over one step; 1e-6 for a solver's tolerance",
+            start=SETTLED,
+        ),
+    ),
+    observe=(PENETRATION,),
+    headline="rms_speed",
+    scale=G / 240,
+)

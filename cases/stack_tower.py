@@ -1,0 +1,78 @@
+"""A tower of n boxes, built exactly touching: does it stand, at its height, with its weight on the ground?"""
+
+from harness.case import Axis, Case, Check
+from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.penetration import PENETRATION
+from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY, STACK_HEIGHT_ERROR, STANDING_HEIGHT
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+BOXES, FRICTION, MASS, HALF = 10, 0.5, 1.0, 0.1
+DURATION, SETTLED = 5.0, 4.0
+
+
+def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
+    """n equal cubes, one on the other."""
+    boxes = [
+        Body(
+            name=f"box_{i}",
+            mass=MASS,
+            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
+            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
+            p_WB=(0.0, 0.0, HALF * (2 * i + 1)),
+        )
+        for i in range(round(n))
+    ]
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *boxes),
+        surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
+    )
+
+
+def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
+    """Rest."""
+    stage = scene(n, friction)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    return truth
+
+
+CASE = Case(
+    name="stack_tower",
+    title="A tower of boxes",
+    question="Does a tower of n boxes stand, keep its height, come to rest and bear n weights on the ground?",
+    source="statics: box k bears the weight of the n - k above it; the ground bears n m g",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"n": BOXES, "friction": FRICTION},
+    duration=DURATION,
+    with_contacts=True,
+    hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
+    checks=(
+        Check(metric=STANDING_HEIGHT, at_most=0.5, because="the definition of a collapse: the top below half its height"),
+        Check(
+            metric=STACK_HEIGHT_ERROR,
+            at_most=lambda dt: G * dt**2 / (2 * HALF),
+            because="before a contact can push, a box falls for one step, g dt^2; if each of the n contacts gave as much, the "
+            "tower of n edges would lose this share of its height, whatever n",
+        ),
+        Check(
+            metric=RESIDUAL_KINETIC_ENERGY,
+            at_most=lambda dt: (G * dt) ** 2 / 2,
+            because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=SUPPORT_FORCE_ERROR,
+            at_most=lambda dt: dt / (DURATION - SETTLED),
+            because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
+            "stay under one step of gravity",
+            start=SETTLED,
+        ),
+    ),
+    observe=(LEAN, PENETRATION),
+    headline="stack_height_error",
+)

@@ -15,7 +15,7 @@ from harness.case import Case
 from harness.catalogue import describe_case, describe_engine
 from harness.clock import clock_group
 from harness.discover import version_of
-from harness.journal import Journal, StoreError, read_journal
+from harness.journal import FolderTaken, Journal, read_journal
 from harness.machine import fingerprint
 from harness.pool import run_isolated
 from harness.progress import Progress
@@ -85,10 +85,10 @@ def carry_out(
     as finishing, of what was done.
 
     Raises:
-        StoreError: where the folder holds another run, is locked, or cannot be written. KeyboardInterrupt: passed on.
+        FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read. KeyboardInterrupt: passed on.
     """
     if (folder / "journal.jsonl").exists() and not resume:
-        raise StoreError(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
+        raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
     folder.mkdir(parents=True, exist_ok=True)
     engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
     versions = {name: version_of(adapter)[0] for name, adapter in adapters.items()}

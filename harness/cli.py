@@ -1,5 +1,6 @@
 """The command line: the one place that knows every part; each command imports what it needs when it is called."""
 
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -39,6 +40,7 @@ class _Guarded(click.Group):
         except Exception as error:
             codes = {
                 "StoreError": _MACHINE,
+                "FolderTaken": _USAGE,
                 "StudyError": _USAGE,
                 "SceneError": _USAGE,
                 "PluginError": _USAGE,
@@ -221,6 +223,7 @@ def run(
     plan, chosen = _study_and_cases(study, globs)
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume, shard=shard)
     except KeyboardInterrupt:
@@ -359,3 +362,7 @@ def reproduce(folder: Path, trial: str) -> None:
     click.echo("bit-identical" if same else "different")
     if not same:
         sys.exit(_GATE)
+
+
+if __name__ == "__main__":
+    main()

@@ -10,13 +10,17 @@ from typing import IO, Any, Literal
 
 from harness.record import SCHEMA_VERSION, Record, Timing
 
-__all__ = ["Journal", "StoreError", "read_journal"]
+__all__ = ["FolderTaken", "Journal", "StoreError", "read_journal"]
 
 Kind = Literal["accuracy", "timing"]
 
 
 class StoreError(Exception):
     """A run folder that cannot be read or written; the message names the path and what to do."""
+
+
+class FolderTaken(StoreError):
+    """The folder that a new run was given holds a run already."""
 
 
 def _line(kind: Kind, content: dict[str, Any]) -> bytes:

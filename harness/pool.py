@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from pathlib import Path
 
-from pebble import ProcessExpired, ProcessPool
+from pebble import ProcessExpired, concurrent
 
 from harness.record import Record
 from harness.run import outcome
@@ -15,6 +15,7 @@ from harness.worker import context, isolated_trial
 __all__ = ["run_isolated"]
 
 _TAIL = 4000
+_QUIET = ("passed", "failed", "unsupported")
 
 
 def _tail(log: Path) -> str:
@@ -52,27 +53,27 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
     """Records as they come in, one for each trial; leaving the iterator early stops all children."""
     logs = folder / "logs"
     logs.mkdir(exist_ok=True)
-    pool = ProcessPool(max_workers=workers, max_tasks=1, context=context())
-    pending: dict[Future[Record], Trial] = {}
+    waiting = list(reversed(trials))
+    running: dict[Future[Record], Trial] = {}
     try:
-        for trial in trials:
-            log = logs / f"{trial.trial}.log"
-            log.unlink(missing_ok=True)
-            future: Future[Record] = pool.schedule(isolated_trial, args=(trial, folder, log), timeout=trial.experiment.deadline)
-            pending[future] = trial
-        while pending:
-            done, _ = wait(pending, return_when=FIRST_COMPLETED)
+        while waiting or running:
+            while waiting and len(running) < workers:
+                trial = waiting.pop()
+                log = logs / f"{trial.trial}.log"
+                log.unlink(missing_ok=True)
+                run = concurrent.process(timeout=trial.experiment.deadline, mp_context=context())(isolated_trial)
+                running[run(trial, folder, log)] = trial
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
-                trial = pending.pop(future)
+                trial = running.pop(future)
                 log = logs / f"{trial.trial}.log"
                 record = _record(trial, future, log)
-                if log.is_file() and (log.stat().st_size == 0 or record.status in {"passed", "failed", "unsupported"}):
+                if log.is_file() and (log.stat().st_size == 0 or record.status in _QUIET):
                     log.unlink()
                 yield record
-        pool.close()  # type: ignore[no-untyped-call]  # pebble leaves it untyped
     finally:
-        if pending:
-            pool.stop()  # type: ignore[no-untyped-call]  # pebble leaves it untyped
-        pool.join()
-        if logs.is_dir() and not any(logs.iterdir()):
+        for future in running:
+            future.cancel()
+        wait(running, timeout=10.0)
+        if not any(logs.iterdir()):
             logs.rmdir()

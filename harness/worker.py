@@ -1,8 +1,11 @@
 """Child processes: how they are started, confined in memory and output, and what one does with a trial."""
 
+import ctypes
 import multiprocessing
 import os
 import resource
+import signal
+import sys
 import traceback
 from multiprocessing.context import ForkServerContext
 from pathlib import Path
@@ -17,6 +20,8 @@ from harness.study import Trial
 __all__ = ["confine", "context", "isolated_trial"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_PR_SET_PDEATHSIG = 1
+"""From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
 _PRELOAD = ["harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba"]
 
 
@@ -33,7 +38,13 @@ def context() -> ForkServerContext:
 
 
 def confine(memory: float, log: Path) -> None:
-    """Limit the growth of this process to `memory` [MB] of addresses and send its output to `log`."""
+    """Limit the growth of this process to `memory` [MB] of addresses and send its output to `log`.
+
+    An interrupt is the parent's affair; a parent that is killed takes this process along.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     os.dup2(stream, 1)
     os.dup2(stream, 2)

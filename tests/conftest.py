@@ -1,0 +1,38 @@
+"""What all tests share: the command line as a person calls it, and a third party's faulty engines."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+
+PLUGINS = Path(__file__).parent / "stress" / "plugins"
+"""A folder with installed-looking plug-ins; on PYTHONPATH it is found like any package."""
+
+Command = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture(scope="session")
+def with_plugins() -> Mapping[str, str]:
+    """The environment of a child that sees the faulty engines."""
+    return os.environ | {"PYTHONPATH": str(PLUGINS)}
+
+
+@pytest.fixture(scope="session")
+def plumbline(with_plugins: Mapping[str, str]) -> Command:
+    """Call the command line in a process of its own, with the faulty engines installed if asked for."""
+
+    def call(*arguments: object, plugins: bool = False, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "harness.cli", *map(str, arguments)],
+            env=with_plugins if plugins else None,
+            cwd=cwd,
+            capture_output=True,
+            text=True,
+            timeout=280,
+            check=False,
+        )
+
+    return call

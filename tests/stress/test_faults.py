@@ -1,0 +1,81 @@
+"""Faults of engines: each costs its own cells and nothing else, and each is an outcome with a reason."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from harness.store import Store
+from tests.conftest import Command
+
+STUDY = """
+name = "faults"
+recordings = false
+[[experiments]]
+name = "faults"
+cases = ["stress_fall"]
+timing = false
+deadline = 4.0
+memory = 1000.0
+"""
+ENGINES = ("sound", "segfault", "abort", "vanish", "hang", "hoard", "raise", "nan", "absent")
+
+
+@pytest.fixture(scope="module")
+def trials(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> pd.DataFrame:
+    folder = tmp_path_factory.mktemp("faults")
+    (folder / "faults.toml").write_text(STUDY)
+    wanted = [word for engine in ENGINES for word in ("--engine", engine)]
+    done = plumbline("run", folder / "faults.toml", *wanted, "--out", folder / "out", plugins=True)
+    assert done.returncode == 0, done.stderr
+    return Store(folder / "out").trials.set_index(["engine", "track"])
+
+
+@pytest.mark.parametrize(
+    ("engine", "status", "reason"),
+    [
+        ("sound", "passed", "every check holds"),
+        ("segfault", "crashed", "SIGSEGV"),
+        ("abort", "crashed", "SIGABRT"),
+        ("vanish", "crashed", "exit code 0 and no result"),
+        ("hang", "timeout", "deadline of 4 s"),
+        ("hoard", "oom", "1000 MB"),
+        ("raise", "crashed", "the engine's own exception"),
+        ("nan", "diverged", "step"),
+        ("absent", "unavailable", "not installed"),
+    ],
+)
+def test_a_faulty_engine_is_an_outcome_with_its_reason(trials: pd.DataFrame, engine: str, status: str, reason: str) -> None:
+    for track in ("default", "tuned"):
+        row = trials.loc[(engine, track)]
+        assert row["status"] == status
+        assert reason in row["reason"]
+
+
+def test_every_cell_has_exactly_one_row(trials: pd.DataFrame) -> None:
+    assert len(trials) == 2 * len(ENGINES)
+    assert trials.index.is_unique
+
+
+def test_what_a_crashing_engine_printed_is_kept(trials: pd.DataFrame) -> None:
+    assert "about to read address zero" in trials.loc[("segfault", "tuned")]["detail"]
+
+
+def test_the_sound_engine_answers_as_without_its_faulty_neighbours(
+    trials: pd.DataFrame, tmp_path: Path, plumbline: Command
+) -> None:
+    (tmp_path / "faults.toml").write_text(STUDY)
+    done = plumbline("run", tmp_path / "faults.toml", "--engine", "sound", "--out", tmp_path / "out", plugins=True)
+    assert done.returncode == 0, done.stderr
+    alone = Store(tmp_path / "out").trials.set_index(["engine", "track"])
+    assert list(alone["trajectory_hash"]) == list(trials.loc["sound"]["trajectory_hash"])
+
+
+def test_a_third_partys_engine_stands_in_the_listing_beside_the_built_in_ones(plumbline: Command) -> None:
+    done = plumbline("engines", "--json", plugins=True)
+    rows = {row["name"]: row for row in json.loads(done.stdout)}
+    assert rows["sound"]["available"]
+    assert rows["sound"]["version"] == "1.0"
+    assert not rows["absent"]["available"]
+    assert "not installed" in rows["absent"]["unavailable"]

@@ -1,0 +1,135 @@
+"""Interruptions: after a kill or Ctrl-C the folder is valid, and resuming gives every cell exactly once."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+import psutil
+import pytest
+
+from harness.store import Store
+from tests.conftest import Command
+
+STUDY = """
+name = "kill"
+recordings = false
+[[experiments]]
+name = "kill"
+cases = ["stress_fall"]
+dt = [{steps}]
+timing = {timing}
+samples = 1
+sample_seconds = 0.001
+"""
+STEPS = ", ".join(f"{0.5 / n:.17g}" for n in range(30, 60, 3))
+CELLS = 20
+"""Ten steps on two tracks."""
+
+
+def write_study(folder: Path, timing: str = "false") -> Path:
+    path = folder / "kill.toml"
+    path.write_text(STUDY.format(steps=STEPS, timing=timing))
+    return path
+
+
+def start(study: Path, out: Path, environment: Mapping[str, str], *more: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", "sound", "--out", out, *more]
+    return subprocess.Popen(
+        list(map(str, command)),
+        env=dict(environment),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def answers(out: Path) -> dict[str, str]:
+    trials = Store(out).trials
+    assert trials["trial"].is_unique
+    return dict(zip(trials["trial"], trials["trajectory_hash"], strict=True))
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory, with_plugins: Mapping[str, str]) -> dict[str, str]:
+    folder = tmp_path_factory.mktemp("undisturbed")
+    process = start(write_study(folder), folder / "out", with_plugins)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    found = answers(folder / "out")
+    assert len(found) == CELLS
+    return found
+
+
+def kill_and_resume(folder: Path, instant: float, environment: Mapping[str, str]) -> dict[str, str]:
+    study, out = write_study(folder), folder / "out"
+    process = start(study, out, environment)
+    time.sleep(instant)
+    os.kill(process.pid, signal.SIGKILL)
+    process.communicate()
+    process = start(study, out, environment, "--resume")
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    return answers(out)
+
+
+@pytest.mark.parametrize("instant", [0.4, 0.9, 1.3, 1.7])
+def test_a_killed_run_that_is_resumed_has_every_cell_exactly_once(
+    instant: float, tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str]
+) -> None:
+    assert kill_and_resume(tmp_path, instant, with_plugins) == undisturbed
+
+
+@pytest.mark.slow
+def test_two_hundred_random_kills_lose_and_double_nothing(
+    tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str]
+) -> None:
+    shuffle = random.Random(1)
+    for number in range(200):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        assert kill_and_resume(folder, shuffle.uniform(0.1, 2.5), with_plugins) == undisturbed
+
+
+def test_ctrl_c_leaves_a_valid_store_a_hint_and_no_child(tmp_path: Path, with_plugins: Mapping[str, str]) -> None:
+    study, out = write_study(tmp_path), tmp_path / "out"
+    process = start(study, out, with_plugins)
+    deadline = time.monotonic() + 60.0
+    journal = out / "journal.jsonl"
+    while time.monotonic() < deadline and not (journal.is_file() and journal.stat().st_size):
+        time.sleep(0.02)
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130, errors
+    assert "--resume" in errors
+    _, alive = psutil.wait_procs(children, timeout=10.0)
+    assert alive == []
+    assert (out / "trials.parquet").is_file()
+    assert len(pd.read_parquet(out / "trials.parquet")) == len(Store(out).trials) >= 1
+
+
+def test_resuming_a_finished_run_does_nothing(tmp_path: Path, with_plugins: Mapping[str, str]) -> None:
+    study, out = write_study(tmp_path, timing="true"), tmp_path / "out"
+    process = start(study, out, with_plugins)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    before = (out / "journal.jsonl").read_bytes()
+    process = start(study, out, with_plugins, "--resume")
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    assert (out / "journal.jsonl").read_bytes() == before
+
+
+def test_a_second_run_in_the_same_folder_is_refused(tmp_path: Path, plumbline: Command) -> None:
+    study = write_study(tmp_path)
+    assert plumbline("run", study, "--engine", "sound", "--out", tmp_path / "out", plugins=True).returncode == 0
+    again = plumbline("run", study, "--engine", "sound", "--out", tmp_path / "out", plugins=True)
+    assert again.returncode == 2
+    assert "--resume" in again.stderr

@@ -1,0 +1,29 @@
+"""The reference physics engine: rigid bodies, joints, contacts with friction, and rays. It knows nothing of the harness."""
+
+from typing import TYPE_CHECKING, Any
+
+from engine.bodies import Body, Surface
+from engine.errors import Diverged, NotSupported
+from engine.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
+from engine.options import Options
+from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere
+
+if TYPE_CHECKING:
+    from engine.world import Contacts, Hits, World
+
+__all__ = [
+    "WORLD", "Ball", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged", "Drive", "Fixed",
+    "Hits", "Joint", "Limits", "NotSupported", "Options", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring",
+    "Surface", "World",
+]  # fmt: skip
+
+__version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    """Load the world, and with it the compiler, on first use."""
+    if name in ("World", "Contacts", "Hits"):
+        import engine.world
+
+        return getattr(engine.world, name)
+    raise AttributeError(f"module 'engine' has no attribute '{name}'")

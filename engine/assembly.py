@@ -1,0 +1,237 @@
+"""Write bodies, shapes, joints and surfaces into a new arena."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine import arena as at
+from engine.arena import float_table, int_table, new_arena
+from engine.bodies import Body, Surface
+from engine.check import finite, spd_inertia, unit_quaternion
+from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
+from engine.options import BROAD_PHASES, Options
+from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Sphere
+from engine.errors import NotSupported
+
+__all__ = ["assemble_world", "grow"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
+MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
+
+
+def quat_mul(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Hamilton product: first b, then a."""
+    w = a[0] * b[0] - a[1:] @ b[1:]
+    return np.concatenate(([w], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])))
+
+
+def quat_mat(q: FloatArray) -> FloatArray:
+    """The rotation matrix (3, 3) of a unit quaternion."""
+    x = np.array([[0, -q[3], q[2]], [q[3], 0, -q[1]], [-q[2], q[1], 0]])
+    return np.asarray(np.eye(3) + 2 * q[0] * x + 2 * x @ x)
+
+
+def six(m: FloatArray) -> list[float]:
+    """(xx, yy, zz, xy, xz, yz) of a symmetric matrix."""
+    return [m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]]
+
+
+def from_z(n: FloatArray) -> FloatArray:
+    """The shortest rotation that takes z to the unit vector n."""
+    if n[2] < -1 + 1e-12:
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    q = np.array([1 + n[2], -n[1], n[0], 0.0])
+    return np.asarray(q / np.linalg.norm(q))
+
+
+def shape_row(placed: Placed) -> tuple[int, list[float], float, FloatArray]:
+    """Type, three sizes, bounding radius and the shape's own turn of a placed shape. Raises: NotSupported."""
+    shape, turn = placed.shape, np.array([1.0, 0.0, 0.0, 0.0])
+    if isinstance(shape, Sphere):
+        return at.SPHERE, [shape.radius, 0.0, 0.0], shape.radius, turn
+    if isinstance(shape, Box):
+        return at.BOX, list(shape.half_extents), float(np.linalg.norm(np.asarray(shape.half_extents, float))), turn
+    if isinstance(shape, Capsule):
+        return at.CAPSULE, [shape.radius, shape.half_length, 0.0], shape.radius + shape.half_length, turn
+    if isinstance(shape, Cylinder):
+        return at.CYLINDER, [shape.radius, shape.half_length, 0.0], math.hypot(shape.radius, shape.half_length), turn
+    if isinstance(shape, Plane):
+        normal = np.asarray(shape.normal, float)
+        return at.PLANE, [0.0, 0.0, 0.0], math.inf, from_z(normal / np.linalg.norm(normal))
+    raise NotSupported("convex hull", "the engine has no contact and no rays for it")
+
+
+def assemble_world(
+    bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
+    options: Options,
+) -> tuple[FloatArray, IntArray]:  # fmt: skip
+    """The arena of a world at its start. Raises: ValueError, NotSupported."""
+    n, nj = len(bodies), len(joints)
+    index: dict[str, int] = {}
+    for i, body in enumerate(bodies):
+        if body.name in index or body.name == WORLD:
+            raise ValueError(f"body '{body.name}': the name is taken")
+        index[body.name] = i
+    index[WORLD] = n
+    shapes = [(i, placed) for i, body in enumerate(bodies) for placed in body.shapes]
+    ns = len(shapes)
+    rows = sum(ROWS[type(joint)] + 3 for joint in joints) + 1
+    movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
+    pairs = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
+    materials = sorted({body.material for body in bodies} | {one for pair in surfaces for one in pair})
+    excluded = [
+        (index[joint.parent], index[joint.child])
+        for joint in joints
+        if not joint.collide and joint.parent in index and joint.child in index
+    ]
+    float_shapes = [
+        (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 6),
+        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32), (pairs, 20),
+        (4 * pairs, 32), (len(materials) ** 2, 5), (1, 24), (32, 8),
+    ]  # fmt: skip
+    int_shapes = [
+        (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2), (ns, 1),
+        (pairs, 1), (ns, 1), (len(excluded), 2), (1, 16), (32, 2),
+    ]  # fmt: skip
+    floats, ints = new_arena(float_shapes, int_shapes)
+    _write_bodies(floats, ints, bodies)
+    for s, (i, placed) in enumerate(shapes):
+        kind, size, radius, turn = shape_row(placed)
+        if kind == at.PLANE and bodies[i].motion == "dynamic":
+            raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
+        if kind == at.CYLINDER and options.contacts and _could_touch(i, bodies):
+            raise NotSupported(f"contact of the cylinder of body '{bodies[i].name}'", "the engine has cylinders for rays only")
+        row = float_table(floats, ints, at.SHAPE)[s]
+        row[at.OFFSET : at.OFFSET + 3] = placed.p_BS
+        row[at.TURN : at.TURN + 4] = quat_mul(unit_quaternion("placed shape", "q_BS", placed.q_BS), turn)
+        row[at.SIZE : at.SIZE + 3] = size
+        row[at.BALL_RADIUS] = radius
+        int_table(ints, at.SHAPE_KIND)[s, :3] = kind, i, materials.index(bodies[i].material)
+        int_table(ints, at.ORDER)[s, 0] = s
+    for j, joint in enumerate(joints):
+        _write_joint(floats, ints, j, joint, index, bodies)
+    for (one, two), law in surfaces.items():
+        for a, b in ((one, two), (two, one)):
+            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b)] = (
+                law.static_friction, law.kinetic_friction, law.restitution, law.rolling_friction, law.torsional_friction,
+            )  # fmt: skip
+    if excluded:
+        int_table(ints, at.EXCLUDED)[:] = excluded
+    setting = float_table(floats, ints, at.SETTING)[0]
+    setting[at.DT] = options.dt
+    setting[at.GRAVITY : at.GRAVITY + 3] = finite("world", "gravity", gravity, (3,), "m/s2")
+    setting[at.HERTZ], setting[at.DAMPING_RATIO] = options.contact_hertz, options.contact_damping_ratio
+    setting[at.MAX_PUSH], setting[at.MARGIN] = options.max_push, options.margin
+    setting[at.BOUNCE_SPEED] = -1.0 if options.bounce_speed is None else options.bounce_speed
+    count = int_table(ints, at.COUNT)[0]
+    count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = n, ns, nj
+    count[at.SUBSTEPS], count[at.ITERATIONS], count[at.RELAXATIONS] = options.substeps, options.iterations, options.relaxations
+    count[at.RUNGE_KUTTA] = int(options.integrator == "rk4")
+    count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), int(options.continuous)
+    count[at.BROAD] = int(options.broad_phase == BROAD_PHASES[0])
+    count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
+    return floats, ints
+
+
+def _could_touch(i: int, bodies: Sequence[Body]) -> bool:
+    """Whether body i could meet another body with shapes, one of the two dynamic."""
+    return any(
+        k != i and other.shapes and "dynamic" in (other.motion, bodies[i].motion) for k, other in enumerate(bodies)
+    )
+
+
+def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) -> None:
+    """Fill the tables of states, masses and kinds."""
+    state, table = float_table(floats, ints, at.STATE), float_table(floats, ints, at.BODY)
+    turned, kind = float_table(floats, ints, at.TURNED), int_table(ints, at.BODY_KIND)
+    state[:, at.Q] = 1.0
+    for i, body in enumerate(bodies):
+        label = f"body '{body.name}'"
+        q = unit_quaternion(label, "q_WB", body.q_WB)
+        state[i, at.P : at.P + 3], state[i, at.Q : at.Q + 4] = body.p_WB, q
+        state[i, at.V : at.V + 3], state[i, at.W : at.W + 3] = body.v_WB, body.w_WB
+        kind[i, at.MOTION] = MOTIONS[body.motion]
+        if body.motion != "dynamic":
+            continue
+        inertia = spd_inertia(label, body.inertia)
+        inverse = np.linalg.inv(inertia)
+        inverse = (inverse + inverse.T) / 2
+        table[i, at.INV_MASS], table[i, at.MASS] = 1 / body.mass, body.mass
+        table[i, at.INERTIA : at.INERTIA + 6], table[i, at.INV_INERTIA : at.INV_INERTIA + 6] = six(inertia), six(inverse)
+        table[i, at.LINEAR_DAMPING], table[i, at.ANGULAR_DAMPING] = body.linear_damping, body.angular_damping
+        table[i, at.ROUND] = float(np.array_equal(inertia, inertia[0, 0] * np.eye(3)))
+        r = quat_mat(q)
+        turned[i] = six(r @ inverse @ r.T)
+
+
+def _write_joint(
+    floats: FloatArray, ints: IntArray, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]
+) -> None:
+    """Fill one row of the tables of joints. Raises: ValueError for unknown bodies, or two that cannot move."""
+    label = f"joint '{joint.name}'"
+    for role in ("parent", "child"):
+        if getattr(joint, role) not in index:
+            raise ValueError(f"{label}: {role} '{getattr(joint, role)}' is no body, expected one of {', '.join(index)}")
+    a, b = index[joint.parent], index[joint.child]
+    if a == b:
+        raise ValueError(f"{label}: parent and child are both '{joint.parent}'")
+    if all(i == len(bodies) or bodies[i].motion != "dynamic" for i in (a, b)):
+        raise ValueError(f"{label}: neither '{joint.parent}' nor '{joint.child}' is dynamic")
+    state = float_table(floats, ints, at.STATE)
+    row, kind = float_table(floats, ints, at.JOINT)[j], int_table(ints, at.JOINT_KIND)[j]
+    ra, rb = quat_mat(state[a, at.Q : at.Q + 4]), quat_mat(state[b, at.Q : at.Q + 4])
+    row[at.LOWER], row[at.UPPER], row[at.DRIVE + 4] = -math.inf, math.inf, math.inf
+    kind[[at.PARENT, at.CHILD]] = a, b
+    qa = state[a, at.Q : at.Q + 4] * (1, -1, -1, -1)
+    row[at.TURN_AB : at.TURN_AB + 4] = quat_mul(qa, state[b, at.Q : at.Q + 4])
+    anchor_a = state[b, :3] if isinstance(joint, Fixed) else np.asarray(joint.anchor_W, float)
+    anchor_b = np.asarray(joint.child_anchor_W, float) if isinstance(joint, Distance) else anchor_a
+    row[at.ANCHOR_A : at.ANCHOR_A + 3] = ra.T @ (anchor_a - state[a, :3])
+    row[at.ANCHOR_B : at.ANCHOR_B + 3] = rb.T @ (anchor_b - state[b, :3])
+    if isinstance(joint, Fixed):
+        kind[at.JOINT_TYPE] = at.FIXED
+        return
+    if isinstance(joint, Ball):
+        kind[at.JOINT_TYPE] = at.BALL
+        return
+    if isinstance(joint, Distance):
+        kind[at.JOINT_TYPE] = at.DISTANCE
+        row[at.LENGTH] = float(np.linalg.norm(anchor_b - anchor_a))
+    else:
+        kind[at.JOINT_TYPE] = at.REVOLUTE if isinstance(joint, Revolute) else at.PRISMATIC
+        axis = np.asarray(joint.axis_W, float)
+        axis = axis / np.linalg.norm(axis)
+        row[at.AXIS_A : at.AXIS_A + 3], row[at.AXIS_B : at.AXIS_B + 3] = ra.T @ axis, rb.T @ axis
+        row[at.POSITION] = row[at.COORDINATE] = joint.position
+        if joint.drive is not None:
+            drive = joint.drive
+            kind[at.HAS] |= at.HAS_DRIVE
+            row[at.DRIVE : at.DRIVE + 5] = drive.stiffness, drive.damping, drive.target, drive.target_velocity, drive.limit
+    if joint.limits is not None:
+        kind[at.HAS] |= at.HAS_LIMITS
+        row[at.LOWER], row[at.UPPER] = joint.limits.lower, joint.limits.upper
+    if joint.spring is not None:
+        kind[at.HAS] |= at.HAS_SPRING
+        row[at.SPRING : at.SPRING + 3] = joint.spring.stiffness, joint.spring.damping, joint.spring.rest
+
+
+def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
+    """The same world in an arena with room for twice as many pairs."""
+    by_pair = {at.MANIFOLD, at.POINT, at.OLD_MANIFOLD, at.OLD_POINT}
+    ints_by_pair = {at.PAIR, at.MANIFOLD_KEY, at.POINT_KEY, at.OLD_KEY, at.OLD_POINT_KEY, at.NEXT}
+    old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
+    old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
+    new_floats, new_ints = new_arena(
+        [(t.shape[0] * (2 if k in by_pair else 1), t.shape[1]) for k, t in enumerate(old_floats)],
+        [(t.shape[0] * (2 if k in ints_by_pair else 1), t.shape[1]) for k, t in enumerate(old_ints)],
+    )
+    for k, table in enumerate(old_floats):
+        float_table(new_floats, new_ints, k)[: table.shape[0]] = table
+    for k, whole in enumerate(old_ints):
+        int_table(new_ints, k)[: whole.shape[0]] = whole
+    return new_floats, new_ints

@@ -1,0 +1,59 @@
+"""Refuse bad input at the door, with a sentence that names element, field and value."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+__all__ = ["finite", "not_negative", "positive", "spd_inertia", "unit_quaternion"]
+
+
+def finite(element: str, field: str, value: Any, shape: tuple[int, ...], unit: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The value as an array of the expected shape. Raises: ValueError if it has another shape or is not finite."""
+    array = np.asarray(value, float)
+    if array.shape != shape:
+        raise ValueError(f"{element}: {field} has shape {array.shape}, expected {shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{element}: {field} {array.tolist()} {unit} is not finite")
+    return array
+
+
+def positive(element: str, field: str, value: float, unit: str) -> float:
+    """The value. Raises: ValueError unless it is finite and above zero."""
+    if not (math.isfinite(value) and value > 0):
+        raise ValueError(f"{element}: {field} {value} {unit}, expected a finite number above 0")
+    return float(value)
+
+
+def not_negative(element: str, field: str, value: float, unit: str) -> float:
+    """The value. Raises: ValueError unless it is finite and at least zero."""
+    if not (math.isfinite(value) and value >= 0):
+        raise ValueError(f"{element}: {field} {value} {unit}, expected a finite number of at least 0")
+    return float(value)
+
+
+def unit_quaternion(element: str, field: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The quaternion divided by its length. Raises: ValueError if it is zero or not finite."""
+    array = finite(element, field, value, (4,), "1")
+    length = float(np.linalg.norm(array))
+    if length < 1e-12:
+        raise ValueError(f"{element}: {field} {array.tolist()} has no direction, expected a unit quaternion (w, x, y, z)")
+    return array if abs(length - 1.0) < 1e-15 else array / length
+
+
+def spd_inertia(element: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """An inertia matrix (3, 3) kg m2. Raises: ValueError unless symmetric, positive and within the triangle inequality.
+
+    Source: Wensing, Kim, Slotine, Linear Matrix Inequalities for Physically Consistent Inertial Parameters, 2018, section II.
+    """
+    array = finite(element, "inertia", value, (3, 3), "kg m2")
+    size = float(np.abs(array).max())
+    if not np.allclose(array, array.T, rtol=0.0, atol=1e-12 * size):
+        raise ValueError(f"{element}: inertia {array.tolist()} kg m2 is not symmetric")
+    principal = np.linalg.eigvalsh(array)
+    shown = ", ".join(f"{one:g}" for one in principal)
+    if principal[0] <= 0.0:
+        raise ValueError(f"{element}: inertia with principal moments ({shown}) kg m2 is not positive definite")
+    if principal[2] > (principal[0] + principal[1]) * (1 + 1e-9):
+        raise ValueError(f"{element}: inertia ({shown}) kg m2 breaks the triangle inequality")
+    return (array + array.T) / 2

@@ -1,0 +1,272 @@
+"""Sub-stepped, soft, warm-started sequential impulses with a circular friction cone.
+
+In each sub-step h: kick; warm start; sweeps with the soft position error; drift; sweeps without it (relax); restitution.
+A contact is a spring-damper of `hertz` and `damping_ratio` taken implicitly:
+
+    a1 = 2 zeta + h omega,  a2 = h omega a1,  a3 = 1 / (1 + a2),
+    bias rate = omega / a1,  mass scale = a2 a3,  impulse scale = a3
+
+Friction is one vector per point in the tangent plane, projected onto the disc of radius mu times the present normal impulse; no
+direction is preferred. While a manifold sticks the disc has mu_static, once its whole disc is used up it slips under mu_kinetic.
+
+Source: Catto, Solver2D, 2024 (TGS Soft); Catto, Soft Constraints, GDC 2011; Jean, Comput. Methods Appl. Mech. Eng. 177, 1999 (cone).
+"""
+
+import math
+
+from engine.arena import (
+    APPROACH, ARM_A, ARM_B, BODY_A, BODY_B, DYNAMIC, FIRST_GAP, GRAVITY, INV_MASS, LAW, MOTION, NORMAL, NORMAL_IMPULSE, NORMAL_MASS,
+    P, PLACE, POINTS, Q, SEPARATION, SLIPS, SPIKE, SPIN_IMPULSE, SPIN_MASS, SPOT_A, SPOT_B, STRUCK, SUM, TANGENT_IMPULSE,
+    TANGENT_MASS, V, W,
+)  # fmt: skip
+from engine.jit import kernel
+from engine.vec import (
+    Floats, Ints, Sym, Vec, add, axpy, cross, dot, load3, load4, load6, mat_vec, norm, quat_mat, scale, store3, sub, sym_vec,
+    tmat_vec,
+)  # fmt: skip
+
+__all__ = ["approach", "bounce", "friction_mode", "prepare", "refresh", "sum_impulses", "sweep", "warm_start"]
+
+STUCK = 0.999999
+"""Share of the static disc from which a manifold counts as slipping."""
+
+
+@kernel
+def effective_masses(ma: float, ia: Sym, ra: Vec, mb: float, ib: Sym, rb: Vec, n: Vec) -> tuple[float, float]:
+    """1 / (n . K n) and 1 / (largest tangential eigenvalue of K), K = the inverse effective mass matrix at a point."""
+    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    m = ma + mb
+    kx = add(cross(sym_vec(ia, cross(ra, x)), ra), cross(sym_vec(ib, cross(rb, x)), rb))
+    ky = add(cross(sym_vec(ia, cross(ra, y)), ra), cross(sym_vec(ib, cross(rb, y)), rb))
+    kz = add(cross(sym_vec(ia, cross(ra, z)), ra), cross(sym_vec(ib, cross(rb, z)), rb))
+    xx, yy, zz, xy, xz, yz = m + kx[0], m + ky[1], m + kz[2], kx[1], kx[2], ky[2]
+    k: Sym = (xx, yy, zz, xy, xz, yz)
+    nn = dot(n, sym_vec(k, n))
+    adjugate: Sym = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy, xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz)
+    trace = xx + yy + zz - nn
+    determinant = dot(n, sym_vec(adjugate, n))
+    largest = 0.5 * trace + math.sqrt(max(0.25 * trace * trace - determinant, 0.0))
+    return 1.0 / nn, 1.0 / largest
+
+
+@kernel
+def prepare(
+    state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats
+) -> None:
+    """Arms, material points and effective masses of every contact point at the start of the step."""
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        n = load3(manifold, m, NORMAL)
+        ma, mb = body[a, INV_MASS], body[b, INV_MASS]
+        ia, ib = load6(turned, a, 0), load6(turned, b, 0)
+        pa, pb = load3(state, a, P), load3(state, b, P)
+        ra_wb, rb_wb = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
+        for k in range(key[m, POINTS]):
+            i = 4 * m + k
+            place, gap = load3(point, i, PLACE), point[i, FIRST_GAP]
+            ra, rb = sub(place, pa), sub(place, pb)
+            store3(point, i, ARM_A, ra)
+            store3(point, i, ARM_B, rb)
+            store3(point, i, SPOT_A, tmat_vec(ra_wb, axpy(-0.5 * gap, n, ra)))
+            store3(point, i, SPOT_B, tmat_vec(rb_wb, axpy(0.5 * gap, n, rb)))
+            point[i, SEPARATION] = gap
+            point[i, NORMAL_MASS], point[i, TANGENT_MASS] = effective_masses(ma, ia, ra, mb, ib, rb, n)
+            tangent = load3(point, i, TANGENT_IMPULSE)
+            store3(point, i, TANGENT_IMPULSE, axpy(-dot(n, tangent), n, tangent))
+        if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+            spin = ia[0] + ib[0] + ia[1] + ib[1] + ia[2] + ib[2]
+            twist = dot(n, sym_vec(ia, n)) + dot(n, sym_vec(ib, n))
+            manifold[m, SPIN_MASS] = 1.0 / max(spin - twist, 1e-300)
+            manifold[m, SPIN_MASS + 1] = 1.0 / max(twist, 1e-300)
+
+
+@kernel
+def refresh(state: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
+    """Arms and separations of every point at the present poses; both arms lead to one place, which keeps angular momentum."""
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        n = load3(manifold, m, NORMAL)
+        pa, pb = load3(state, a, P), load3(state, b, P)
+        ra_wb, rb_wb = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
+        way = sub(pb, pa)
+        for k in range(key[m, POINTS]):
+            i = 4 * m + k
+            ra, rb = mat_vec(ra_wb, load3(point, i, SPOT_A)), mat_vec(rb_wb, load3(point, i, SPOT_B))
+            apart = add(way, sub(rb, ra))
+            point[i, SEPARATION] = dot(n, apart)
+            store3(point, i, ARM_A, axpy(0.5, apart, ra))
+            store3(point, i, ARM_B, axpy(-0.5, apart, rb))
+
+
+@kernel
+def push(
+    ma: float, ia: Sym, ra: Vec, mb: float, ib: Sym, rb: Vec, impulse: Vec, va: Vec, wa: Vec, vb: Vec, wb: Vec
+) -> tuple[Vec, Vec, Vec, Vec]:
+    """The velocities after an impulse on B and its reaction on A."""
+    return (
+        axpy(-ma, impulse, va),
+        sub(wa, sym_vec(ia, cross(ra, impulse))),
+        axpy(mb, impulse, vb),
+        add(wb, sym_vec(ib, cross(rb, impulse))),
+    )
+
+
+@kernel
+def warm_start(
+    state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats
+) -> None:
+    """Apply the impulses of the last sub-step."""
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        n = load3(manifold, m, NORMAL)
+        ma, mb = body[a, INV_MASS], body[b, INV_MASS]
+        ia, ib = load6(turned, a, 0), load6(turned, b, 0)
+        va, wa, vb, wb = load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W)
+        for k in range(key[m, POINTS]):
+            i = 4 * m + k
+            impulse = axpy(point[i, NORMAL_IMPULSE], n, load3(point, i, TANGENT_IMPULSE))
+            va, wa, vb, wb = push(ma, ia, load3(point, i, ARM_A), mb, ib, load3(point, i, ARM_B), impulse, va, wa, vb, wb)
+        spin = load3(manifold, m, SPIN_IMPULSE)
+        store3(state, a, V, va)
+        store3(state, a, W, sub(wa, sym_vec(ia, spin)))
+        store3(state, b, V, vb)
+        store3(state, b, W, add(wb, sym_vec(ib, spin)))
+
+
+@kernel
+def approach(
+    state: Floats, kind: Ints, setting: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float, slow: float
+) -> None:
+    """Note the points that are about to strike in this sub-step, with their normal velocity at the moment of impact [m/s].
+
+    With separation s and normal velocity u < 0 after the kick a h, the impact comes after the share tau = s / (-u h) of the sub-step,
+    when the velocity is u - (1 - tau) a h. Impulses of earlier sub-steps are no guess for a blow and are dropped.
+    """
+    g = load3(setting, 0, GRAVITY)
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        n = load3(manifold, m, NORMAL)
+        kick = h * dot(n, g) * ((1.0 if kind[b, MOTION] == DYNAMIC else 0.0) - (1.0 if kind[a, MOTION] == DYNAMIC else 0.0))
+        va, wa, vb, wb = load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W)
+        for k in range(key[m, POINTS]):
+            i = 4 * m + k
+            ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
+            u = dot(n, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
+            point[i, STRUCK] = 0.0
+            if u < -slow and point[i, SEPARATION] < -u * h:
+                share = min(max(point[i, SEPARATION] / (-u * h), 0.0), 1.0)
+                point[i, STRUCK] = 1.0
+                point[i, APPROACH] = min(u - (1.0 - share) * kick, 0.0)
+                point[i, NORMAL_IMPULSE] = 0.0
+                store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))
+
+
+@kernel
+def sweep(
+    state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float,
+    bias_rate: float, mass_scale: float, impulse_scale: float, max_push: float, soft: int, bouncing: int,
+) -> None:  # fmt: skip
+    """One sweep over all manifolds: rolling and torsional friction, friction, normal.
+
+    Args: soft: 1 to correct the position error, 0 to relax. bouncing: 1 to aim at the velocity after restitution instead.
+    """
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        n = load3(manifold, m, NORMAL)
+        ma, mb = body[a, INV_MASS], body[b, INV_MASS]
+        ia, ib = load6(turned, a, 0), load6(turned, b, 0)
+        va, wa, vb, wb = load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W)
+        points = key[m, POINTS]
+        rolling, torsional = manifold[m, LAW + 3], manifold[m, LAW + 4]
+        if rolling > 0.0 or torsional > 0.0:
+            total = 0.0
+            for k in range(points):
+                total += point[4 * m + k, NORMAL_IMPULSE]
+            w = sub(wb, wa)
+            before = load3(manifold, m, SPIN_IMPULSE)
+            twist = dot(n, before) - manifold[m, SPIN_MASS + 1] * dot(n, w)
+            twist = min(max(twist, -torsional * total), torsional * total)
+            roll = axpy(-manifold[m, SPIN_MASS], axpy(-dot(n, w), n, w), axpy(-dot(n, before), n, before))
+            size = norm(roll)
+            if size > rolling * total:
+                roll = scale(rolling * total / size, roll)
+            after = axpy(twist, n, roll)
+            store3(manifold, m, SPIN_IMPULSE, after)
+            wa = sub(wa, sym_vec(ia, sub(after, before)))
+            wb = add(wb, sym_vec(ib, sub(after, before)))
+        friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
+        if friction > 0.0:
+            for k in range(points):
+                i = 4 * m + k
+                ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
+                u = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
+                u = axpy(-dot(n, u), n, u)
+                before = load3(point, i, TANGENT_IMPULSE)
+                after = axpy(-point[i, TANGENT_MASS], u, before)
+                size, most = norm(after), friction * point[i, NORMAL_IMPULSE]
+                if size > most:
+                    after = scale(most / size, after)
+                store3(point, i, TANGENT_IMPULSE, after)
+                va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, sub(after, before), va, wa, vb, wb)
+        for k in range(points):
+            i = 4 * m + k
+            ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
+            u = dot(n, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
+            s, before = point[i, SEPARATION], point[i, NORMAL_IMPULSE]
+            bias, hard, keep = 0.0, 1.0, 0.0
+            if bouncing == 1:
+                if point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
+                    bias = manifold[m, LAW + 2] * point[i, APPROACH]
+                elif s > 0.0:
+                    bias = s / h
+            elif s > 0.0:
+                bias = s / h
+            elif soft == 1:
+                bias, hard, keep = max(bias_rate * s, -max_push), mass_scale, impulse_scale
+            impulse = max(before - point[i, NORMAL_MASS] * hard * (u + bias) - keep * before, 0.0)
+            point[i, NORMAL_IMPULSE] = impulse
+            point[i, SPIKE] = max(point[i, SPIKE], impulse)
+            va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, scale(impulse - before, n), va, wa, vb, wb)
+        store3(state, a, V, va)
+        store3(state, a, W, wa)
+        store3(state, b, V, vb)
+        store3(state, b, W, wb)
+
+
+@kernel
+def bounce(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> bool:
+    """Whether any point struck a surface with restitution in this sub-step."""
+    for m in range(manifolds):
+        if manifold[m, LAW + 2] > 0.0:
+            for k in range(key[m, POINTS]):
+                if point[4 * m + k, STRUCK] == 1.0 and point[4 * m + k, SPIKE] > 0.0:
+                    return True
+    return False
+
+
+@kernel
+def friction_mode(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
+    """Sticking manifolds whose whole static disc is used up start to slip; slipping ones whose disc is not used up stick."""
+    for m in range(manifolds):
+        mu = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
+        used, room = 0.0, 0.0
+        for k in range(key[m, POINTS]):
+            used += norm(load3(point, 4 * m + k, TANGENT_IMPULSE))
+            room += mu * point[4 * m + k, NORMAL_IMPULSE]
+        if room > 0.0:
+            key[m, SLIPS] = 1 if used >= STUCK * room else 0
+
+
+@kernel
+def sum_impulses(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
+    """Add the sub-step's impulses to the step's, and drop those of a blow, which do not last."""
+    for m in range(manifolds):
+        n = load3(manifold, m, NORMAL)
+        for k in range(key[m, POINTS]):
+            i = 4 * m + k
+            tangent = load3(point, i, TANGENT_IMPULSE)
+            store3(point, i, SUM, add(load3(point, i, SUM), axpy(point[i, NORMAL_IMPULSE], n, tangent)))
+            if point[i, STRUCK] == 1.0:
+                point[i, NORMAL_IMPULSE] = 0.0
+                store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))
+            point[i, SPIKE] = 0.0

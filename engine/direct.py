@@ -1,0 +1,162 @@
+"""Solve the rows' impulses directly: J M^-1 J^T lambda = right-hand side, by a Cholesky factorisation with bounds.
+
+Dependent rows, as in closed loops, are left out when their pivot vanishes. Bounds are met by moving rows between free and held until
+every sign is right.
+
+Source: Golub, Van Loan, Matrix Computations, section 4.2; Cottle, Pang, Stone, The Linear Complementarity Problem, section 4.2
+(principal pivoting).
+"""
+
+import math
+
+from engine.arena import (
+    BIAS, HIGH, HIGHEST, IMPULSE, INV_MASS, LOW, LOWEST, PIVOT, RIGHT, SOFTNESS, V, W, WORK,
+)  # fmt: skip
+from engine.jit import kernel
+from engine.vec import Floats, Ints, axpy, dot, load3, load6, scale, store3, sym_vec
+
+__all__ = ["apply", "assemble", "factor", "rate", "solve", "solve_bounded"]
+
+DEPENDENT = 1e-11
+"""Pivots below this share of their diagonal are round-off: the row depends on earlier ones."""
+
+
+@kernel
+def assemble(
+    row: Floats, row_body: Ints, first: int, count: int, body: Floats, turned: Floats, reach: Floats, matrix: Floats
+) -> None:
+    """Write M^-1 J^T into `reach` and J M^-1 J^T + diag(softness) into `matrix`, for rows from `first` on."""
+    for r in range(first, count):
+        for side in range(2):
+            b = row_body[r, side]
+            store3(reach, r, 6 * side, scale(body[b, INV_MASS], load3(row, r, 6 * side)))
+            store3(reach, r, 6 * side + 3, sym_vec(load6(turned, b, 0), load3(row, r, 6 * side + 3)))
+        for s in range(r + 1):
+            total = 0.0
+            for i in range(2):
+                for k in range(2):
+                    if row_body[r, i] == row_body[s, k]:
+                        for c in range(6):
+                            total += row[r, 6 * i + c] * reach[s, 6 * k + c]
+            matrix[r, s] = total
+            matrix[s, r] = total
+        matrix[r, r] += row[r, SOFTNESS]
+
+
+@kernel
+def factor(matrix: Floats, low: Floats, n: int, vector: Floats) -> None:
+    """Write the Cholesky factor of the rows that are not held (PIVOT 1) into `low`; dependent rows become held."""
+    for i in range(n):
+        if vector[PIVOT, i] == 1.0:
+            continue
+        diagonal = matrix[i, i]
+        for j in range(i):
+            if vector[PIVOT, j] == 1.0:
+                low[i, j] = 0.0
+                continue
+            total = matrix[i, j]
+            for k in range(j):
+                total -= low[i, k] * low[j, k]
+            low[i, j] = total / low[j, j]
+            diagonal -= low[i, j] * low[i, j]
+        if diagonal <= DEPENDENT * matrix[i, i]:
+            vector[PIVOT, i] = 1.0
+            for j in range(i):
+                low[i, j] = 0.0
+        else:
+            low[i, i] = math.sqrt(diagonal)
+    for i in range(n):
+        if vector[PIVOT, i] == 1.0:
+            for j in range(i):
+                low[i, j] = 0.0
+
+
+@kernel
+def solve(low: Floats, n: int, vector: Floats, right: int, out: int) -> None:
+    """Solve with the factor: vector[out] = A^-1 vector[right], zero for held rows."""
+    for i in range(n):
+        if vector[PIVOT, i] == 1.0:
+            vector[out, i] = 0.0
+            continue
+        total = vector[right, i]
+        for k in range(i):
+            total -= low[i, k] * vector[out, k]
+        vector[out, i] = total / low[i, i]
+    for i in range(n - 1, -1, -1):
+        if vector[PIVOT, i] == 1.0:
+            continue
+        total = vector[out, i]
+        for k in range(i + 1, n):
+            if vector[PIVOT, k] == 0.0:
+                total -= low[k, i] * vector[out, k]
+        vector[out, i] = total / low[i, i]
+
+
+@kernel
+def rate(state: Floats, row: Floats, row_body: Ints, r: int) -> float:
+    """J v of row r."""
+    a, b = row_body[r, 0], row_body[r, 1]
+    return (
+        dot(load3(row, r, 0), load3(state, a, V))
+        + dot(load3(row, r, 3), load3(state, a, W))
+        + dot(load3(row, r, 6), load3(state, b, V))
+        + dot(load3(row, r, 9), load3(state, b, W))
+    )
+
+
+@kernel
+def apply(state: Floats, row_body: Ints, reach: Floats, r: int, impulse: float) -> None:
+    """v += M^-1 J^T impulse."""
+    for side in range(2):
+        b = row_body[r, side]
+        store3(state, b, V, axpy(impulse, load3(reach, r, 6 * side), load3(state, b, V)))
+        store3(state, b, W, axpy(impulse, load3(reach, r, 6 * side + 3), load3(state, b, W)))
+
+
+@kernel
+def solve_bounded(
+    state: Floats, row: Floats, row_body: Ints, equalities: int, count: int, matrix: Floats, low: Floats, vector: Floats
+) -> None:
+    """Impulses so that J v + softness * impulse + bias = 0 on free rows, each between its bounds; written to IMPULSE.
+
+    Raises: nothing; after 20 changes of the free set the last one stands.
+    """
+    for r in range(count):
+        vector[WORK, r] = -(rate(state, row, row_body, r) + row[r, BIAS])
+        vector[LOWEST, r] = row[r, LOW] if r >= equalities else -math.inf
+        vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
+        vector[IMPULSE, r] = 0.0
+    held = vector[6]
+    for r in range(count):
+        held[r] = 0.0
+    for _ in range(20):
+        for r in range(count):
+            vector[PIVOT, r] = 1.0 if held[r] != 0.0 else 0.0
+            total = vector[WORK, r]
+            for s in range(equalities, count):
+                if held[s] != 0.0:
+                    total -= matrix[r, s] * (vector[LOWEST, s] if held[s] < 0.0 else vector[HIGHEST, s])
+            vector[RIGHT, r] = total
+        factor(matrix, low, count, vector)
+        solve(low, count, vector, RIGHT, IMPULSE)
+        changed = False
+        for r in range(equalities, count):
+            if held[r] == 0.0:
+                if vector[IMPULSE, r] < vector[LOWEST, r]:
+                    held[r] = -1.0
+                    changed = True
+                elif vector[IMPULSE, r] > vector[HIGHEST, r]:
+                    held[r] = 1.0
+                    changed = True
+            else:
+                vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
+        for r in range(equalities, count):
+            if held[r] != 0.0:
+                left = vector[WORK, r]
+                for s in range(count):
+                    left -= matrix[r, s] * vector[IMPULSE, s]
+                if left * held[r] < -1e-12 * (1.0 + abs(vector[WORK, r])):
+                    held[r] = 0.0
+                    changed = True
+        if not changed:
+            break

@@ -1,0 +1,19 @@
+"""The engine's own errors."""
+
+__all__ = ["Diverged", "NotSupported"]
+
+
+class NotSupported(Exception):
+    """The engine has no model for `what`; `why` says what is missing."""
+
+    def __init__(self, what: str, why: str) -> None:
+        super().__init__(f"{what}: {why}")
+        self.what, self.why = what, why
+
+
+class Diverged(Exception):
+    """The state stopped being finite in step number `step`, counted from 1."""
+
+    def __init__(self, step: int) -> None:
+        super().__init__(f"the state is not finite after step {step}")
+        self.step = step

@@ -1,0 +1,51 @@
+"""The collision stages of a step, in order: poses, bounds, broad phase, narrow phase with matching, preparation."""
+
+from engine.arena import (
+    BODIES, BODY, BODY_KIND, BOUNDS, BROAD, CLIP, CLIP_KEY, COUNT, DT, EXCLUDED, EXCLUSIONS, HEAD, MANIFOLD, MANIFOLD_KEY, MANIFOLDS,
+    MARGIN, NEXT, OLD_KEY, OLD_MANIFOLD, OLD_POINT, OLD_POINT_KEY, ORDER, PAIR, POINT, POINT_KEY, POSE, SETTING, SHAPE, SHAPE_KIND,
+    SHAPES, STATE, SURFACE, TOUCHED, TURNED,
+)  # fmt: skip
+from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_bounds
+from engine.carve import floats_of, ints_of
+from engine.contact_solver import prepare
+from engine.jit import kernel
+from engine.manifolds import build_manifolds, keep_old
+from engine.vec import Floats, Ints
+
+__all__ = ["find_contacts"]
+
+
+@kernel
+def find_contacts(floats: Floats, ints: Ints) -> bool:
+    """Find and prepare the contacts of this step, and mark the bodies they touch.
+
+    Returns: False if the arena has no room for all pairs; then nothing has changed.
+    """
+    state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
+    bounds, setting = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, SETTING)
+    body, turned = floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
+    manifold, point = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
+    kind, shape_kind = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
+    excluded, order, pair = ints_of(ints, EXCLUDED), ints_of(ints, ORDER), ints_of(ints, PAIR)
+    key, point_key = ints_of(ints, MANIFOLD_KEY), ints_of(ints, POINT_KEY)
+    old, old_point = floats_of(floats, ints, OLD_MANIFOLD), floats_of(floats, ints, OLD_POINT)
+    old_key, old_point_key = ints_of(ints, OLD_KEY), ints_of(ints, OLD_POINT_KEY)
+    head, following, count = ints_of(ints, HEAD), ints_of(ints, NEXT), ints_of(ints, COUNT)
+    shapes, exclusions = count[0, SHAPES], count[0, EXCLUSIONS]
+    pose_shapes(state, shape, shape_kind, shapes, pose)
+    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
+    if count[0, BROAD] == 0:
+        pairs = brute_force(bounds, shape_kind, kind, excluded, exclusions, pose, shapes, pair)
+    else:
+        pairs = sweep_and_prune(bounds, shape_kind, kind, excluded, exclusions, pose, shapes, order, pair)
+    if pairs > pair.shape[0]:
+        return False
+    for b in range(count[0, BODIES] + 1):
+        kind[b, TOUCHED] = 0
+    keep_old(count, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
+    build_manifolds(
+        state, kind, shape, shape_kind, pose, floats_of(floats, ints, SURFACE), setting, count, pair, pairs, manifold, key, point,
+        point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY),
+    )  # fmt: skip
+    prepare(state, body, turned, count[0, MANIFOLDS], manifold, key, point)
+    return True

@@ -1,0 +1,71 @@
+"""Compile a numerical function with Numba, in a cache that can never serve code of an older source.
+
+Numba keys its cache by the file of the outermost function alone, so that an edited callee or another flag would go unnoticed.
+Here the directory itself carries a hash of all sources of this package, the flags and Numba's version.
+
+With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import platformdirs
+
+__all__ = ["FLAGS", "cache_directory", "entry", "kernel"]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+FLAGS: frozenset[str] = frozenset({"contract", "nsz"})
+"""Fused multiply-add and unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
+
+
+def cache_directory() -> Path:
+    """The directory for compiled code of exactly these sources, flags and this Numba.
+
+    Returns: `$PLUMBLINE_KERNEL_CACHE` or the user's cache directory, with the hash appended.
+    """
+    import numba
+
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    digest.update(" ".join(sorted(FLAGS)).encode())
+    digest.update(numba.__version__.encode())
+    root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
+    return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
+
+
+def _prepare() -> None:
+    """Point Numba to the cache; must run before the first function is decorated."""
+    import numba
+
+    numba.config.CACHE_DIR = str(cache_directory())
+
+
+_prepare()
+
+
+def kernel(function: Function) -> Function:
+    """A compiled function that other compiled functions call.
+
+    Args: function: numbers, tuples and arrays only.
+    Returns: the same function, compiled on first use for the argument types that it meets.
+    """
+    import numba
+
+    return cast(Function, numba.njit(fastmath=set(FLAGS), error_model="numpy", nogil=True)(function))
+
+
+def entry(function: Function) -> Function:
+    """A compiled function that Python calls: as `kernel`, and kept on disk for the next process.
+
+    Args: function: numbers, tuples and arrays only.
+    Returns: the same function, compiled on first use or loaded from the cache.
+    """
+    import numba
+
+    return cast(Function, numba.njit(fastmath=set(FLAGS), error_model="numpy", nogil=True, cache=True)(function))

@@ -1,0 +1,117 @@
+"""One step of the classical Runge-Kutta method of order four for bodies held by joints, on the full smooth dynamics.
+
+In each stage the accelerations follow from the Newton-Euler equations and the constraints,
+
+    a = M^-1 (f + J^T lambda),   J M^-1 J^T lambda = -(J M^-1 f + dJ/dt v),
+
+solved directly. The end of the step is projected onto the constraints, positions first, in the metric of the mass.
+
+Source: Hairer, Wanner, Solving Ordinary Differential Equations II, sections VII.1 and VII.2 (index reduction and projection);
+Featherstone, Rigid Body Dynamics Algorithms, section 8.5.
+"""
+
+from engine.arena import (
+    ANGULAR_DAMPING, CHILD, CURVATURE, DYNAMIC, GRAVITY, HAS, IMPLICIT, INV_INERTIA, INV_MASS, KINEMATIC, LINEAR_DAMPING, MOTION, P,
+    PARENT, PIVOT, Q, RIGHT, V, W, WORK,
+)  # fmt: skip
+from engine.coordinate import coordinate_row, explicit_force
+from engine.direct import assemble, factor, solve
+from engine.jit import kernel
+from engine.joint_rows import equality_rows
+from engine.motion import angular_momentum, turn_inertia
+from engine.projection import project
+from engine.runge_kutta import quat_axpy, quat_rate, spin_rate
+from engine.vec import (
+    Floats, Ints, add, axpy, cross, dot, load3, load4, load6, quat_turn, quat_unit, scale, store3, store4, sub, sym_vec,
+)  # fmt: skip
+
+__all__ = ["jointed_runge_kutta"]
+
+
+@kernel
+def slopes(
+    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, bodies: int, joint: Floats,
+    joint_kind: Ints, joints: int, row: Floats, row_body: Ints, reach: Floats, matrix: Floats, low: Floats, vector: Floats,
+    slope: Floats, gyroscopic: int,
+) -> None:  # fmt: skip
+    """Write the accelerations of all dynamic bodies under loads and joints into `slope` (columns V and W)."""
+    g = load3(setting, 0, GRAVITY)
+    for b in range(bodies + 1):
+        store3(slope, b, V, (0.0, 0.0, 0.0))
+        store3(slope, b, W, (0.0, 0.0, 0.0))
+        if kind[b, MOTION] == DYNAMIC:
+            v, w = load3(state, b, V), load3(state, b, W)
+            store3(slope, b, V, axpy(-body[b, LINEAR_DAMPING], v, axpy(body[b, INV_MASS], load3(load, b, 0), g)))
+            torque = load3(load, b, 3)
+            if gyroscopic == 1:
+                torque = sub(torque, cross(w, angular_momentum(state, body, b)))
+            store3(slope, b, W, axpy(-body[b, ANGULAR_DAMPING], w, sym_vec(load6(turned, b, 0), torque)))
+    last = row.shape[0] - 1
+    for j in range(joints):
+        if joint_kind[j, HAS] & 6 & ~joint_kind[j, IMPLICIT]:
+            x, rate = coordinate_row(state, joint, joint_kind, j, row, row_body, last)
+            f = explicit_force(joint, joint_kind, j, x, rate)
+            for side in range(2):
+                b = row_body[last, side]
+                store3(slope, b, V, axpy(f * body[b, INV_MASS], load3(row, last, 6 * side), load3(slope, b, V)))
+                push = sym_vec(load6(turned, b, 0), load3(row, last, 6 * side + 3))
+                store3(slope, b, W, axpy(f, push, load3(slope, b, W)))
+    count = equality_rows(state, joint, joint_kind, joints, row, row_body)
+    assemble(row, row_body, 0, count, body, turned, reach, matrix)
+    for r in range(count):
+        total = row[r, CURVATURE]
+        for side in range(2):
+            b = row_body[r, side]
+            total += dot(load3(row, r, 6 * side), load3(slope, b, V)) + dot(load3(row, r, 6 * side + 3), load3(slope, b, W))
+        vector[RIGHT, r] = -total
+        vector[PIVOT, r] = 0.0
+    factor(matrix, low, count, vector)
+    solve(low, count, vector, RIGHT, WORK)
+    for r in range(count):
+        for side in range(2):
+            b = row_body[r, side]
+            store3(slope, b, V, axpy(vector[WORK, r], load3(reach, r, 6 * side), load3(slope, b, V)))
+            store3(slope, b, W, axpy(vector[WORK, r], load3(reach, r, 6 * side + 3), load3(slope, b, W)))
+
+
+@kernel
+def jointed_runge_kutta(
+    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, bodies: int, joint: Floats,
+    joint_kind: Ints, joints: int, row: Floats, row_body: Ints, reach: Floats, matrix: Floats, low: Floats, vector: Floats,
+    start: Floats, slope: Floats, total: Floats, dt: float, gyroscopic: int,
+) -> None:  # fmt: skip
+    """Advance all bodies by dt."""
+    for b in range(bodies):
+        for c in range(13):
+            start[b, c] = state[b, c]
+            total[b, c] = 0.0
+    for stage in range(4):
+        slopes(
+            state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector,
+            slope, gyroscopic,
+        )  # fmt: skip
+        weight = 1.0 if stage == 0 or stage == 3 else 2.0
+        ahead = 0.5 * dt if stage < 2 else dt
+        for b in range(bodies):
+            if kind[b, MOTION] == KINEMATIC:
+                if stage == 0 or stage == 2:
+                    store3(state, b, P, axpy(ahead, load3(state, b, V), load3(start, b, P)))
+                    store4(state, b, Q, quat_turn(load4(start, b, Q), load3(state, b, W), ahead))
+                continue
+            if kind[b, MOTION] != DYNAMIC:
+                continue
+            store3(slope, b, P, load3(state, b, V))
+            store4(slope, b, Q, quat_rate(load4(state, b, Q), load3(state, b, W)))
+            for c in range(13):
+                total[b, c] += weight * slope[b, c]
+            if stage < 3:
+                for c in range(13):
+                    state[b, c] = start[b, c] + ahead * slope[b, c]
+            else:
+                for c in range(13):
+                    state[b, c] = start[b, c] + dt / 6.0 * total[b, c]
+                store4(state, b, Q, quat_unit(load4(state, b, Q)))
+            turn_inertia(state, body, turned, b)
+    project(
+        state, body, kind, turned, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector, dt
+    )

@@ -1,0 +1,131 @@
+"""Build this step's manifolds from the pairs, and carry the impulses of matching points over from the last step.
+
+Points match when shapes and feature are the same.
+
+Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
+"""
+
+import math
+
+from engine.arena import (
+    BALL_RADIUS, BODY_A, BODY_B, DT, FIRST_GAP, LAW, MANIFOLDS, MARGIN, MATERIAL, MATERIALS, NORMAL, NORMAL_IMPULSE,
+    OLD_MANIFOLDS, OWNER, PLACE, POINTS, SHAPE_A, SHAPE_B, SIZE, SLIPS, SPIN_IMPULSE, TANGENT_IMPULSE, TOUCHED, TYPE, V, W, BOX,
+    CONTINUOUS, OFFSET, P,
+)  # fmt: skip
+from engine.jit import kernel
+from engine.narrow.collide import collide
+from engine.vec import Floats, Ints, add, axpy, cross, dot, load3, norm, store3, sub
+
+__all__ = ["build_manifolds", "keep_old", "look_ahead"]
+
+AT_REST = 1e-6
+"""Tangential speed [m/s] below which a new contact counts as sticking."""
+
+
+@kernel
+def keep_old(
+    count: Ints, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
+    old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, shapes: int,
+) -> None:  # fmt: skip
+    """Move the last step's manifolds aside and list them by their first shape."""
+    n = count[0, MANIFOLDS]
+    count[0, OLD_MANIFOLDS] = n
+    for s in range(shapes):
+        head[s, 0] = -1
+    for m in range(n):
+        for c in range(old.shape[1]):
+            old[m, c] = manifold[m, c]
+        for c in range(old_key.shape[1]):
+            old_key[m, c] = manifold_key[m, c]
+        for k in range(manifold_key[m, POINTS]):
+            at = 4 * m + k
+            for c in range(NORMAL_IMPULSE, TANGENT_IMPULSE + 3):
+                old_point[at, c] = point[at, c]
+            old_point_key[at, 0] = point_key[at, 0]
+        s = manifold_key[m, SHAPE_A]
+        following[m, 0] = head[s, 0]
+        head[s, 0] = m
+
+
+@kernel
+def thinnest(shape: Floats, shape_kind: Ints, s: int) -> float:
+    """Half the smallest width of a shape [m]."""
+    if shape_kind[s, TYPE] == BOX:
+        return min(min(shape[s, SIZE], shape[s, SIZE + 1]), shape[s, SIZE + 2])
+    if shape[s, BALL_RADIUS] < math.inf:
+        return shape[s, SIZE]
+    return math.inf
+
+
+@kernel
+def look_ahead(
+    state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, setting: Floats, continuous: int
+) -> float:
+    """How far apart [m] two shapes may be and still be given a contact for this step: the way they may go towards each other.
+
+    Without continuous collision it ends at half the thickness of the thinner shape, so that a fast body passes a thin wall.
+    """
+    i, j = shape_kind[a, OWNER], shape_kind[b, OWNER]
+    dt = setting[0, DT]
+    speed = norm(sub(load3(state, j, V), load3(state, i, V)))
+    for s, owner in ((a, i), (b, j)):
+        if shape[s, BALL_RADIUS] < math.inf:
+            speed += norm(load3(state, owner, W)) * (norm(load3(shape, s, OFFSET)) + shape[s, BALL_RADIUS])
+    way = setting[0, MARGIN] + dt * (speed + dt * norm(load3(setting, 0, 1)))
+    if continuous == 0:
+        way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
+    return way
+
+
+@kernel
+def build_manifolds(
+    state: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats, surface: Floats, setting: Floats, count: Ints,
+    pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
+    old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, clip: Floats, clip_key: Ints,
+) -> None:  # fmt: skip
+    """Run the narrow phase on all pairs and match the points found with the old ones."""
+    found = 0
+    for p in range(pairs):
+        a, b = pair[p, 0], pair[p, 1]
+        if shape_kind[a, TYPE] > shape_kind[b, TYPE]:
+            a, b = b, a
+        margin = look_ahead(state, shape, shape_kind, a, b, setting, count[0, CONTINUOUS])
+        at = 4 * found
+        points, normal = collide(shape, shape_kind, pose, a, b, margin, point, point_key, at, clip, clip_key)
+        if points == 0:
+            continue
+        for k in range(points):
+            for c in range(point.shape[1]):
+                if c != FIRST_GAP and not PLACE <= c < PLACE + 3:
+                    point[at + k, c] = 0.0
+        i, j = shape_kind[a, OWNER], shape_kind[b, OWNER]
+        for c in range(manifold.shape[1]):
+            manifold[found, c] = 0.0
+        store3(manifold, found, NORMAL, normal)
+        law = shape_kind[a, MATERIAL] * count[0, MATERIALS] + shape_kind[b, MATERIAL]
+        for c in range(5):
+            manifold[found, LAW + c] = surface[law, c]
+        manifold_key[found, SHAPE_A], manifold_key[found, SHAPE_B] = a, b
+        manifold_key[found, BODY_A], manifold_key[found, BODY_B] = i, j
+        manifold_key[found, POINTS], manifold_key[found, SLIPS] = points, 0
+        body_kind[i, TOUCHED] = 1
+        body_kind[j, TOUCHED] = 1
+        m = head[a, 0]
+        while m >= 0 and old_key[m, SHAPE_B] != b:
+            m = following[m, 0]
+        if m < 0:
+            place = load3(point, at, PLACE)
+            va = add(load3(state, i, V), cross(load3(state, i, W), sub(place, load3(state, i, P))))
+            vb = add(load3(state, j, V), cross(load3(state, j, W), sub(place, load3(state, j, P))))
+            u = sub(vb, va)
+            manifold_key[found, SLIPS] = 1 if norm(axpy(-dot(u, normal), normal, u)) > AT_REST else 0
+        else:
+            manifold_key[found, SLIPS] = old_key[m, SLIPS]
+            store3(manifold, found, SPIN_IMPULSE, load3(old, m, SPIN_IMPULSE))
+            for k in range(points):
+                for other in range(old_key[m, POINTS]):
+                    if old_point_key[4 * m + other, 0] == point_key[at + k, 0]:
+                        point[at + k, NORMAL_IMPULSE] = old_point[4 * m + other, NORMAL_IMPULSE]
+                        store3(point, at + k, TANGENT_IMPULSE, load3(old_point, 4 * m + other, TANGENT_IMPULSE))
+        found += 1
+    count[0, MANIFOLDS] = found

@@ -1,0 +1,197 @@
+"""Contacts of two boxes: separating axes, then the incident face clipped by the reference face, at most four points kept.
+
+Source: Gottschalk, Lin, Manocha, OBBTree, 1996 (fifteen axes); Ericson, Real-Time Collision Detection, section 5.1.9 (edges) and
+8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013.
+"""
+
+import math
+
+from engine.jit import kernel
+from engine.narrow.point import put_point
+from engine.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
+
+__all__ = ["box_box"]
+
+EDGE_HANDICAP = 1e-3
+"""Share of the smallest half extent [1] by which an edge pair must beat the faces, so that faces win where both are as good."""
+ON_PLANE = 1e-7
+"""Share of the largest half extent [1] within which a corner counts as on a clipping plane: it keeps its feature."""
+
+
+@kernel
+def column(m: Mat, k: int) -> Vec:
+    """Column k of a matrix: axis k of the frame, in W."""
+    return m[k], m[3 + k], m[6 + k]
+
+
+@kernel
+def reach(m: Mat, h: Vec, n: Vec) -> float:
+    """Half the width of a box along n."""
+    return h[0] * abs(dot(column(m, 0), n)) + h[1] * abs(dot(column(m, 1), n)) + h[2] * abs(dot(column(m, 2), n))
+
+
+@kernel
+def box_box(
+    pa: Vec, ma: Mat, ha: Vec, pb: Vec, mb: Mat, hb: Vec, margin: float, point: Floats, key: Ints, at: int, clip: Floats,
+    clip_key: Ints,
+) -> tuple[int, Vec]:  # fmt: skip
+    """Box A against box B. Returns: number of points, normal from A to B."""
+    d = sub(pb, pa)
+    smallest = min(min(min(ha[0], ha[1]), ha[2]), min(min(hb[0], hb[1]), hb[2]))
+    best, code, normal = -math.inf, -1, (0.0, 0.0, 1.0)
+    for k in range(6):
+        n = column(ma, k) if k < 3 else column(mb, k - 3)
+        way = dot(d, n)
+        gap = abs(way) - reach(ma, ha, n) - reach(mb, hb, n)
+        if gap > margin:
+            return 0, normal
+        if gap > best + (0.0 if code < 0 else EDGE_HANDICAP * smallest * 1e-3):
+            best, code = gap, k
+            normal = n if way >= 0.0 else neg(n)
+    for i in range(3):
+        for j in range(3):
+            n = cross(column(ma, i), column(mb, j))
+            length = norm(n)
+            if length < 1e-4:
+                continue
+            n = scale(1.0 / length, n)
+            way = dot(d, n)
+            gap = abs(way) - reach(ma, ha, n) - reach(mb, hb, n)
+            if gap > margin:
+                return 0, normal
+            if gap > best + EDGE_HANDICAP * smallest:
+                best, code = gap, 6 + 3 * i + j
+                normal = n if way >= 0.0 else neg(n)
+    if code >= 6:
+        i, j = (code - 6) // 3, (code - 6) % 3
+        return edge_edge(pa, ma, ha, i, pb, mb, hb, j, normal, best, point, key, at, code), normal
+    if code < 3:
+        return face_face(pa, ma, ha, code, normal, pb, mb, hb, margin, point, key, at, clip, clip_key, code), normal
+    count = face_face(
+        pb, mb, hb, code - 3, neg(normal), pa, ma, ha, margin, point, key, at, clip, clip_key, code
+    )
+    return count, normal
+
+
+@kernel
+def edge_edge(
+    pa: Vec, ma: Mat, ha: Vec, i: int, pb: Vec, mb: Mat, hb: Vec, j: int, n: Vec, gap: float, point: Floats, key: Ints, at: int,
+    code: int,
+) -> int:  # fmt: skip
+    """One point, midway between the two edges that face each other along n."""
+    a, b = pa, pb
+    for k in range(3):
+        if k != i:
+            a = axpy(math.copysign(ha[k], dot(column(ma, k), n)), column(ma, k), a)
+        if k != j:
+            b = axpy(-math.copysign(hb[k], dot(column(mb, k), n)), column(mb, k), b)
+    ua, ub = column(ma, i), column(mb, j)
+    c = dot(ua, ub)
+    d = sub(b, a)
+    s = (dot(d, ua) - c * dot(d, ub)) / (1.0 - c * c)
+    t = (c * dot(d, ua) - dot(d, ub)) / (1.0 - c * c)
+    s, t = min(max(s, -ha[i]), ha[i]), min(max(t, -hb[j]), hb[j])
+    place = scale(0.5, add(axpy(s, ua, a), axpy(t, ub, b)))
+    put_point(point, key, at, place, gap, 1000 + code)
+    return 1
+
+
+@kernel
+def face_face(
+    pr: Vec, mr: Mat, hr: Vec, face: int, n: Vec, pi: Vec, mi: Mat, hi: Vec, margin: float, point: Floats, key: Ints, at: int,
+    clip: Floats, clip_key: Ints, code: int,
+) -> int:  # fmt: skip
+    """Points of the incident box under the face of the reference box whose outward normal is n.
+
+    The polygon lives in the two in-plane coordinates of the reference face and the height above it.
+    """
+    one, two = (face + 1) % 3, (face + 2) % 3
+    u, v = column(mr, one), column(mr, two)
+    origin = axpy(hr[face], n, pr)
+    local = tmat_vec(mi, n)
+    incident = 0
+    if abs(local[1]) > abs(local[incident]):
+        incident = 1
+    if abs(local[2]) > abs(local[incident]):
+        incident = 2
+    sign = -1.0 if local[incident] > 0.0 else 1.0
+    i1, i2 = (incident + 1) % 3, (incident + 2) % 3
+    middle = axpy(sign * hi[incident], column(mi, incident), pi)
+    for corner in range(4):
+        s1 = 1.0 if corner == 0 or corner == 3 else -1.0
+        s2 = 1.0 if corner < 2 else -1.0
+        x = sub(axpy(s1 * hi[i1], column(mi, i1), axpy(s2 * hi[i2], column(mi, i2), middle)), origin)
+        clip[corner, 0], clip[corner, 1], clip[corner, 2] = dot(x, u), dot(x, v), dot(x, n)
+        clip_key[corner, 0] = corner
+    count, base = 4, 0
+    near = ON_PLANE * max(hr[one], hr[two])
+    for side in range(4):
+        k = side // 2
+        way = 1.0 if side % 2 == 0 else -1.0
+        bound = hr[one] if k == 0 else hr[two]
+        into = 16 - base
+        kept = 0
+        for c in range(count):
+            a, b = base + c, base + (c + 1) % count
+            da, db = way * clip[a, k] - bound, way * clip[b, k] - bound
+            if da <= near:
+                for m in range(3):
+                    clip[into + kept, m] = clip[a, m]
+                clip_key[into + kept, 0] = clip_key[a, 0]
+                kept += 1
+            if (da <= near) != (db <= near):
+                share = min(max(da / (da - db), 0.0), 1.0)
+                for m in range(3):
+                    clip[into + kept, m] = clip[a, m] + share * (clip[b, m] - clip[a, m])
+                clip_key[into + kept, 0] = 8 + 2 * side + (1 if da <= near else 0)
+                kept += 1
+        base, count = into, kept
+        if count == 0:
+            return 0
+    found = 0
+    for c in range(count):
+        if clip[base + c, 2] <= margin:
+            for m in range(3):
+                clip[base + found, m] = clip[base + c, m]
+            clip_key[base + found, 0] = clip_key[base + c, 0]
+            found += 1
+    found = keep_four(clip, clip_key, base, found)
+    marker = 32 * (2 * (3 * code + incident) + (1 if sign > 0.0 else 0))
+    for c in range(found):
+        height = clip[base + c, 2]
+        place = axpy(clip[base + c, 0], u, axpy(clip[base + c, 1], v, axpy(0.5 * height, n, origin)))
+        put_point(point, key, at + c, place, height, marker + clip_key[base + c, 0])
+    return found
+
+
+@kernel
+def keep_four(clip: Floats, clip_key: Ints, base: int, count: int) -> int:
+    """Keep the deepest point, the one farthest from it, and the two that span most area on either side. Returns: their number."""
+    if count <= 4:
+        return count
+    first = 0
+    for c in range(1, count):
+        if clip[base + c, 2] < clip[base + first, 2] - 1e-9:
+            first = c
+    second, far = first, -1.0
+    for c in range(count):
+        x, y = clip[base + c, 0] - clip[base + first, 0], clip[base + c, 1] - clip[base + first, 1]
+        if x * x + y * y > far:
+            second, far = c, x * x + y * y
+    third, fourth, most, least = first, first, 0.0, 0.0
+    ex, ey = clip[base + second, 0] - clip[base + first, 0], clip[base + second, 1] - clip[base + first, 1]
+    for c in range(count):
+        x, y = clip[base + c, 0] - clip[base + first, 0], clip[base + c, 1] - clip[base + first, 1]
+        area = ex * y - ey * x
+        if area > most:
+            third, most = c, area
+        if area < least:
+            fourth, least = c, area
+    kept = 0
+    for c in range(count):
+        if c == first or c == second or c == third or c == fourth:
+            for m in range(3):
+                clip[base + kept, m] = clip[base + c, m]
+            clip_key[base + kept, 0] = clip_key[base + c, 0]
+            kept += 1
+    return kept

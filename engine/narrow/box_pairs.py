@@ -1,0 +1,170 @@
+"""Contacts of a box with a sphere, a capsule and a plane.
+
+Source: Ericson, Real-Time Collision Detection, sections 5.1.3 (closest point of a box), 5.2.3 (box and plane).
+"""
+
+import math
+
+from engine.jit import kernel
+from engine.narrow.point import put_point
+from engine.vec import Floats, Ints, Mat, Vec, add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+
+__all__ = ["box_plane", "capsule_box", "sphere_box"]
+
+
+@kernel
+def clamp3(p: Vec, h: Vec) -> Vec:
+    """The point of the box |x| <= h closest to p."""
+    return min(max(p[0], -h[0]), h[0]), min(max(p[1], -h[1]), h[1]), min(max(p[2], -h[2]), h[2])
+
+
+@kernel
+def nearest_face(p: Vec, h: Vec) -> tuple[Vec, float]:
+    """For p inside the box: the outward normal of the nearest face, and the distance to it."""
+    x, y, z = h[0] - abs(p[0]), h[1] - abs(p[1]), h[2] - abs(p[2])
+    if x <= y and x <= z:
+        return (math.copysign(1.0, p[0]), 0.0, 0.0), x
+    if y <= z:
+        return (0.0, math.copysign(1.0, p[1]), 0.0), y
+    return (0.0, 0.0, math.copysign(1.0, p[2])), z
+
+
+@kernel
+def sphere_box(
+    pa: Vec, ra: float, pb: Vec, mb: Mat, h: Vec, margin: float, point: Floats, key: Ints, at: int, feature: int
+) -> tuple[int, Vec]:
+    """Sphere A against box B. Returns: number of points, normal."""
+    p = tmat_vec(mb, sub(pa, pb))
+    d = sub(p, clamp3(p, h))
+    length = norm(d)
+    if length > 1e-12:
+        out, distance = scale(1.0 / length, d), length
+    else:
+        out, depth = nearest_face(p, h)
+        distance = -depth
+    n = neg(mat_vec(mb, out))
+    gap = distance - ra
+    if gap > margin:
+        return 0, n
+    put_point(point, key, at, axpy(ra + 0.5 * gap, n, pa), gap, feature)
+    return 1, n
+
+
+@kernel
+def slope_at(p: Vec, u: Vec, h: Vec, t: float) -> float:
+    """Half the derivative of the squared distance from the box to p + t u; it grows with t."""
+    x = axpy(t, u, p)
+    return dot(u, sub(x, clamp3(x, h)))
+
+
+@kernel
+def closest_on_axis(p: Vec, u: Vec, half: float, h: Vec) -> float:
+    """The coordinate t, |t| <= half, where p + t u is closest to the box: the zero of a piecewise linear, growing slope."""
+    low, high = -half, half
+    if slope_at(p, u, h, low) >= 0.0:
+        return low
+    if slope_at(p, u, h, high) <= 0.0:
+        return high
+    for k in range(3):
+        for sign in (-1.0, 1.0):
+            if abs(u[k]) > 1e-12:
+                t = (sign * h[k] - p[k]) / u[k]
+                if low < t < high:
+                    if slope_at(p, u, h, t) < 0.0:
+                        low = t
+                    else:
+                        high = t
+    a, b = slope_at(p, u, h, low), slope_at(p, u, h, high)
+    if b - a < 1e-300:
+        return 0.5 * (low + high)
+    return low - a * (high - low) / (b - a)
+
+
+@kernel
+def capsule_box(
+    pa: Vec, axis: Vec, ra: float, half: float, pb: Vec, mb: Mat, h: Vec, margin: float, point: Floats, key: Ints, at: int
+) -> tuple[int, Vec]:
+    """Capsule A against box B: the ends of the part of its axis that lies over the touched face, or the closest point.
+
+    Returns: number of points, normal.
+    """
+    p, u = tmat_vec(mb, sub(pa, pb)), tmat_vec(mb, axis)
+    t = closest_on_axis(p, u, half, h)
+    x = axpy(t, u, p)
+    d = sub(x, clamp3(x, h))
+    length = norm(d)
+    if length - ra > margin:
+        return 0, (0.0, 0.0, 1.0)
+    if length > 1e-12:
+        out = scale(1.0 / length, d)
+    else:
+        out = deepest_axis(p, u, half, h)
+    face = -1
+    for k in range(3):
+        if abs(out[k]) > 0.999:
+            face = k
+    if face >= 0:
+        sign = math.copysign(1.0, out[face])
+        out = (sign if face == 0 else 0.0, sign if face == 1 else 0.0, sign if face == 2 else 0.0)
+        low, high = -half, half
+        for k in range(3):
+            if k != face and abs(u[k]) > 1e-12:
+                one, two = (-h[k] - p[k]) / u[k], (h[k] - p[k]) / u[k]
+                low, high = max(low, min(one, two)), min(high, max(one, two))
+        if high > low:
+            n = neg(mat_vec(mb, out))
+            count = 0
+            for end in range(2):
+                s = low if end == 0 else high
+                y = axpy(s, u, p)
+                gap = sign * y[face] - h[face] - ra
+                if gap <= margin:
+                    put_point(point, key, at + count, axpy(ra + 0.5 * gap, n, axpy(s, axis, pa)), gap, 1 + end)
+                    count += 1
+            return count, n
+    return sphere_box(axpy(t, axis, pa), ra, pb, mb, h, margin, point, key, at, 0)
+
+
+@kernel
+def deepest_axis(p: Vec, u: Vec, half: float, h: Vec) -> Vec:
+    """For an axis that pierces the box: the outward face normal along which the least way separates them."""
+    best, out = math.inf, (0.0, 0.0, 1.0)
+    for k in range(3):
+        reach = half * abs(u[k])
+        for sign in (-1.0, 1.0):
+            way = h[k] + reach - sign * p[k]
+            if way < best:
+                best = way
+                out = (sign if k == 0 else 0.0, sign if k == 1 else 0.0, sign if k == 2 else 0.0)
+    return out
+
+
+@kernel
+def box_plane(
+    pa: Vec, ma: Mat, h: Vec, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int
+) -> tuple[int, Vec]:
+    """Box A against plane B: the corners of the face that looks most at the plane. Returns: number of points, normal."""
+    u = tmat_vec(ma, up)
+    face = 0
+    if abs(u[1]) > abs(u[face]):
+        face = 1
+    if abs(u[2]) > abs(u[face]):
+        face = 2
+    low = -1.0 if u[face] > 0.0 else 1.0
+    count = 0
+    n = neg(up)
+    for corner in range(4):
+        one = 1.0 if corner == 0 or corner == 3 else -1.0
+        two = 1.0 if corner < 2 else -1.0
+        if face == 0:
+            c = (low * h[0], one * h[1], two * h[2])
+        elif face == 1:
+            c = (one * h[0], low * h[1], two * h[2])
+        else:
+            c = (one * h[0], two * h[1], low * h[2])
+        place = add(pa, mat_vec(ma, c))
+        gap = dot(sub(place, pb), up)
+        if gap <= margin:
+            put_point(point, key, at + count, axpy(0.5 * gap, n, place), gap, 8 * face + (4 if low > 0.0 else 0) + corner)
+            count += 1
+    return count, n

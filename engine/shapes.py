@@ -1,0 +1,93 @@
+"""The shapes of bodies, in their own frames, [m]."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from engine.check import finite, positive
+
+__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Placed", "Plane", "Shape", "Sphere"]
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """A ball about the origin."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        positive("sphere", "radius", self.radius, "m")
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A cuboid about the origin, |x| <= half_extents[0] and so on."""
+
+    half_extents: Sequence[float]
+
+    def __post_init__(self) -> None:
+        finite("box", "half_extents", self.half_extents, (3,), "m")
+        for one in self.half_extents:
+            positive("box", "half_extents", one, "m")
+
+
+@dataclass(frozen=True, slots=True)
+class Capsule:
+    """All points within `radius` of the segment |z| <= half_length."""
+
+    radius: float
+    half_length: float
+
+    def __post_init__(self) -> None:
+        positive("capsule", "radius", self.radius, "m")
+        positive("capsule", "half_length", self.half_length, "m")
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """A right circular cylinder about z, |z| <= half_length. Rays only; it takes no part in contact."""
+
+    radius: float
+    half_length: float
+
+    def __post_init__(self) -> None:
+        positive("cylinder", "radius", self.radius, "m")
+        positive("cylinder", "half_length", self.half_length, "m")
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """The half space normal . x <= 0."""
+
+    normal: Sequence[float] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        finite("plane", "normal", self.normal, (3,), "1")
+        if float(np.linalg.norm(np.asarray(self.normal, float))) < 1e-12:
+            raise ValueError(f"plane: normal {tuple(self.normal)}, expected a direction")
+
+
+@dataclass(frozen=True, slots=True)
+class ConvexHull:
+    """The convex hull of vertices (n, 3). Described here; neither contact nor rays know it."""
+
+    vertices: Sequence[Sequence[float]]
+
+
+Shape = Sphere | Box | Capsule | Cylinder | Plane | ConvexHull
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A shape at the pose (p_BS, q_BS) relative to the body's centre of mass."""
+
+    shape: Shape
+    p_BS: Sequence[float] = (0.0, 0.0, 0.0)
+    q_BS: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        finite("placed shape", "p_BS", self.p_BS, (3,), "m")
+        finite("placed shape", "q_BS", self.q_BS, (4,), "1")
+        if float(np.linalg.norm(np.asarray(self.q_BS, float))) < 1e-12:
+            raise ValueError(f"placed shape: q_BS {tuple(self.q_BS)} has no direction")

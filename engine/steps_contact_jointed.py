@@ -1,0 +1,100 @@
+"""Steps of worlds with contact and joints: in each sub-step, contact sweeps alternate with a direct solve of all joints."""
+
+from engine.arena import (
+    BIAS, BODIES, BODY, BODY_KIND, CHILD, COUNT, DAMPING_RATIO, DT, FACTOR, GAP, GYROSCOPIC, HERTZ, HIGH, IMPULSE, ITERATIONS, JOINT,
+    JOINT_KIND, JOINTS, LOAD, LOW, MANIFOLD, MANIFOLD_KEY, MANIFOLDS, MATRIX, MAX_PUSH, PARENT, POINT, REACH, RELAXATIONS, ROW,
+    ROW_BODY, RUNGE_KUTTA, SETTING, SOFTNESS, STATE, STEPS, SUBSTEPS, TOUCHED, TURNED, VECTOR,
+)  # fmt: skip
+from engine.carve import floats_of, ints_of
+from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
+from engine.coordinate import bounded_rows
+from engine.direct import apply, assemble, solve_bounded
+from engine.find_contacts import find_contacts
+from engine.finite_state import is_finite
+from engine.jit import entry, kernel
+from engine.joint_rows import equality_rows
+from engine.motion import drift, drift_free, kick
+from engine.runge_kutta import runge_kutta_free
+from engine.steps_contact import slow_approach, soft_factors
+from engine.vec import Floats, Ints
+
+__all__ = ["step_contact_jointed"]
+
+
+@kernel
+def hold_joints(
+    state: Floats, row: Floats, row_body: Ints, equalities: int, rows: int, reach: Floats, matrix: Floats, low: Floats, vector: Floats
+) -> None:  # fmt: skip
+    """Solve all rows for the present velocities, and count what soft and bounded rows have given against their law."""
+    solve_bounded(state, row, row_body, equalities, rows, matrix, low, vector)
+    for r in range(rows):
+        impulse = vector[IMPULSE, r]
+        apply(state, row_body, reach, r, impulse)
+        if r >= equalities:
+            row[r, BIAS] += row[r, SOFTNESS] * impulse
+            row[r, LOW] -= impulse
+            row[r, HIGH] -= impulse
+
+
+@entry
+def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance bodies in contact and held by joints. Returns: as `step_contact`."""
+    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
+    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
+    manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
+    joint, row, reach = floats_of(floats, ints, JOINT), floats_of(floats, ints, ROW), floats_of(floats, ints, REACH)
+    matrix, low, vector = floats_of(floats, ints, MATRIX), floats_of(floats, ints, FACTOR), floats_of(floats, ints, VECTOR)
+    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    joint_kind, row_body = ints_of(ints, JOINT_KIND), ints_of(ints, ROW_BODY)
+    bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
+    joints = count[0, JOINTS]
+    h = dt / substeps
+    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
+    slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
+    for step in range(steps):
+        if not find_contacts(floats, ints):
+            return step, 2
+        n = count[0, MANIFOLDS]
+        for j in range(joints):
+            kind[joint_kind[j, PARENT], TOUCHED] = 1
+            kind[joint_kind[j, CHILD], TOUCHED] = 1
+        for b in range(bodies):
+            if kind[b, TOUCHED] == 0:
+                if count[0, RUNGE_KUTTA] == 1:
+                    runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
+                else:
+                    drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
+        for _ in range(substeps):
+            for b in range(bodies):
+                if kind[b, TOUCHED] == 1:
+                    kick(state, body, kind, turned, load, setting, b, h)
+            equalities = equality_rows(state, joint, joint_kind, joints, row, row_body)
+            for r in range(equalities):
+                row[r, BIAS] = row[r, GAP] / h
+            rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, equalities, h, 0)
+            assemble(row, row_body, 0, rows, body, turned, reach, matrix)
+            approach(state, kind, setting, n, manifold, key, point, h, slow)
+            warm_start(state, body, turned, n, manifold, key, point)
+            hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
+            for _ in range(count[0, ITERATIONS]):
+                if n > 0:
+                    sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
+                    hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
+            for b in range(bodies):
+                if kind[b, TOUCHED] == 1:
+                    drift(state, body, kind, turned, b, h, gyroscopic)
+            if n > 0:
+                refresh(state, n, manifold, key, point)
+                for _ in range(count[0, RELAXATIONS]):
+                    sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
+                    hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
+                if bounce(n, manifold, key, point):
+                    for _ in range(count[0, ITERATIONS] + count[0, RELAXATIONS]):
+                        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
+                        hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
+                friction_mode(n, manifold, key, point)
+                sum_impulses(n, manifold, key, point)
+        count[0, STEPS] += 1
+        if not is_finite(state, bodies):
+            return step + 1, 1
+    return steps, 0

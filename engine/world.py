@@ -1,0 +1,195 @@
+"""A world of bodies, joints and surfaces: advance it, read it, cast rays into it, save it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine import arena as at
+from engine.arena import float_table, int_table
+from engine.assembly import assemble_world, grow
+from engine.bodies import Body, Surface
+from engine.check import finite
+from engine.errors import Diverged
+from engine.joints import Joint
+from engine.options import Options
+
+__all__ = ["Contacts", "Hits", "World"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """The contact points of the last step.
+
+    Terms:
+        bodies (k, 2): indices of A and B; point (k, 3) m in W; normal (k, 3) from A to B; gap (k,) m at the start of the step;
+        force (k, 3) N on B: impulse of the step over dt.
+    """
+
+    bodies: IntArray
+    point: FloatArray
+    normal: FloatArray
+    gap: FloatArray
+    force: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """First hits of rays: distance (r,) m, inf for a miss; body and shape (r,), -1 for a miss; normal (r, 3) in W, outward."""
+
+    distance: FloatArray
+    body: IntArray
+    shape: IntArray
+    normal: FloatArray
+
+
+class World:
+    """A world whose stages are chosen, once, by what it contains.
+
+    Args:
+        bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other pairs
+        are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve.
+    Raises: ValueError naming the element, field and value; NotSupported for contact of cylinders and hulls.
+    """
+
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        joints: Sequence[Joint] = (),
+        surfaces: Mapping[tuple[str, str], Surface] | None = None,
+        gravity: Sequence[float] = (0.0, 0.0, -9.81),
+        options: Options | None = None,
+    ) -> None:
+        self.options = options or Options()
+        self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options)
+        self._joints = {joint.name: j for j, joint in enumerate(joints)}
+        self._names = [body.name for body in bodies]
+        owner = int_table(self._ints, at.SHAPE_KIND)[:, at.OWNER]
+        self._first_shape = np.searchsorted(owner, np.arange(len(bodies) + 1))
+        self.touching = self.options.contacts and _may_touch(bodies)
+        self.jointed = bool(joints)
+        self._step = _choose_step(self.touching, self.jointed, self.options.integrator)
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """The stages that a step of this world runs."""
+        collision = ("broad phase", "narrow phase", "contact solver") if self.touching else ()
+        return ("integrator", *collision, *(("joints",) if self.jointed else ()))
+
+    @property
+    def steps(self) -> int:
+        """Steps done since the start."""
+        return int(int_table(self._ints, at.COUNT)[0, at.STEPS])
+
+    def step(self, count: int = 1) -> None:
+        """Advance by count * dt in one compiled call. Raises: Diverged with the number of the step; ValueError for count < 0."""
+        if count < 0:
+            raise ValueError(f"world: step count {count}, expected at least 0")
+        while count > 0:
+            done, status = self._step(self._floats, self._ints, count)
+            if status == 1:
+                raise Diverged(self.steps)
+            count -= done
+            if status == 2:
+                self._floats, self._ints = grow(self._floats, self._ints)
+
+    def state(self) -> FloatArray:
+        """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step."""
+        return float_table(self._floats, self._ints, at.STATE)[:-1]
+
+    def set_load(self, f_B_W: Any, tau_B_W: Any) -> None:
+        """Apply forces (n, 3) N at the centres of mass and torques (n, 3) N m, in W, from now on. Raises: ValueError."""
+        n = len(self._names)
+        load = float_table(self._floats, self._ints, at.LOAD)
+        load[:-1, :3] = finite("world", "f_B_W", f_B_W, (n, 3), "N")
+        load[:-1, 3:] = finite("world", "tau_B_W", tau_B_W, (n, 3), "N m")
+
+    def add_force(self, body: int, f_W: Any, point_W: Any) -> None:
+        """Add a force [N] at a point [m], both in W, to the load on a body: f at the centre of mass and (point - p_WB) x f."""
+        f, point = finite("world", "f_W", f_W, (3,), "N"), finite("world", "point_W", point_W, (3,), "m")
+        load = float_table(self._floats, self._ints, at.LOAD)
+        load[body, :3] += f
+        load[body, 3:] += np.cross(point - self.state()[body, :3], f)
+
+    def command(self, joint: str, target: float, target_velocity: float = 0.0) -> None:
+        """Set the target [rad or m] and target velocity of a drive. Raises: ValueError if the joint has none."""
+        j = self._joints.get(joint)
+        if j is None or not int_table(self._ints, at.JOINT_KIND)[j, at.HAS] & at.HAS_DRIVE:
+            raise ValueError(f"joint '{joint}': has no drive to command")
+        values = finite(f"joint '{joint}'", "target", (target, target_velocity), (2,), "rad or m")
+        float_table(self._floats, self._ints, at.JOINT)[j, at.DRIVE + 2 : at.DRIVE + 4] = values
+
+    def contacts(self) -> Contacts:
+        """The contact points of the last step, with the force of the whole step."""
+        count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
+        key = int_table(self._ints, at.MANIFOLD_KEY)[:count]
+        manifold = float_table(self._floats, self._ints, at.MANIFOLD)[:count]
+        rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
+        point = float_table(self._floats, self._ints, at.POINT)[rows]
+        near = point[:, at.FIRST_GAP] <= self.options.margin
+        hit = near | (np.abs(point[:, at.SUM : at.SUM + 3]).max(axis=1, initial=0.0) > 0.0)
+        rows, point = rows[hit], point[hit]
+        return Contacts(
+            bodies=key[rows // 4][:, [at.BODY_A, at.BODY_B]],
+            point=point[:, at.PLACE : at.PLACE + 3],
+            normal=manifold[rows // 4, at.NORMAL : at.NORMAL + 3],
+            gap=point[:, at.FIRST_GAP],
+            force=point[:, at.SUM : at.SUM + 3] / self.options.dt,
+        )
+
+    def cast(self, origins: Any, directions: Any, max_range: float = np.inf) -> Hits:
+        """The first hit of each ray within max_range [m].
+
+        Args: origins (r, 3) m, directions (r, 3) in W; directions are taken as unit vectors after division by their length.
+        Raises: ValueError for shapes that do not fit, values that are not finite, or a direction of length zero.
+        """
+        from engine.rays import cast_rays
+
+        o, d = np.ascontiguousarray(origins, float), np.asarray(directions, float)
+        finite("rays", "origins", o, (len(o), 3), "m")
+        finite("rays", "directions", d, (len(o), 3), "1")
+        length = np.linalg.norm(d, axis=1, keepdims=True)
+        if len(d) and length.min() < 1e-12:
+            raise ValueError(f"rays: direction {int(length.argmin())} has length 0")
+        distance, normal, who = np.empty((1, len(o))), np.empty((len(o), 3)), np.empty((len(o), 2), np.int64)
+        unit = np.ascontiguousarray(np.where(np.abs(length - 1) < 1e-15, d, d / length))
+        cast_rays(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
+        shape = np.where(who[:, 0] >= 0, who[:, 1] - self._first_shape[who[:, 0]], -1)
+        return Hits(distance=distance[0], body=who[:, 0].copy(), shape=shape, normal=normal)
+
+    def save(self) -> tuple[FloatArray, IntArray]:
+        """All that decides the future, bit for bit, warm-start impulses included."""
+        return self._floats.copy(), self._ints.copy()
+
+    def restore(self, saved: tuple[FloatArray, IntArray]) -> None:
+        """Back to a saved state of this world."""
+        self._floats, self._ints = saved[0].copy(), saved[1].copy()
+
+
+def _may_touch(bodies: Sequence[Body]) -> bool:
+    """Whether two bodies have shapes and one of them is dynamic."""
+    solid = [body for body in bodies if body.shapes]
+    return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
+
+
+def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
+    """The compiled step that runs exactly the stages needed."""
+    if touching and jointed:
+        from engine.steps_contact_jointed import step_contact_jointed
+
+        return step_contact_jointed
+    if touching:
+        from engine.steps_contact import step_contact
+
+        return step_contact
+    from engine import steps_smooth
+
+    if not jointed:
+        return steps_smooth.step_free
+    return steps_smooth.step_jointed_runge_kutta if integrator == "rk4" else steps_smooth.step_jointed_euler

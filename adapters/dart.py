@@ -1,0 +1,1122 @@
+"""DART 6.20 through its Python binding dartpy: rigid bodies in reduced coordinates, contacts as a boxed or conic LCP.
+
+Tried with dartpy 6.20.0 (Python 3.11, Linux x86-64).
+
+Sources:
+    J. Lee et al., *DART: Dynamic Animation and Robotics Toolkit*, JOSS 3(22), 2018; the C++ sources of 6.20:
+    `constraint/ContactSurface.cpp` (smaller friction, product of restitution), `constraint/NsgsFrictionSolver.hpp` (exact
+    Coulomb cone), `simulation/World.cpp` (semi-implicit Euler); gz-physics, `dartsim/src/EntityManagementFeatures.cc`
+    (Gazebo runs DART with the ODE collision detector, track 'tuned').
+
+A body without joints is a skeleton of its own under a `FreeJoint`, whose six velocities are (w_WB, v_WB). Trees of joints
+become skeletons in reduced coordinates, rooted at the world, at a kinematic body or at a free body; joints that would
+close a loop become constraints. Which joint is cut is our choice: fixed, ball and plain revolute joints alone can be.
+
+Deviations:
+    * Loops are closed by velocity constraints with an error reduction of 0.01 a step (a static variable of the vendor,
+      left alone), so a cut joint drifts and heals slowly.
+    * Passive springs, dampers and drives without a limit are DART's joint springs: implicit, (m + dt d + dt^2 k) v' = m v
+      - dt k (x - rest). A drive with a limit is the same implicit law, solved by the adapter for the drives of a skeleton
+      together and then cut off; contacts of that very step are not foreseen.
+    * Damping of a joint-free body is DART's joint damping (implicit) where that is v' = -c v, w' = -c w exactly (no
+      angular damping, or a spherical inertia); otherwise a force and a torque of the start of the step over (1 + c dt).
+    * FCL, the vendor's default detector, has no capsule (it puts a ball of 0.1 m there) and lets balls fall through
+      meshes: scenes with capsules, hulls or meshes that touch use the ODE detector on both tracks, and the Bullet
+      detector where two movable hulls or meshes can meet (ODE finds sideways normals there). `warnings()` says so.
+    * Convex hulls and meshes pass through an OBJ file in single precision; a hull is the mesh of its surface.
+    * Restitution acts above an approach of 0.1 m/s and returns at most 100 m/s; friction or restitution of 1e-3 and less
+      does not exist and is refused.
+    * Dantzig and PGS bound friction along two axes, a box instead of a cone: sliding askew to them meets up to 1.41 times
+      as much.
+    * Rays are cast by DART's own detector in a group of its own; a ray that starts inside a solid reports the exit, and
+      inside the half space of a plane distance 0.
+    * Contact points are those of the start of the last step, with the forces of that step.
+"""
+
+import contextlib
+import importlib
+import importlib.metadata
+import math
+import os
+import re
+import sys
+import tempfile
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, assert_never
+
+import numpy as np
+
+from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
+from harness.scene import (
+    Ball,
+    Body,
+    Box,
+    Camera,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Distance,
+    Drive,
+    Effect,
+    Fixed,
+    Joint,
+    Plane,
+    Prismatic,
+    Quaternion,
+    Revolute,
+    Scene,
+    Shape,
+    Sphere,
+    Spring,
+    TriangleMesh,
+    Vector3,
+    rotation_matrix,
+)
+from harness.trajectory import Contacts, Floats, Hits, Integers, State
+
+__all__ = ["ADAPTER"]
+
+INTEGRATOR = "semi_implicit_euler"
+DETECTORS = ("fcl", "ode", "dart", "bullet")
+SOLVERS = ("dantzig", "pgs", "nsgs", "fbf")
+SMALLEST_COEFFICIENT = 1e-3
+"""DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""
+MANY_BODIES = 16
+"""Above this number of movable bodies 'auto' leaves the conic solver, whose cost grows fastest."""
+LONGEST_RAY = 1e9
+"""A ray is a segment in DART [m]; beyond this its fraction loses the millimetre."""
+WORLD_FRAME = -1
+"""The place of the world, and of every static body, in the graph of joints."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Edge:
+    """A body in its skeleton: `joint` holds it to `parent`, `sign` is -1 where the scene's parent hangs on its child."""
+
+    body: int
+    parent: int
+    joint: Joint | None
+    sign: float
+
+
+@dataclass(slots=True)
+class _Motor:
+    """A joint coordinate with its spring and drive: what the adapter sets, or works out in every step."""
+
+    joint: Any
+    skeleton: Any
+    spring: Spring
+    drive: Drive
+    target: float
+    push: float = 0.0
+
+    @property
+    def limited(self) -> bool:
+        return self.drive.limit is not None
+
+    def rest(self) -> None:
+        """Let spring and unlimited drive share DART's joint spring; what its rest cannot hold becomes a constant push."""
+        spring, drive = self.spring, self.drive
+        k = spring.stiffness + (0.0 if self.limited else drive.stiffness)
+        force = spring.stiffness * spring.rest
+        if not self.limited:
+            force += drive.stiffness * self.target + drive.damping * drive.target_velocity
+        # DART refuses a rest position outside of the limits and says so on the console only.
+        rest = min(max(force / k, self.joint.getPositionLowerLimit(0)), self.joint.getPositionUpperLimit(0)) if k > 0 else 0.0
+        if k > 0:
+            self.joint.setSpringStiffness(0, k)
+            self.joint.setRestPosition(0, rest)
+            rest = float(self.joint.getRestPosition(0))
+        self.joint.setDampingCoefficient(0, spring.damping + (0.0 if self.limited else drive.damping))
+        self.push = force - k * rest
+
+
+@dataclass(slots=True)
+class _Built:
+    """What the builder hands to the simulation.
+
+    Terms:
+        nodes: one BodyNode for each body. free: bodies alone under a FreeJoint; linked: all other moving ones. belts: joints of
+        kinematic bodies with (w_WB, v_WB). damped: (body, linear, angular damping [1/s]) that act as forces. shapes: for rays.
+    """
+
+    scene: Scene
+    dart: Any
+    world: Any
+    resolved: Settings
+    nodes: list[Any]
+    # The first skeletons belong to the bodies of `free`, in their order.
+    free: list[int] = field(default_factory=list)
+    linked: list[int] = field(default_factory=list)
+    skeletons: list[Any] = field(default_factory=list)
+    belts: list[tuple[Any, Floats]] = field(default_factory=list)
+    damped: list[tuple[int, float, float]] = field(default_factory=list)
+    motors: dict[str, _Motor] = field(default_factory=dict)
+    shapes: list[Any] = field(default_factory=list)
+    friction_solver: Any = None
+    notes: list[str] = field(default_factory=list)
+
+
+class DartSimulation(Simulation):
+    """One DART world."""
+
+    def __init__(self, built: _Built) -> None:
+        self._built: _Built | None = built
+        self._rays: Any = None
+        n = len(built.scene.bodies)
+        self._wrench: tuple[Floats, Floats] | None = None
+        self._last = State.initial(built.scene)
+        self._movable = [i for i in range(n) if built.scene.bodies[i].movable]
+        self._forced = bool(built.belts or built.damped or any(m.limited or m.push for m in built.motors.values()))
+        self._steps = 0
+        self._crowded = False
+
+    @property
+    def _open(self) -> _Built:
+        if self._built is None:
+            raise RuntimeError("simulation: used after close")
+        return self._built
+
+    @property
+    def resolved(self) -> Settings:
+        """The settings that the world uses, read back from it."""
+        return self._open.resolved
+
+    def step(self, count: int = 1) -> None:
+        """Advance by count * dt. Raises: Diverged."""
+        built = self._open
+        advance = built.world.step
+        if self._forced or self._wrench is not None:
+            for _ in range(count):
+                self._push(built)
+                advance()
+        else:
+            for _ in range(count):
+                advance()
+        self._steps += count
+        self._check(built)
+
+    def _push(self, built: _Built) -> None:
+        """Forces and commands of the coming step; DART forgets them after each."""
+        if self._wrench is not None:
+            for i in self._movable:
+                built.nodes[i].addExtForce(self._wrench[0][i])
+                built.nodes[i].addExtTorque(self._wrench[1][i], False)
+        dt = built.resolved.dt
+        for i, c, d in built.damped:
+            node, body = built.nodes[i], built.scene.bodies[i]
+            node.addExtForce(-body.mass * c / (1 + c * dt) * node.getCOMLinearVelocity())
+            R_WB = node.getWorldTransform().rotation()
+            node.addExtTorque(-d / (1 + d * dt) * (R_WB @ np.asarray(body.inertia) @ R_WB.T @ node.getAngularVelocity()), False)
+        for joint, velocity in built.belts:
+            joint.setCommands(velocity)
+        limited: dict[int, list[_Motor]] = {}
+        for motor in built.motors.values():
+            if motor.limited:
+                limited.setdefault(id(motor.skeleton), []).append(motor)
+            if motor.push or motor.limited:
+                motor.joint.setCommand(0, motor.push)
+        for motors in limited.values():
+            self._drive(motors, dt)
+
+    def _drive(self, motors: list[_Motor], dt: float) -> None:
+        """Limited drives: f = k (t - x') + c (u - v') with x' = x + dt v', v' = v + dt (a + M^-1 f), then cut off.
+
+        a is the acceleration without them, M the mass matrix augmented by DART's implicit springs and dampers.
+        """
+        skeleton = motors[0].skeleton
+        skeleton.computeForwardDynamics()
+        places = [m.joint.getIndexInSkeleton(0) for m in motors]
+        x, v, a = (np.asarray(f())[places] for f in (skeleton.getPositions, skeleton.getVelocities, skeleton.getAccelerations))
+        mobility = np.asarray(skeleton.getInvAugMassMatrix())[np.ix_(places, places)]
+        k, c = (np.array([getattr(m.drive, name) for m in motors]) for name in ("stiffness", "damping"))
+        wanted = np.array([m.target for m in motors]), np.array([m.drive.target_velocity for m in motors])
+        v_free = v + dt * a
+        f = k * (wanted[0] - x - dt * v_free) + c * (wanted[1] - v_free)
+        gain = dt * (c + dt * k)
+        f = np.linalg.solve(np.eye(len(motors)) + gain[:, None] * mobility, f)
+        for motor, force in zip(motors, f, strict=True):
+            limit = motor.drive.limit if motor.drive.limit is not None else math.inf
+            motor.joint.setCommand(0, motor.push + float(min(max(force, -limit), limit)))
+
+    def _check(self, built: _Built) -> None:
+        """DART replaces a pose that is not finite by the identity, but the velocities stay what they are: ask them."""
+        total = 0.0
+        for skeleton in built.skeletons:
+            v, x = skeleton.getVelocities(), skeleton.getPositions()
+            total += float(v @ v) + float(x @ x)
+        if not math.isfinite(total):
+            raise Diverged(f"a velocity or position is not finite after step {self._steps} of {built.resolved.dt:g} s")
+        if (
+            not self._crowded
+            and built.world.getLastCollisionResult().getNumContacts() >= built.resolved.options["max_contacts"]
+        ):
+            self._crowded = True
+
+    def state(self, out: State) -> None:
+        """Write the present state into the arrays of `out`."""
+        built, last = self._open, self._last
+        if built.free:
+            # A FreeJoint's coordinates are (rotation vector, p_WB) and (w_WB, v_WB): two reads instead of four.
+            places = built.free
+            x = np.array([s.getPositions() for s in built.skeletons[: len(places)]])
+            v = np.array([s.getVelocities() for s in built.skeletons[: len(places)]])
+            last.p_WB[places], last.v_WB[places], last.w_WB[places] = x[:, 3:], v[:, 3:], v[:, :3]
+            self._turn(places, _quaternions(x[:, :3]))
+        for i in built.linked:
+            node = built.nodes[i]
+            pose = node.getWorldTransform()
+            last.p_WB[i], last.v_WB[i], last.w_WB[i] = (
+                pose.translation(),
+                node.getCOMLinearVelocity(),
+                node.getAngularVelocity(),
+            )
+            self._turn([i], pose.quaternion().wxyz()[None])
+        out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = last.p_WB, last.q_WB, last.v_WB, last.w_WB
+
+    def _turn(self, places: list[int], q_WB: Floats) -> None:
+        """Of the two quaternions of a rotation take the one next to the last answer, so that no component jumps."""
+        flip = np.einsum("ij,ij->i", q_WB, self._last.q_WB[places]) < 0
+        q_WB[flip] *= -1.0
+        self._last.q_WB[places] = q_WB
+
+    def contacts(self) -> Contacts:
+        """The contacts of the last step."""
+        built = self._open
+        rows: list[tuple[int, int, Floats, Floats, float, Floats]] = []
+        for contact in built.world.getLastCollisionResult().getContacts():
+            # Normal and force belong to the first object, whichever body a detector puts there.
+            b = _owner(contact.collisionObject1)
+            a = _owner(contact.collisionObject2)
+            if built.scene.bodies[a].movable or built.scene.bodies[b].movable:
+                rows.append((a, b, contact.point, contact.normal, -contact.penetrationDepth, contact.force))
+        if not rows:
+            return Contacts.none()
+        a_, b_, point, normal, gap, force = zip(*rows, strict=True)
+        return Contacts.of(a_, b_, np.array(point), np.array(normal), np.array(gap), np.array(force))
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """First hit of each ray within max_range [m], by DART's own detector."""
+        built = self._open
+        collision = built.dart.collision
+        if not 0 < max_range <= LONGEST_RAY:
+            raise ValueError(f"cast: max_range {max_range} m, expected above 0 and at most {LONGEST_RAY:g}")
+        if self._rays is None:
+            self._rays = collision.DARTCollisionDetector().createCollisionGroup()
+            for node in built.shapes:
+                self._rays.addShapeFrame(node)
+        distance: Floats = np.full(len(origins), np.inf)
+        body: Integers = np.full(len(origins), -1, dtype=np.int64)
+        normal: Floats = np.zeros((len(origins), 3))
+        option = collision.RaycastOption(False, True)
+        for r, (start, end) in enumerate(zip(origins, origins + max_range * directions, strict=True)):
+            result = collision.RaycastResult()
+            if built.shapes and self._rays.raycast(start, end, option, result):
+                hit = result.mRayHits[0]
+                distance[r] = max(hit.mFraction * max_range, 0.0)
+                body[r] = _owner(hit.mCollisionObject)
+                normal[r] = hit.mNormal
+        return Hits(distance, body, normal)
+
+    def render(self, camera: Camera) -> Floats:  # noqa: ARG002  (the contract's signature; DART draws nothing)
+        """Not there. Raises: Unsupported."""
+        raise Unsupported("render", "dartpy draws through OpenSceneGraph into a window only; it has no headless depth image")
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        """Set the targets [rad or m] of drives by the names of their joints."""
+        motors = self._open.motors
+        for name, target in targets.items():
+            motor = motors.get(name)
+            if motor is None or (motor.drive.stiffness == 0 and motor.drive.damping == 0):
+                raise KeyError(f"command: joint '{name}' has no drive")
+            if not math.isfinite(target):
+                raise ValueError(f"command: target {target} of joint '{name}' is not finite")
+            motor.target = float(target)
+            motor.rest()
+            self._forced = self._forced or motor.limited or motor.push != 0.0
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        """Apply f_B_W (n, 3) N and tau_B_W (n, 3) N m in every step from now on; fixed and kinematic bodies take no notice."""
+        n = len(self._open.scene.bodies)
+        f, tau = np.array(f_B_W, dtype=np.float64), np.array(tau_B_W, dtype=np.float64)
+        # DART drops a force that is not finite and says so on the console only.
+        if f.shape != (n, 3) or tau.shape != (n, 3) or not (np.isfinite(f).all() and np.isfinite(tau).all()):
+            raise ValueError(f"wrench: shapes {f.shape} and {tau.shape}, expected two of ({n}, 3), all finite")
+        self._wrench = (f, tau) if f.any() or tau.any() else None
+
+    def warnings(self) -> tuple[str, ...]:
+        """Stand-in detectors, surplus effects, the vendor's messages while building, and solves that stopped early."""
+        built = self._open
+        notes = list(built.notes)
+        if built.friction_solver is not None:
+            stats = built.friction_solver.getStats()
+            if stats.numAcceptedAtCap or stats.numFailed:
+                notes.append(
+                    f"{built.resolved.solver}: of {stats.numSolves} solves {stats.numAcceptedAtCap} stopped at the greatest "
+                    f"number of iterations and {stats.numFailed} were left to PGS"
+                )
+        if self._crowded:
+            notes.append(f"contacts reached max_contacts {built.resolved.options['max_contacts']}; DART drops those beyond")
+        return tuple(notes)
+
+    def save(self) -> object:
+        """Not there. Raises: Unsupported."""
+        raise Unsupported(
+            "save",
+            "the FCL and Bullet detectors keep memory that dartpy does not hand out; a run cannot be repeated",
+        )
+
+    def restore(self, saved: object) -> None:  # noqa: ARG002  (the contract's signature; there is nothing saved)
+        """Not there. Raises: Unsupported."""
+        raise Unsupported("restore", "the FCL and Bullet detectors keep memory that dartpy does not hand out")
+
+    def close(self) -> None:
+        """Free the world."""
+        self._rays = None
+        self._built = None
+
+
+def _owner(collision_object: Any) -> int:
+    """The place in the scene of the body that a collision object belongs to; the name of its shape begins with it."""
+    return int(collision_object.getShapeFrame().getName().split("/", 1)[0])
+
+
+def _quaternions(turn: Floats) -> Floats:
+    """Unit quaternions (w, x, y, z) of rotation vectors [rad], shape (n, 3) to (n, 4)."""
+    half = np.linalg.norm(turn, axis=1) / 2
+    # numpy's sinc is sin(pi x)/(pi x), and so finite at zero.
+    return np.column_stack((np.cos(half), turn * (0.5 * np.sinc(half / np.pi))[:, None]))
+
+
+@contextlib.contextmanager
+def _overheard(lines: list[str]) -> Iterator[None]:
+    """Turn the vendor's console (file descriptors 1 and 2) into lines, so that it neither pollutes an output nor gets lost."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as heard:
+        kept = os.dup(1), os.dup(2)
+        os.dup2(heard.fileno(), 1)
+        os.dup2(heard.fileno(), 2)
+        try:
+            yield
+        finally:
+            for descriptor, target in zip(kept, (1, 2), strict=True):
+                os.dup2(descriptor, target)
+                os.close(descriptor)
+            heard.seek(0)
+            text = re.sub(r"\x1b\[[0-9;]*m", "", heard.read().decode(errors="replace"))
+            lines.extend(dict.fromkeys(line.strip() for line in text.splitlines() if line.strip()))
+
+
+def _classes(scene: Scene) -> dict[tuple[str, bool], int]:
+    """How many bodies with shapes there are of each (material, movable)."""
+    found: dict[tuple[str, bool], int] = {}
+    for body in scene.bodies:
+        if body.collision:
+            found[body.material, body.movable] = found.get((body.material, body.movable), 0) + 1
+    return found
+
+
+Kind = tuple[str, bool]
+
+
+def _coefficients(scene: Scene) -> dict[Kind, tuple[float, float]]:
+    """(friction, restitution) for each (material, movable) so that DART's rules give every pair's law exactly.
+
+    Friction: min(f_a, f_b) = mu_ab has a solution only if f_a = max over b of mu_ab is one. Restitution: r_a r_b = e_ab.
+    Raises: Unsupported.
+    """
+    effects, kinds = scene.effects, _classes(scene)
+    laws = {s.pair: s for s in scene.surfaces}
+    friction: dict[tuple[Kind, Kind], float] = {}
+    bounce: dict[tuple[Kind, Kind], float] = {}
+    for a in kinds:
+        for b in kinds:
+            if b < a or not (a[1] or b[1]) or (a == b and kinds[a] < 2):
+                continue
+            law = laws[frozenset((a[0], b[0]))]
+            name = f"surface {law.between[0]}/{law.between[1]}"
+            if Effect.ROLLING_FRICTION in effects and law.rolling_friction > 0:
+                raise Unsupported(name, "DART has no rolling friction")
+            if Effect.TORSIONAL_FRICTION in effects and law.torsional_friction > 0:
+                raise Unsupported(name, "DART has no torsional friction")
+            mu = law.kinetic_friction if Effect.FRICTION in effects else 0.0
+            if Effect.FRICTION in effects and law.static_friction > law.kinetic_friction:
+                raise Unsupported(name, f"DART has one coefficient, not static {law.static_friction} above kinetic {mu}")
+            e = law.restitution if Effect.RESTITUTION in effects else 0.0
+            for what, value in (("friction", mu), ("restitution", e)):
+                if 0 < value <= SMALLEST_COEFFICIENT:
+                    raise Unsupported(name, f"DART takes a {what} of {SMALLEST_COEFFICIENT} and less for zero, got {value}")
+            friction[a, b], bounce[a, b] = mu, e
+    f = {kind: max((mu for pair, mu in friction.items() if kind in pair), default=0.0) for kind in kinds}
+    for (a, b), mu in friction.items():
+        if min(f[a], f[b]) != mu:
+            raise Unsupported(
+                f"surface {a[0]}/{b[0]}",
+                f"DART takes the smaller of two numbers, one for each material; none give {mu} here beside the others",
+            )
+    r = _factors(kinds, bounce)
+    return {kind: (f[kind], r[kind]) for kind in kinds}
+
+
+def _factors(kinds: Mapping[Kind, int], wanted: Mapping[tuple[Kind, Kind], float]) -> dict[Kind, float]:
+    """Numbers r in 0..1 with r_a r_b = e for each wanted pair. Raises: Unsupported.
+
+    Over each connected part of the graph of pairs log r_a = s t + o with s = +-1; t is free unless a cycle is odd.
+    """
+    near: dict[Kind, list[tuple[Kind, float]]] = {kind: [] for kind in kinds}
+    for (a, b), e in wanted.items():
+        if e > 0:
+            near[a].append((b, math.log(e)))
+            near[b].append((a, math.log(e)))
+    r: dict[Kind, float] = {}
+    for start in kinds:
+        if start in r:
+            continue
+        if not near[start]:
+            r[start] = 0.0
+            continue
+        line: dict[Kind, tuple[float, float]] = {start: (1.0, 0.0)}
+        fixed: float | None = None
+        queue = deque([start])
+        while queue:
+            a = queue.popleft()
+            s, o = line[a]
+            for b, log_e in near[a]:
+                if b not in line:
+                    line[b] = (-s, log_e - o)
+                    queue.append(b)
+                elif line[b][0] == s:
+                    fixed = (log_e - o - line[b][1]) / (2 * s)
+        low = max((o for s, o in line.values() if s < 0), default=-math.inf)
+        high = min(-o for s, o in line.values() if s > 0)
+        t = fixed if fixed is not None else (low + high) / 2
+        for kind, (s, o) in line.items():
+            r[kind] = min(math.exp(s * t + o), 1.0)
+    for (a, b), e in wanted.items():
+        if abs(r[a] * r[b] - e) > 1e-12:
+            raise Unsupported(
+                f"surface {a[0]}/{b[0]}",
+                f"DART multiplies two numbers in 0..1, one for each material; none give {e} here beside the others",
+            )
+    return r
+
+
+def _touching(scene: Scene) -> list[Body]:
+    return [b for b in scene.bodies if b.collision] if Effect.CONTACT in scene.effects else []
+
+
+def _detector(scene: Scene, asked: str | None, notes: list[str]) -> str:
+    """The detector of this scene; None asks for the vendor's default, 'auto' for one with every shape right. Raises: Unsupported."""
+    bodies = _touching(scene)
+    types = {placed.shape.type for b in bodies for placed in b.collision}
+    meshes = types & {"convex_hull", "triangle_mesh"}
+    # FCL would be wrong on these in silence; so would DART's own detector, through which hulls fall.
+    wrong = {"fcl": meshes | (types & {"capsule"}), "dart": meshes}
+    if asked is not None and wrong.get(asked):
+        raise Unsupported(
+            f"{sorted(wrong[asked])[0]} with the '{asked}' detector",
+            "this detector has the shape wrong; expected 'auto', 'ode' or 'bullet'",
+        )
+    if asked not in (None, "auto"):
+        return asked
+    movable_meshes = sum(
+        b.movable and any(p.shape.type in {"convex_hull", "triangle_mesh"} for p in b.collision) for b in bodies
+    )
+    right = "bullet" if movable_meshes > 1 else "ode"
+    if asked is None and not wrong["fcl"]:
+        return "fcl"
+    if asked is None:
+        notes.append(f"detector: FCL, the vendor's default, has {', '.join(sorted(wrong['fcl']))} wrong; '{right}' stands in")
+    return right
+
+
+def _reach(shape: Shape) -> float:
+    """Radius [m] of the ball about the origin of S that holds the shape."""
+    match shape:
+        case Sphere(radius=r):
+            return r
+        case Box(half_extents=half):
+            return math.hypot(*half)
+        case Capsule(radius=r, half_length=h):
+            return r + h
+        case Cylinder(radius=r, half_length=h):
+            return math.hypot(r, h)
+        case Plane():
+            return math.inf
+        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
+            return float(np.linalg.norm(np.asarray(vertices), axis=1).max())
+        case _:
+            assert_never(shape)
+
+
+def _solver(scene: Scene, asked: str | None) -> str:
+    """'auto': the exact cone where bodies slide on their own, Dantzig where they lean on each other or are many.
+
+    On stacks the conic solvers cost some hundred times as much and stop at their iteration cap; stacks hardly slide.
+    """
+    if asked != "auto":
+        return asked or "dantzig"
+    bodies = [b for b in _touching(scene) if b.movable]
+    if Effect.FRICTION not in scene.effects or not bodies or len(bodies) > MANY_BODIES:
+        return "dantzig"
+    p_WB = np.array([b.p_WB for b in bodies])
+    reach = np.array([max(math.hypot(*p.p_BS) + _reach(p.shape) for p in b.collision) for b in bodies])
+    gap = np.linalg.norm(p_WB[:, None] - p_WB[None], axis=2) - 1.01 * (reach[:, None] + reach[None])
+    np.fill_diagonal(gap, np.inf)
+    return "dantzig" if (gap <= 0).any() else "nsgs"
+
+
+def _validated(settings: Settings) -> dict[str, Any]:
+    """The options with their defaults. Raises: SettingsError."""
+    known = {
+        "detector": (None, "auto", *DETECTORS),
+        "deactivation": (None, True, False),
+        "max_contacts": None,
+        "split_impulse": (None, True, False),
+    }
+    for name, value in settings.options.items():
+        if name not in known:
+            raise SettingsError(f"settings: option '{name}' is unknown to dart, expected some of {', '.join(known)}")
+        allowed = known[name]
+        if allowed is not None and not any(value is one or (isinstance(one, str) and value == one) for one in allowed):
+            raise SettingsError(f"settings: option '{name}' {value!r}, expected one of {allowed}")
+    contacts = settings.options.get("max_contacts", 1000)
+    if not isinstance(contacts, int) or isinstance(contacts, bool) or not 1 <= contacts <= 10_000_000:
+        raise SettingsError(f"settings: option 'max_contacts' {contacts!r}, expected 1..10000000")
+    if settings.integrator not in (None, INTEGRATOR):
+        raise SettingsError(f"settings: integrator '{settings.integrator}', expected '{INTEGRATOR}', the only one of dart")
+    if settings.solver not in (None, "auto", *SOLVERS):
+        raise SettingsError(f"settings: solver '{settings.solver}', expected one of auto, {', '.join(SOLVERS)}")
+    if settings.substeps not in (None, 1):
+        raise SettingsError(f"settings: substeps {settings.substeps}; dart has none, expected a smaller dt")
+    if settings.solver in (None, "dantzig") and (settings.iterations is not None or settings.tolerance is not None):
+        raise SettingsError("settings: iterations or tolerance; dantzig pivots to the exact solution, expected neither")
+    return {name: settings.options.get(name) for name in known} | {"max_contacts": contacts}
+
+
+def _ends(scene: Scene, joint: Joint) -> tuple[int, int]:
+    """The places of parent and child; static bodies are the world."""
+    places = []
+    for name in (joint.parent, joint.child):
+        place = next((i for i, b in enumerate(scene.bodies) if b.name == name), WORLD_FRAME)
+        places.append(WORLD_FRAME if place >= 0 and scene.bodies[place].motion == "static" else place)
+    return places[0], places[1]
+
+
+def _cuttable(joint: Joint) -> bool:
+    """Has DART a loop-closing constraint for it?"""
+    if isinstance(joint, Revolute):
+        return joint.limits is None and joint.spring is None and joint.drive is None
+    return isinstance(joint, Fixed | Ball)
+
+
+def _forest(scene: Scene, joints: tuple[Joint, ...]) -> tuple[list[_Edge], list[Joint]]:
+    """The bodies that are not static, parents first, and the joints left over, which close loops. Raises: Unsupported."""
+    moving = [i for i, b in enumerate(scene.bodies) if b.motion != "static"]
+    group = {i: i for i in (WORLD_FRAME, *moving)}
+    anchored = {WORLD_FRAME, *(i for i in moving if not scene.bodies[i].movable)}
+
+    def root(i: int) -> int:
+        while group[i] != i:
+            group[i] = group[group[i]]
+            i = group[i]
+        return i
+
+    kept: dict[int, list[tuple[int, Joint, float]]] = {i: [] for i in group}
+    cut: list[Joint] = []
+    for joint in sorted(joints, key=_cuttable):
+        parent, child = _ends(scene, joint)
+        a, b = root(parent), root(child)
+        if a == b or (a in anchored and b in anchored):
+            if not _cuttable(joint):
+                raise Unsupported(
+                    f"joint '{joint.name}'",
+                    f"it closes a loop, and DART has no such constraint for {joint.type} joints, limits, springs and drives",
+                )
+            cut.append(joint)
+            continue
+        group[a if b in anchored else b] = b if b in anchored else a
+        kept[parent].append((child, joint, 1.0))
+        kept[child].append((parent, joint, -1.0))
+    edges: list[_Edge] = []
+    seen = {WORLD_FRAME}
+    for start in (WORLD_FRAME, *sorted(moving, key=lambda i: scene.bodies[i].movable)):
+        if start in seen and start != WORLD_FRAME:
+            continue
+        if start != WORLD_FRAME:
+            edges.append(_Edge(start, WORLD_FRAME, None, 1.0))
+            seen.add(start)
+        queue = deque([start])
+        while queue:
+            i = queue.popleft()
+            for k, joint, sign in kept[i]:
+                if k not in seen:
+                    seen.add(k)
+                    edges.append(_Edge(k, i, joint, sign))
+                    queue.append(k)
+    return edges, cut
+
+
+def _velocity_at(body: Body | None, point: Floats) -> tuple[Floats, Floats]:
+    """(v, w) in W of the point [m, in W] that is fixed in the body at time 0; None is the world."""
+    if body is None:
+        return np.zeros(3), np.zeros(3)
+    w = np.array(body.w_WB)
+    return np.array(body.v_WB) + np.cross(w, point - np.array(body.p_WB)), w
+
+
+def _check_velocities(scene: Scene, joint: Joint) -> None:
+    """Do the initial velocities obey the joint? Raises: Unsupported."""
+    if isinstance(joint, Distance):
+        raise Unsupported(
+            f"joint '{joint.name}'", "DART has no distance joint and no constraint that keeps or bounds a distance"
+        )
+    parent, child = (None if i == WORLD_FRAME else scene.bodies[i] for i in _ends(scene, joint))
+    held = child if child is not None else parent
+    assert held is not None
+    anchor = np.array(held.p_WB if isinstance(joint, Fixed) else joint.anchor_W)
+    (v_P, w_P), (v_C, w_C) = _velocity_at(parent, anchor), _velocity_at(child, anchor)
+    dv, dw = v_C - v_P, w_C - w_P
+    match joint:
+        case Fixed():
+            wrong = np.concatenate((dv, dw))
+        case Ball():
+            wrong = dv
+        case Revolute(axis_W=axis):
+            wrong = np.concatenate((dv, np.cross(axis, dw)))
+        case Prismatic(axis_W=axis):
+            wrong = np.concatenate((np.cross(axis, dv), dw))
+        case _:
+            assert_never(joint)
+    speed = max(float(np.abs(np.concatenate((v_P, w_P, v_C, w_C))).max()), 1.0)
+    if float(np.abs(wrong).max()) > 1e-6 * speed:
+        raise Unsupported(
+            f"joint '{joint.name}'",
+            f"DART holds a joint by its coordinates; the initial velocities of '{joint.parent}' and '{joint.child}' break it "
+            f"by {float(np.abs(wrong).max()):.3g}, expected velocities that the joint allows",
+        )
+
+
+class _Builder:
+    """Puts one scene into one DART world."""
+
+    def __init__(self, dart: Any, scene: Scene, settings: Settings) -> None:
+        self.dart, self.scene, self.settings = dart, scene, settings
+        self.options = _validated(settings)
+        self.effects = scene.effects
+        self.touching = Effect.CONTACT in self.effects
+        self.joints = scene.joints if Effect.JOINTS in self.effects else ()
+        self.coefficients = _coefficients(scene) if self.touching else {}
+        self.notes: list[str] = []
+        self.built: _Built
+
+    def build(self) -> DartSimulation:
+        """The simulation. Raises: Unsupported."""
+        scene, effects = self.scene, self.effects
+        for effect, why in (
+            (Effect.CONTINUOUS_COLLISION, "dartpy has no continuous collision detection in its step"),
+            (Effect.ROLLING_FRICTION, "DART has no rolling friction"),
+            (Effect.TORSIONAL_FRICTION, "DART has no torsional friction"),
+        ):
+            if effect in effects:
+                raise Unsupported(effect.names[0].replace("_", " "), why)
+        for joint in self.joints:
+            _check_velocities(scene, joint)
+        edges, cut = _forest(scene, self.joints)
+        heard: list[str] = []
+        with _overheard(heard):
+            world = self._world()
+            self._bodies(edges)
+            for skeleton in self._skeletons:
+                world.addSkeleton(skeleton)
+            self._start()
+            self._loops(cut)
+            self._filter()
+        # The one message that says what it does not do: the request that it claims to ignore takes effect (see `resolved`).
+        self.built.notes += [f"dart: {line}" for line in heard if "primary LCP solver that is the same" not in line]
+        self._surplus()
+        return DartSimulation(self.built)
+
+    def _world(self) -> Any:
+        dart, settings = self.dart, self.settings
+        simulation, constraint = dart.simulation, dart.constraint
+        world = simulation.World("scene")
+        world.setTimeStep(settings.dt)
+        if world.getTimeStep() != settings.dt:
+            raise SettingsError(f"settings: dt {settings.dt} s, dart keeps {world.getTimeStep()} s")
+        world.setGravity(self.scene.gravity if Effect.GRAVITY in self.effects else (0.0, 0.0, 0.0))
+        detector = _detector(self.scene, self.options["detector"], self.notes)
+        world.setCollisionDetector(getattr(simulation.CollisionDetectorType, detector.upper()))
+        sleeping = world.getDeactivationOptions()
+        if self.options["deactivation"] is not None:
+            sleeping.mEnabled = self.options["deactivation"]
+            world.setDeactivationOptions(sleeping)
+        solver = world.getConstraintSolver()
+        if self.options["split_impulse"] is not None:
+            solver.setSplitImpulseEnabled(self.options["split_impulse"])
+        solver.getCollisionOption().maxNumContacts = self.options["max_contacts"]
+        name = _solver(self.scene, settings.solver)
+        iterations, tolerance, friction_solver = settings.iterations, settings.tolerance, None
+        if name in ("nsgs", "fbf"):
+            friction_solver = constraint.NsgsFrictionSolver() if name == "nsgs" else constraint.FbfFrictionSolver()
+            most = "maxSweeps" if name == "nsgs" else "maxOuterIterations"
+            choice = friction_solver.getOptions()
+            if iterations is not None:
+                setattr(choice, most, iterations)
+            if tolerance is not None:
+                choice.tolerance = tolerance
+            friction_solver.setOptions(choice)
+            solver.setBoxedLcpSolver(friction_solver)
+            choice = friction_solver.getOptions()
+            iterations, tolerance = int(getattr(choice, most)), float(choice.tolerance)
+        elif name == "pgs":
+            pgs, choice = solver.getSecondaryBoxedLcpSolver(), constraint.PgsBoxedLcpSolverOption()
+            if iterations is not None:
+                choice.mMaxIteration = iterations
+            if tolerance is not None:
+                choice.mDeltaXThreshold = tolerance
+            pgs.setOption(choice)
+            solver.setBoxedLcpSolver(pgs)
+            iterations, tolerance = int(choice.mMaxIteration), float(choice.mDeltaXThreshold)
+        else:
+            iterations = tolerance = None
+        kinds = {
+            "DantzigBoxedLcpSolver": "dantzig",
+            "PgsBoxedLcpSolver": "pgs",
+            "NsgsFrictionSolver": "nsgs",
+            "FbfFrictionSolver": "fbf",
+        }
+        resolved = Settings(
+            dt=world.getTimeStep(),
+            substeps=1,
+            iterations=iterations,
+            integrator=INTEGRATOR,
+            solver=kinds[solver.getBoxedLcpSolver().getType()],
+            tolerance=tolerance,
+            options={
+                "detector": world.getCollisionDetector().getType(),
+                "deactivation": bool(world.getDeactivationOptions().mEnabled),
+                "max_contacts": int(solver.getCollisionOption().maxNumContacts),
+                "split_impulse": bool(solver.isSplitImpulseEnabled()),
+            },
+            source=settings.source,
+        )
+        self.built = _Built(self.scene, dart, world, resolved, [None] * len(self.scene.bodies))
+        self.built.notes, self.built.friction_solver = self.notes, friction_solver
+        self._skeletons: list[Any] = []
+        return world
+
+    def _pose(self, p: Vector3 | Floats, q: Quaternion = (1.0, 0.0, 0.0, 0.0)) -> Any:
+        pose = self.dart.math.Isometry3()
+        pose.set_rotation(np.array(rotation_matrix(q)))
+        pose.set_translation(np.asarray(p, dtype=np.float64))
+        return pose
+
+    def _bodies(self, edges: list[_Edge]) -> None:
+        """Skeletons, nodes, joints, masses and shapes; joint-free bodies first, in the order that `state` reads them."""
+        dynamics, built = self.dart.dynamics, self.built
+        parents = {e.parent for e in edges if e.joint is not None}
+        alone = [e for e in edges if e.joint is None and e.body not in parents]
+        edges[:] = alone + [e for e in edges if not (e.joint is None and e.body not in parents)]
+        built.free = [e.body for e in alone]
+        built.linked = [e.body for e in edges[len(alone) :]]
+        for edge in edges:
+            body = self.scene.bodies[edge.body]
+            if edge.parent == WORLD_FRAME:
+                skeleton = dynamics.Skeleton(f"skeleton {edge.body}")
+                self._skeletons.append(skeleton)
+                built.skeletons.append(skeleton)
+                joint, node = self._pair(skeleton, edge)
+            else:
+                joint, node = self._pair(built.nodes[edge.parent], edge)
+                node.getSkeleton().enableSelfCollisionCheck()
+                node.getSkeleton().enableAdjacentBodyCheck()
+            joint.setName(f"joint {edge.body}")
+            node.setName(f"body {edge.body}")
+            node.setInertia(dynamics.Inertia(body.mass, np.zeros(3), np.asarray(body.inertia)))
+            built.nodes[edge.body] = node
+            self._shape_nodes(edge.body)
+            self._damp(edge, joint, edge.body in built.free)
+        for i, body in enumerate(self.scene.bodies):
+            if body.motion == "static":
+                skeleton = dynamics.Skeleton(f"skeleton {i}")
+                joint, node = skeleton.createWeldJointAndBodyNodePair()
+                joint.setTransformFromParentBodyNode(self._pose(body.p_WB, body.q_WB))
+                node.setName(f"body {i}")
+                skeleton.setMobile(False)
+                built.nodes[i] = node
+                self._skeletons.append(skeleton)
+                self._shape_nodes(i)
+
+    def _pair(self, owner: Any, edge: _Edge) -> tuple[Any, Any]:
+        """The joint of an edge and its body, placed so that DART's coordinate is the scene's."""
+        joint, body = edge.joint, self.scene.bodies[edge.body]
+        X_WC = self._pose(body.p_WB, body.q_WB)
+        if joint is None:
+            free, node = owner.createFreeJointAndBodyNodePair()
+            if not body.movable:
+                free.setActuatorType(self.dart.dynamics.ActuatorType.VELOCITY)
+                velocity = np.array([*body.w_WB, *body.v_WB])
+                if velocity.any():
+                    self.built.belts.append((free, velocity))
+            free.setTransform(X_WC)
+            free.setVelocities(np.array([*body.w_WB, *body.v_WB]))
+            return free, node
+        parent = None if edge.parent == WORLD_FRAME else self.scene.bodies[edge.parent]
+        X_PW = self._pose((0.0, 0.0, 0.0)) if parent is None else self._pose(parent.p_WB, parent.q_WB).inverse()
+        if isinstance(joint, Fixed):
+            made, node = owner.createWeldJointAndBodyNodePair()
+            made.setTransformFromParentBodyNode(X_PW.multiply(X_WC))
+            return made, node
+        assert not isinstance(joint, Distance)
+        X_WA = self._pose(joint.anchor_W)
+        X_PA = X_PW.multiply(X_WA)
+        X_CA = X_WC.inverse().multiply(X_WA)
+        if isinstance(joint, Ball):
+            made, node = owner.createBallJointAndBodyNodePair()
+        else:
+            axis = edge.sign * np.array(joint.axis_W)
+            # At coordinate `position` the bodies stand as the scene has them; so zero lies that far back.
+            back = self.dart.math.Isometry3()
+            if isinstance(joint, Revolute):
+                made, node = owner.createRevoluteJointAndBodyNodePair()
+                back.set_rotation(np.asarray(self.dart.math.expMapRot(-joint.position * axis)))
+            else:
+                made, node = owner.createPrismaticJointAndBodyNodePair()
+                back.set_translation(-joint.position * axis)
+            X_PA = X_PA.multiply(back)
+            made.setAxis(axis)
+            self._coordinate(made, node, joint)
+        made.setTransformFromParentBodyNode(X_PA)
+        made.setTransformFromChildBodyNode(X_CA)
+        return made, node
+
+    def _coordinate(self, made: Any, node: Any, joint: Revolute | Prismatic) -> None:
+        """Position, limits, spring and drive of a joint of one coordinate."""
+        made.setPosition(0, joint.position)
+        if joint.limits is not None:
+            made.setLimitEnforcement(True)
+            if joint.limits.lower is not None:
+                made.setPositionLowerLimit(0, joint.limits.lower)
+            if joint.limits.upper is not None:
+                made.setPositionUpperLimit(0, joint.limits.upper)
+        drive = joint.drive if Effect.DRIVES in self.effects else None
+        if joint.spring is not None or drive is not None:
+            motor = _Motor(made, node.getSkeleton(), joint.spring or Spring(), drive or Drive(), (drive or Drive()).target)
+            motor.rest()
+            self.built.motors[joint.name] = motor
+
+    def _damp(self, edge: _Edge, joint: Any, alone: bool) -> None:
+        body = self.scene.bodies[edge.body]
+        c = body.linear_damping if Effect.LINEAR_DAMPING in self.effects else 0.0
+        d = body.angular_damping if Effect.ANGULAR_DAMPING in self.effects else 0.0
+        if not body.movable or (c == 0 and d == 0):
+            return
+        low, _, high = np.linalg.eigvalsh(np.asarray(body.inertia))
+        if alone and (d == 0 or high - low <= 1e-12 * high):
+            for k in range(3):
+                joint.setDampingCoefficient(k, d * float(high))
+                joint.setDampingCoefficient(3 + k, c * body.mass)
+        else:
+            self.built.damped.append((edge.body, c, d))
+
+    def _shape_nodes(self, place: int) -> None:
+        """The body's shapes: for contact if the scene has any, else for rays alone."""
+        body, node = self.scene.bodies[place], self.built.nodes[place]
+        for k, placed in enumerate(body.collision):
+            shape_node = node.createShapeNode(self._shape(placed.shape), f"{place}/{k}")
+            shape_node.setRelativeTransform(self._pose(placed.p_BS, placed.q_BS))
+            if self.touching:
+                shape_node.createCollisionAspect()
+                shape_node.createDynamicsAspect()
+                friction, restitution = self.coefficients[body.material, body.movable]
+                aspect = shape_node.getDynamicsAspect()
+                aspect.setFrictionCoeff(friction)
+                aspect.setRestitutionCoeff(restitution)
+            self.built.shapes.append(shape_node)
+
+    def _shape(self, shape: Shape) -> Any:
+        dynamics = self.dart.dynamics
+        match shape:
+            case Sphere(radius=r):
+                return dynamics.SphereShape(r)
+            case Box(half_extents=half):
+                return dynamics.BoxShape(2 * np.array(half))
+            case Capsule(radius=r, half_length=h):
+                return dynamics.CapsuleShape(r, 2 * h)
+            case Cylinder(radius=r, half_length=h):
+                return dynamics.CylinderShape(r, 2 * h)
+            case Plane(normal=n):
+                return dynamics.PlaneShape(np.array(n), 0.0)
+            case ConvexHull(vertices=vertices):
+                return self._mesh(*_surface(np.asarray(vertices)))
+            case TriangleMesh(vertices=vertices, faces=faces):
+                return self._mesh(np.asarray(vertices), np.asarray(faces))
+            case _:
+                assert_never(shape)
+
+    def _mesh(self, vertices: Floats, faces: Integers) -> Any:
+        """A MeshShape: dartpy cannot make one from arrays, but its URDF reader can from a file."""
+        dart = self.dart
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "mesh.obj"
+            lines = ["v {:.17g} {:.17g} {:.17g}".format(*v) for v in vertices.tolist()]
+            lines += ["f {} {} {}".format(*f) for f in (faces + 1).tolist()]
+            path.write_text("\n".join(lines) + "\n", encoding="ascii")
+            urdf = (
+                '<robot name="mesh"><link name="mesh"><collision><geometry>'
+                f'<mesh filename="{path.as_uri()}"/></geometry></collision></link></robot>'
+            )
+            reader, files = dart.utils.DartLoader(), dart.common.LocalResourceRetriever()
+            skeleton = reader.parseSkeletonString(urdf, dart.common.Uri("file:///"), files)
+        if skeleton is None:
+            raise Unsupported("mesh", f"dartpy's reader refused {len(vertices)} vertices and {len(faces)} faces")
+        return skeleton.getBodyNode(0).getShapeNode(0).getShape()
+
+    def _start(self) -> None:
+        """Initial velocities of trees of joints: the rates of the coordinates that give every body the scene's velocity."""
+        trees: dict[int, tuple[Any, list[int]]] = {}
+        for i in self.built.linked:
+            skeleton = self.built.nodes[i].getSkeleton()
+            trees.setdefault(id(skeleton), (skeleton, []))[1].append(i)
+        for skeleton, places in trees.values():
+            if skeleton.getNumDofs() == 0:
+                continue
+            jacobian = np.vstack([np.asarray(skeleton.getWorldJacobian(self.built.nodes[i])) for i in places])
+            bodies = [self.scene.bodies[i] for i in places]
+            wanted = np.concatenate([np.array([*b.w_WB, *b.v_WB]) for b in bodies])
+            if wanted.any():
+                skeleton.setVelocities(np.linalg.lstsq(jacobian, wanted, rcond=None)[0])
+            else:
+                skeleton.resetVelocities()
+
+    def _loops(self, cut: list[Joint]) -> None:
+        constraint, built = self.dart.constraint, self.built
+        for joint in cut:
+            nodes = [built.nodes[i] for i in _ends(self.scene, joint) if i != WORLD_FRAME]
+            match joint:
+                case Fixed():
+                    made = constraint.WeldJointConstraint(*nodes)
+                case Ball(anchor_W=anchor):
+                    made = constraint.BallJointConstraint(*nodes, np.array(anchor))
+                case Revolute(anchor_W=anchor, axis_W=axis):
+                    made = constraint.RevoluteJointConstraint(*nodes, np.array(anchor), *[np.array(axis)] * len(nodes))
+                case _:
+                    raise AssertionError(f"joint '{joint.name}' cannot be cut")
+            built.world.getConstraintSolver().addConstraint(made)
+
+    def _filter(self) -> None:
+        places = {b.name: i for i, b in enumerate(self.scene.bodies)}
+        option = self.built.world.getConstraintSolver().getCollisionOption()
+        for pair in self.scene.joined():
+            bodies = [self.built.nodes[places[name]] for name in sorted(pair) if name in places]
+            if self.touching and len(bodies) == 2:
+                option.collisionFilter.addBodyNodePairToBlackList(*bodies)
+
+    def _surplus(self) -> None:
+        """What DART computes unasked."""
+        spins = False
+        for body in self.scene.bodies:
+            low, _, high = np.linalg.eigvalsh(np.asarray(body.inertia))
+            spins = spins or (body.movable and high - low > 1e-12 * high)
+        if spins and Effect.GYROSCOPIC not in self.effects:
+            self.built.notes.append("surplus: gyroscopic, DART's equations of motion always hold the term")
+
+
+def _surface(points: Floats) -> tuple[Floats, Integers]:
+    """Vertices and faces, counter-clockwise from outside, of the convex hull of points (n, 3) m."""
+    from scipy.spatial import ConvexHull as Hull
+
+    hull = Hull(points)
+    faces = np.array(hull.simplices, dtype=np.int64)
+    corners = points[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = np.einsum("ij,ij->i", across, hull.equations[:, :3]) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    used = np.unique(faces)
+    return points[used], np.searchsorted(used, faces).astype(np.int64)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DartAdapter(Adapter):
+    """DART through dartpy."""
+
+    def version(self) -> str:
+        """The installed version of dartpy. Raises: Unavailable."""
+        _load()
+        return importlib.metadata.version("dartpy")
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
+        return _Builder(_load(), scene, settings).build()
+
+
+def _load() -> Any:
+    try:
+        return importlib.import_module("dartpy")
+    except ImportError as error:
+        raise Unavailable(f"dartpy cannot be imported ({error}); install dartpy 6.20 or later") from error
+
+
+ADAPTER = DartAdapter(
+    name="dart",
+    title="DART",
+    distribution="dartpy",
+    features=(
+        Feature.SPHERE
+        | Feature.BOX
+        | Feature.CAPSULE
+        | Feature.CYLINDER
+        | Feature.PLANE
+        | Feature.CONVEX_HULL
+        | Feature.TRIANGLE_MESH
+        | Feature.COMPOUND
+        | Feature.FULL_INERTIA
+        | Feature.KINEMATIC
+        | Feature.FIXED
+        | Feature.BALL
+        | Feature.REVOLUTE
+        | Feature.PRISMATIC
+        | Feature.CLOSED_LOOP
+        | Feature.LIMITS
+        | Feature.SPRINGS
+        | Feature.DRIVES
+        | Feature.RESTITUTION
+        | Feature.LINEAR_DAMPING
+        | Feature.ANGULAR_DAMPING
+        | Feature.CONTACTS
+        | Feature.CONTACT_FORCES
+        | Feature.RAYS
+        | Feature.WRENCH
+    ),
+    tracks={
+        "default": Settings(source="dartpy 6.20.0 as it comes: FCL, Dantzig, deactivation on"),
+        "tuned": Settings(
+            solver="auto",
+            options={"detector": "auto", "deactivation": False, "max_contacts": 100_000},
+            source="ODE detector: the default of Gazebo's DART plugin (gz-physics, dartsim); exact friction cone: DART 6.20, "
+            "NsgsFrictionSolver.hpp; Dantzig for bodies that lean on each other: the vendor's default",
+        ),
+    },
+    knobs={
+        "solver": SOLVERS,
+        "iterations": (30, 100, 300, 1000),
+        "tolerance": (1e-4, 1e-5, 1e-7),
+        "options.detector": DETECTORS,
+        "options.deactivation": (True, False),
+        "options.split_impulse": (True, False),
+    },
+    deviations=(
+        "a cut joint of a loop is a velocity constraint with slow error reduction: it drifts",
+        "springs, dampers and drives are implicit and damp by themselves",
+        "scenes with capsules, hulls or meshes never use the vendor's default detector FCL, which has them wrong",
+        "hulls and meshes lose digits beyond single precision",
+        "restitution acts above an approach of 0.1 m/s and returns at most 100 m/s",
+        "the friction of Dantzig and PGS is a box: up to 1.41 times as strong askew to its axes",
+        "rays from inside a solid report the exit",
+    ),
+)

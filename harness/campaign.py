@@ -85,7 +85,7 @@ def carry_out(
     as finishing, of what was done.
 
     Raises:
-        FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read. KeyboardInterrupt: passed on.
+        FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read.
     """
     if (folder / "journal.jsonl").exists() and not resume:
         raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")

@@ -2,9 +2,10 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from typing import Annotated
 
 import numpy as np
-from pydantic import field_serializer, field_validator
+from pydantic import WithJsonSchema, field_serializer, field_validator
 from pydantic.dataclasses import dataclass
 
 from harness.scene.body import Body
@@ -18,6 +19,9 @@ __all__ = ["EARTH_GRAVITY", "Scene", "SceneError"]
 
 EARTH_GRAVITY = (0.0, 0.0, -9.81)
 """The gravity of every case that does not say otherwise [m/s2]."""
+
+
+_EFFECT_NAMES = WithJsonSchema({"type": "array", "items": {"enum": list(Effect(~0).names)}})
 
 
 class SceneError(ValueError):
@@ -44,8 +48,8 @@ class Scene:
     surfaces: tuple[Surface, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     gravity: Vector3 = EARTH_GRAVITY
-    widen: Effect = Effect.NONE
-    narrow: Effect = Effect.NONE
+    widen: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
+    narrow: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
     apart: tuple[tuple[Name, Name], ...] = ()
 
     @field_validator("widen", "narrow", mode="before")

@@ -1,0 +1,41 @@
+"""Ideal inertial signal against its truth: the largest difference of accelerometer and gyroscope without noise.
+
+The truth carries streams of the same names; readings are matched by their time stamps, and one that the truth does not have
+within a nanosecond makes the error infinite.
+"""
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import Imu, Scene
+from harness.trajectory import Trajectory
+
+__all__ = ["ACCELEROMETER_ERROR", "GYROSCOPE_ERROR", "METRIC"]
+
+
+def _error(channel: str, unit: str) -> Metric:
+    def measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+        worst = []
+        for sensor in scene.sensors:
+            if not isinstance(sensor, Imu):
+                continue
+            name, stamps = f"{sensor.name}/{channel}_ideal", f"{sensor.name}/time"
+            if expected is None or name not in expected.streams:
+                raise NotMeasurable(f"the truth has no stream '{name}'")
+            if name not in actual.streams or len(actual.streams[name]) == 0:
+                raise NotMeasurable(f"stream '{name}' was not recorded")
+            here, there = actual.streams[stamps], expected.streams[stamps]
+            if here.shape != there.shape or not np.all(np.abs(here - there) < 1e-9):
+                return float("inf")
+            worst.append(maximum(np.linalg.norm(actual.streams[name] - expected.streams[name], axis=1)))
+        if not worst:
+            raise NotMeasurable("the scene has no inertial sensor")
+        return maximum(np.array(worst))
+
+    return Metric(
+        name=f"{channel}_ideal_error", unit=unit, source="definition: |signal - signal of the truth|", measure=measure
+    )
+
+
+METRIC = ACCELEROMETER_ERROR, GYROSCOPE_ERROR = _error("accelerometer", "m/s2"), _error("gyroscope", "rad/s")

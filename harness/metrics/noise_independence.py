@@ -1,0 +1,44 @@
+"""Independence of inertial noise: the largest correlation between any two axes, channels and sensors, as a normal score.
+
+Correlations are those of the samples' differences, which are stationary whatever walks. Differences of white noise have
+the autocorrelation -1/2 at lag 1, which makes the variance of a correlation of two independent ones (1 + 2/4)/n (Bartlett).
+"""
+
+import itertools
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import Imu, Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["INDEPENDENCE_SCORE", "METRIC"]
+
+SOURCE = "Bartlett, Some aspects of the time-correlation problem (1935)"
+
+
+def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    columns: list[tuple[float, Floats]] = []
+    for sensor in scene.sensors:
+        if not isinstance(sensor, Imu) or sensor.noise is None:
+            continue
+        for channel in ("accelerometer", "gyroscope"):
+            law = getattr(sensor.noise, channel)
+            name = f"{sensor.name}/{channel}"
+            if name not in actual.streams:
+                raise NotMeasurable(f"stream '{name}' was not recorded")
+            if law.density > 0 or law.instability > 0 or law.random_walk > 0:
+                noise = actual.streams[name] - actual.streams[f"{name}_ideal"]
+                columns.extend((sensor.rate, column) for column in np.diff(noise, axis=0).T)
+    scores = []
+    for (rate_a, a), (rate_b, b) in itertools.combinations(columns, 2):
+        # Streams of different rates share no instants that could be compared one by one.
+        if rate_a == rate_b and len(a) == len(b) and len(a) >= 30:
+            scores.append(abs(np.corrcoef(a, b)[0, 1]) * np.sqrt(len(a) / 1.5))
+    if not scores:
+        raise NotMeasurable("fewer than two noisy axes of one rate with at least 31 samples")
+    return maximum(np.array(scores))
+
+
+METRIC = INDEPENDENCE_SCORE = Metric(name="inertial_correlation_score", unit="1", source=SOURCE, measure=_score)

@@ -1,0 +1,85 @@
+"""Ideal ranges of a range finder against closed form: errors of the beams that both hit, and the share on which they disagree.
+
+The truth carries '<sensor>/range_ideal' for the same scans. A hit against no hit is a false return; so is a hit on another
+surface, taken to be one when the range differs by more than a tenth of it.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum, root_mean_square
+from harness.scene import Lidar, Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["FALSE_RETURNS", "INTENSITY_ERROR_MAX", "METRIC", "RANGE_ERROR_MAX", "RANGE_ERROR_MEDIAN", "RANGE_ERROR_RMS"]
+
+SOURCE = "closed-form intersection of rays and primitives"
+OTHER_SURFACE = 0.1
+
+
+def _pairs(scene: Scene, actual: Trajectory, expected: Trajectory | None, channel: str) -> tuple[Floats, Floats]:
+    """The stream of all range finders and its truth, as two flat arrays."""
+    found: list[Floats] = []
+    truths: list[Floats] = []
+    for sensor in scene.sensors:
+        if isinstance(sensor, Lidar):
+            name, stamps = f"{sensor.name}/{channel}", f"{sensor.name}/time"
+            if expected is None or name not in expected.streams:
+                raise NotMeasurable(f"the truth has no stream '{name}'")
+            if name not in actual.streams:
+                raise NotMeasurable(f"stream '{name}' was not recorded")
+            here, there = actual.streams[stamps], expected.streams[stamps]
+            if here.shape != there.shape or not np.all(np.abs(here - there) < 1e-9):
+                raise NotMeasurable(f"the truth of '{name}' stands at other times than the scans")
+            found.append(actual.streams[name].ravel())
+            truths.append(expected.streams[name].ravel())
+    if not found or sum(map(len, found)) == 0:
+        raise NotMeasurable("the scene has no range finder, or it made no scan")
+    return np.concatenate(found), np.concatenate(truths)
+
+
+def _same_surface(found: Floats, truth: Floats) -> NDArray[np.bool_]:
+    """Mask of beams that hit what the truth hits; NaN counts as a hit, so that it shows in the error."""
+    hit = ~np.isinf(found) & ~np.isinf(truth)
+    with np.errstate(invalid="ignore"):
+        mask: NDArray[np.bool_] = hit & ~(np.abs(found - truth) > OTHER_SURFACE * truth)
+    return mask
+
+
+def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+    found, truth = _pairs(scene, actual, expected, "range_ideal")
+    same = _same_surface(found, truth)
+    if not same.any():
+        raise NotMeasurable("no beam meets the surface that the truth meets")
+    error: Floats = np.abs(found[same] - truth[same])
+    return error
+
+
+def _false(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    found, truth = _pairs(scene, actual, expected, "range_ideal")
+    if np.isnan(found).any():
+        return float("nan")
+    return float(np.mean(~_same_surface(found, truth) & ~(np.isinf(found) & np.isinf(truth))))
+
+
+def _intensity(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    found, truth = _pairs(scene, actual, expected, "intensity_ideal")
+    ranges, true_ranges = _pairs(scene, actual, expected, "range_ideal")
+    same = _same_surface(ranges, true_ranges)
+    if not same.any() or np.isnan(found[same]).all():
+        raise NotMeasurable("the engine gives no normals where its rays hit")
+    return maximum(np.abs(found[same] - truth[same]))
+
+
+RANGE_ERROR_MAX = Metric(name="range_error_max", unit="m", source=SOURCE, measure=lambda s, a, e: maximum(_errors(s, a, e)))
+RANGE_ERROR_RMS = Metric(
+    name="range_error_rms", unit="m", source=SOURCE, measure=lambda s, a, e: root_mean_square(_errors(s, a, e))
+)
+RANGE_ERROR_MEDIAN = Metric(
+    name="range_error_median", unit="m", source=SOURCE, measure=lambda s, a, e: float(np.median(_errors(s, a, e)))
+)
+FALSE_RETURNS = Metric(name="range_false_return_share", unit="1", source=SOURCE, measure=_false)
+INTENSITY_ERROR_MAX = Metric(name="intensity_error_max", unit="1", source="Lambert's cosine law", measure=_intensity)
+
+METRIC = (RANGE_ERROR_MAX, RANGE_ERROR_RMS, RANGE_ERROR_MEDIAN, FALSE_RETURNS, INTENSITY_ERROR_MAX)

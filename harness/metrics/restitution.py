@@ -14,7 +14,7 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Plane, Scene, Sphere
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["APEX_GAIN", "IMPACT_TIME_ERROR", "LATER_RESTITUTION_ERROR", "METRIC", "RESTITUTION_ERROR"]
+__all__ = ["APEX_GAIN", "BOUNCE_HEIGHT_ERROR", "IMPACT_TIME_ERROR", "LATER_RESTITUTION_ERROR", "METRIC", "RESTITUTION_ERROR"]
 
 SOURCE = "Stronge, Impact Mechanics, 2nd ed., section 3.2 (kinematic coefficient); apexes h' = e^2 h"
 FREE = 0.1
@@ -64,10 +64,19 @@ def _all_flights(scene: Scene, run: Trajectory) -> list[tuple[float, list[Flight
 
 
 def _bounces(flights: list[Flight], count: int) -> list[float]:
-    """Effective restitutions of the first `count` impacts; 0 where no flight follows."""
+    """Effective restitutions of the first `count` impacts; 0 where no flight follows, NaN where the ball never fell."""
+    if not flights:
+        return [math.nan] * count
     apexes = [max(apex, 0.0) for apex, _ in flights[: count + 1]]
     apexes += [0.0] * (count + 1 - len(apexes))
-    return [math.sqrt(after / before) if before > 0 else math.nan for before, after in pairwise(apexes)]
+    return [math.sqrt(after / before) if before > 0 else 0.0 for before, after in pairwise(apexes)]
+
+
+def _height(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    errors = [abs(_bounces(flights, 1)[0] ** 2 - e**2) for e, flights in _all_flights(scene, actual)]
+    return float(np.max(errors))
 
 
 def _first(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -119,6 +128,12 @@ def _gain(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> floa
     return float(np.max(gains))
 
 
+BOUNCE_HEIGHT_ERROR = Metric(
+    name="bounce_height_error",
+    unit="1",
+    source=f"{SOURCE}; |h'/h - e^2| of the first bounce, worst ball; linear in small errors, as an error of e is not at e = 0",
+    measure=_height,
+)
 RESTITUTION_ERROR = Metric(name="restitution_error", unit="1", source=f"{SOURCE}; first impact, worst ball", measure=_first)
 LATER_RESTITUTION_ERROR = Metric(
     name="later_restitution_error",
@@ -139,4 +154,4 @@ APEX_GAIN = Metric(
     measure=_gain,
 )
 
-METRIC = (RESTITUTION_ERROR, LATER_RESTITUTION_ERROR, IMPACT_TIME_ERROR, APEX_GAIN)
+METRIC = (BOUNCE_HEIGHT_ERROR, RESTITUTION_ERROR, LATER_RESTITUTION_ERROR, IMPACT_TIME_ERROR, APEX_GAIN)

@@ -40,9 +40,11 @@ from harness.scene import (
     principal_inertia,
 )
 from harness.scene.file import dump_json, dump_toml, load, parse, schema
+from tests.conftest import Command
 
 finite = st.floats(-1e6, 1e6)
 positive = st.floats(1e-6, 1e6)
+shares = st.floats(0, 1)
 vectors = st.tuples(finite, finite, finite)
 directions = vectors.filter(lambda v: math.hypot(*v) > 1e-3)
 turns = st.builds(axis_angle, directions, st.floats(-3.0, 3.0))
@@ -66,7 +68,7 @@ drives = st.none() | st.builds(Drive, stiffness=st.floats(0, 1e4), target=finite
 
 
 @st.composite
-def scenes(draw) -> Scene:
+def scenes(draw: st.DrawFn) -> Scene:
     bodies = [
         Body(
             name=name,
@@ -86,9 +88,7 @@ def scenes(draw) -> Scene:
     ground = Body(name="floor", motion="static", collision=(PlacedShape(shape=Plane()),), material="stone")
     materials = ("steel", "stone", "wood")
     surfaces = tuple(
-        Surface(
-            between=(a, b), static_friction=0.5, kinetic_friction=draw(st.floats(0, 0.5)), restitution=draw(st.floats(0, 1))
-        )
+        Surface(between=(a, b), static_friction=0.5, kinetic_friction=draw(st.floats(0, 0.5)), restitution=draw(shares))
         for i, a in enumerate(materials)
         for b in materials[i:]
     )
@@ -103,7 +103,7 @@ def scenes(draw) -> Scene:
     )
     sensors = (
         Imu(name="imu", body=a, rate=100.0, noise=draw(st.none() | st.just(ImuNoise()))),
-        Lidar(name="lidar", body="world", rate=10.0, noise=LidarNoise(dropout=draw(st.floats(0, 1)))),
+        Lidar(name="lidar", body="world", rate=10.0, noise=LidarNoise(dropout=draw(shares))),
         Camera(name="camera", body=b, rate=30.0),
         DepthCamera(name="depth", body=b, rate=30.0, principle=draw(st.sampled_from(("stereo", "time_of_flight")))),
     )
@@ -185,7 +185,9 @@ def test_a_broken_file_is_refused_naming_file_element_field_and_value(fault: str
 
 
 @pytest.mark.parametrize("fault", BROKEN)
-def test_the_command_line_refuses_a_broken_scene_before_any_engine_and_writes_nothing(fault, tmp_path, plumbline) -> None:
+def test_the_command_line_refuses_a_broken_scene_before_any_engine_and_writes_nothing(
+    fault: str, tmp_path: Path, plumbline: Command
+) -> None:
     before, after, words = BROKEN[fault]
     path = tmp_path / "scene.toml"
     path.write_text(SOUND.replace(before, after, 1))

@@ -32,9 +32,8 @@ from harness.scene import (
     sphere_inertia,
 )
 
-BALL = Body(
-    name="ball", inertia=sphere_inertia(1.0, 0.1), collision=(PlacedShape(shape=Sphere(radius=0.1)),), material="rubber"
-)
+ROUND = (PlacedShape(shape=Sphere(radius=0.1)),)
+BALL = Body(name="ball", inertia=sphere_inertia(1.0, 0.1), collision=ROUND, material="rubber")
 GROUND = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),), material="floor")
 LAW = Surface(between=("rubber", "floor"), static_friction=0.5, kinetic_friction=0.5)
 TETRAHEDRON = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

@@ -1,0 +1,277 @@
+"""The charts of the report as Vega-Lite specifications: error against time step, against cost, and across cases."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+from reports.figure import Figure, thin
+from reports.palette import looks
+from reports.points import labels, points
+from reports.text import TIMES, amount
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from harness.store import Store
+
+__all__ = ["across_cases", "error_by_cost", "error_by_step"]
+
+Row = dict[str, Any]
+LANE = 15
+"""Height of one row of outcomes above a chart [px]."""
+POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
+STEP = ("dt", "time step [ms]")
+COST = ("cpu", "CPU time per simulated second [s/s]")
+HOVER = {
+    "engine": "engine",
+    "track": "track",
+    "status": "outcome",
+    "reason": "reason",
+    "case": "case",
+    "dt": "time step [ms]",
+    "error": "error",
+    "cpu": "CPU s per simulated s",
+    "low": "95 % from",
+    "high": "to",
+    "settings": "settings",
+    "trial": "trial",
+}
+
+
+def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str) -> Figure | None:
+    """Error against time step, both logarithmic; None without a trial."""
+    drawn = points(store, rows)
+    if not drawn:
+        return None
+    bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]})
+    spec = layered(store, drawn, STEP, f"{metric} [{unit}]", bounds=bounds)
+    caption = (
+        "Each point is one trial; a line joins the medians of trials that differ in the time step only. Down is more accurate, "
+        "left is a finer step. The grey line is the bound of the check. Trials without an error stand above the frame as "
+        "their outcome; errors of exactly zero stand on its lower edge."
+    )
+    return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")))
+
+
+def error_by_cost(store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str) -> Figure | None:
+    """Error against CPU time, both logarithmic, with the intervals of the timing; None where nothing was timed."""
+    drawn = points(store, rows)
+    if not any(row["cpu"] for row in drawn):
+        return None
+    spec = layered(store, drawn, COST, f"{metric} [{unit}]", bounds=())
+    caption = (
+        "Work against precision: the lower left corner is where one wants to be. Bars are 95 % intervals of the CPU time. "
+        "Trials that gave no error stand above the frame as their outcome, trials that were not timed on its right edge."
+    )
+    return Figure(f"{name}-cost", "Error against cost", caption, spec, *table(drawn, ("cpu", "low", "high", "error")))
+
+
+def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:
+    """Headings and cells of the table under a chart."""
+    columns = ("engine", "track", *(HOVER[name] for name in numbers), "outcome", "trial")
+    keys = ("engine", "track", *numbers, "status", "trial")
+    return columns, [[amount(row[key]) if key in numbers else row[key] for key in keys] for row in drawn]
+
+
+def layered(store: "Store", drawn: list[Row], across: tuple[str, str], y_title: str, *, bounds: Sequence[Any]) -> Row:
+    """Lines, intervals, points and edges over one pair of axes."""
+    import altair as alt  # late: half a second that only a report needs
+
+    field, x_title = across
+    placed = [row for row in drawn if row["edge"] == "none" and row[field]]
+    placed = [row for part in grouped(placed, ("series",)).values() for row in thin(part, field, "error")]
+    style = Marks(store, drawn)
+    x = logarithmic(alt.X, field, x_title, ticks(drawn, field))
+    y = logarithmic(alt.Y, "error", y_title, decades(row["error"] for row in placed))
+    marks = style.channels()
+    layers: list[Any] = []
+    if len(bounds) > 0:
+        layers.append(bound_line(bounds, x, y))
+    lines = medians(placed, field)
+    layers.append(
+        chart(lines)
+        .mark_line(strokeWidth=1.6)
+        .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash())
+    )
+    if field == "cpu":
+        low = alt.X("low:Q", title=x_title)
+        layers.append(chart(placed).mark_rule(strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()))
+    layers.append(chart(placed).mark_point(**POINT).encode(x=x, y=y, **marks))
+    exact = [row for row in drawn if row["edge"] == "exact" and row[field]]
+    if exact:
+        layers.append(chart(exact).mark_point(**POINT).encode(x=x, y=alt.value("height"), **marks))
+    untimed = [row for row in drawn if row["edge"] == "none" and not row[field]]
+    if untimed:
+        layers.append(chart(untimed).mark_point(**POINT).encode(x=alt.value("width"), y=y, **marks))
+    return finished([*layers, *outcome_lanes(drawn, field, x, style)], height=320)
+
+
+def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
+    """The bound of the check: a line over the time steps, or a short stroke where there is one step only."""
+    steps = chart([{"dt": dt, "error": bound} for dt, bound in bounds])
+    several = len({dt for dt, _ in bounds}) > 1
+    grey: Row = {"color": "#8a93a0", "strokeWidth": 1.5}
+    return (steps.mark_line(**grey) if several else steps.mark_tick(**grey, width=60)).encode(x=x, y=y)
+
+
+def outcome_lanes(drawn: Sequence[Row], field: str, x: Any, style: "Marks") -> list[Any]:
+    """Trials without an error, above the frame: a lane for each engine and track, a symbol where the trial would stand.
+
+    Trials that have no place along x either, for they were not timed, share one text at the right end of their lane.
+    """
+    import altair as alt
+
+    silent = grouped((row for row in drawn if row["edge"] == "outcome"), ("engine", "track"))
+    lane = alt.Y("lane:Q", scale=None, axis=None)
+    here, nowhere, names = [], [], []
+    for place, ((engine, track), part) in enumerate(silent.items()):
+        height = -10 - LANE * place
+        names.append({"lane": height, "label": f"{engine}, {track}"})
+        here += [row | {"lane": height} for row in part if row[field]]
+        gone = [row for row in part if not row[field]]
+        if gone:
+            counts = grouped(gone, ("status", "symbol"))
+            text = "  ".join(symbol + (f"{TIMES}{len(rows)}" if len(rows) > 1 else "") for (_, symbol), rows in counts.items())
+            reason = "; ".join(dict.fromkeys(f"{row['status']}: {row['reason']}" for row in gone))
+            nowhere.append(gone[0] | {"lane": height, "symbol": text, "reason": reason[:300], "trial": f"{len(gone)} trials"})
+    bold: Row = {"fontSize": 13, "fontWeight": 700}
+    shown: Row = {"text": alt.Text("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
+    layers = []
+    if here:
+        layers.append(chart(here).mark_text(**bold).encode(x=x, y=lane, **shown))
+    if nowhere:
+        layers.append(chart(nowhere).mark_text(**bold, align="right").encode(x=alt.value("width"), y=lane, **shown))
+    if names:
+        label = chart(names).mark_text(align="right", dx=-8, fontSize=10, color="#8a93a0", limit=130)
+        layers.append(label.encode(x=alt.value(0), y=lane, text="label:N"))
+    return layers
+
+
+def chart(values: Sequence[Row]) -> Any:
+    """A chart of rows that travel inside the specification."""
+    import altair as alt
+
+    return alt.Chart({"values": list(values)})
+
+
+def logarithmic(kind: Any, field: str, title: str, values: Row) -> Any:
+    """A logarithmic axis with room for marks at its ends."""
+    import altair as alt
+
+    return kind(f"{field}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(**values))
+
+
+def finished(layers: Sequence[Any], height: int) -> Row:
+    """One specification, as wide as the page lets it."""
+    import altair as alt
+
+    spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict()
+    spec["config"] = {"legend": {"orient": "bottom", "columns": 4, "symbolSize": 90}}
+    spec["autosize"] = {"type": "fit-x", "contains": "padding"}
+    return spec
+
+
+def ticks(drawn: Iterable[Row], field: str) -> Row:
+    """Ticks at the time steps themselves while they are few; otherwise at round numbers."""
+    steps = sorted({row[field] for row in drawn if row[field]})
+    if field == "dt" and len(steps) <= 10:
+        return {"format": ".3~g", "values": steps, "labelOverlap": "greedy"}
+    return decades(steps)
+
+
+def decades(numbers: Iterable[float | None]) -> Row:
+    """Ticks at powers of ten, with 2 and 5 between them where there are few."""
+    found = [value for value in numbers if value]
+    if not found:
+        return {"values": []}
+    low, high = math.floor(math.log10(min(found))), math.ceil(math.log10(max(found)))
+    every = max(1, (high - low) // 8)
+    steps = (1, 2, 5) if high - low <= 2 else (1,)
+    values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
+    small = "datum.value < 0.001 || datum.value >= 100000 ? format(datum.value, '~e') : format(datum.value, '~g')"
+    return {"values": values, "labelExpr": small, "labelOverlap": "greedy"}
+
+
+def grouped(rows: Iterable[Row], keys: Sequence[str]) -> Mapping[tuple[Any, ...], list[Row]]:
+    """Rows by the values of some keys, in the order they come."""
+    found: dict[tuple[Any, ...], list[Row]] = {}
+    for row in rows:
+        found.setdefault(tuple(row[key] for key in keys), []).append(row)
+    return found
+
+
+def medians(placed: Iterable[Row], field: str) -> list[Row]:
+    """One point for each series and time step: medians over seeds."""
+    return [
+        part[0] | {"error": median(row["error"] for row in part), field: median(row[field] for row in part)}
+        for part in grouped(placed, ("series", "dt")).values()
+    ]
+
+
+class Marks:
+    """The look of engines and tracks in one chart: colour and shape say the engine, filling and dashes the track."""
+
+    def __init__(self, store: "Store", drawn: Sequence[Row]) -> None:
+        present = {row["engine"] for row in drawn}
+        chosen = looks(labels(store))
+        shown = [(label, chosen[name]) for name, label in labels(store).items() if label in present]
+        self.engines = [label for label, _ in shown]
+        self.colours = [look.colour for _, look in shown]
+        self.paths = [look.path for _, look in shown]
+        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (track != "default", track))
+
+    def colour(self, channel: str = "color") -> Any:
+        """Colour of the engine."""
+        import altair as alt
+
+        kind = {"color": alt.Color, "stroke": alt.Stroke}[channel]
+        return kind("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.colours))
+
+    def dash(self) -> Any:
+        """Dashes of the track: whole lines for tuned."""
+        import altair as alt
+
+        dashes = [[1, 0] if track != "default" else [4, 3] for track in self.tracks]
+        return alt.StrokeDash("track:N", title=None, scale=alt.Scale(domain=self.tracks, range=dashes))
+
+    def tooltip(self) -> list[Any]:
+        """What hovering shows."""
+        import altair as alt
+
+        return [
+            alt.Tooltip(f"{key}:{'Q' if key in ('dt', 'error', 'cpu', 'low', 'high') else 'N'}", title=title)
+            for key, title in HOVER.items()
+        ]
+
+    def channels(self) -> Row:
+        """All channels of a point."""
+        import altair as alt
+
+        filled = [0.0001 if track == "default" else 1 for track in self.tracks]
+        return {
+            "color": self.colour(),
+            "stroke": self.colour("stroke"),
+            "shape": alt.Shape("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.paths)),
+            "fillOpacity": alt.FillOpacity("track:O", title=None, scale=alt.Scale(domain=self.tracks, range=filled)),
+            "tooltip": self.tooltip(),
+        }
+
+
+def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, title: str, caption: str) -> Figure | None:
+    """One row a case, one mark an engine: the median of a column of its trials, on a logarithmic axis."""
+    import altair as alt
+
+    drawn = [row for row in points(store, rows) if row[field]]
+    if not drawn:
+        return None
+    merged = [
+        part[0] | {field: median(row[field] for row in part)} for part in grouped(drawn, ("case", "engine", "track")).values()
+    ]
+    style = Marks(store, merged)
+    x = logarithmic(alt.X, field, title, decades(row[field] for row in merged))
+    y = alt.Y("case:N", title=None, sort=None, axis=alt.Axis(grid=True, labelLimit=150, ticks=False))
+    marks = chart(merged).mark_point(**POINT).encode(x=x, y=y, **style.channels())
+    spec = finished([marks], height=30 + 22 * len({row["case"] for row in merged}))
+    columns = ("case", "engine", "track", title)
+    return Figure(name, title, caption, spec, columns, [[r["case"], r["engine"], r["track"], amount(r[field])] for r in merged])

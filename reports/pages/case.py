@@ -1,0 +1,115 @@
+"""A page for each case: the question, its truth and checks, error against time step and cost, and every trial."""
+
+import csv
+import io
+import json
+import shlex
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from harness.trend import Order, fit_order
+from reports.answers import answers
+from reports.charts import error_by_cost, error_by_step
+from reports.contents import FAMILIES, cases
+from reports.page import Page
+from reports.template import case_file, fill
+from reports.text import csv_cell, slug
+from reports.verdict import verdicts
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """For each case its page, its charts and its trials as CSV."""
+    files: dict[str, str] = {}
+    rows, cells, known = answers(store), verdicts(store), cases(store)
+    names = list(known)
+    for place, name in enumerate(names):
+        case, mine = known[name], rows[rows["case"] == name]
+        measured = store.measurements[store.measurements["trial"].isin(mine["trial"])]
+        plain = slug(name)
+        unit = next((str(unit) for unit in mine["unit"].dropna()), "1")
+        figures = [
+            figure
+            for draw in (error_by_step, error_by_cost)
+            if (figure := draw(store, mine, f"case-{plain}", case["headline"], unit)) is not None
+        ]
+        recording = store.folder / "recordings" / f"{name}.rrd"
+        files[f"trials/{plain}.csv"] = as_csv(mine, measured)
+        files |= {figure.path: figure.svg for figure in figures}
+        files[case_file(name)] = fill(
+            "case.html",
+            store,
+            title=case["title"],
+            case=case,
+            family=FAMILIES.get(case["family"], case["family"]),
+            before=known[names[place - 1]] if place else None,
+            after=known[names[place + 1]] if place + 1 < len(names) else None,
+            figures=figures,
+            orders=orders(mine),
+            verdicts={(engine, track): cell for (of, engine, track), cell in cells.items() if of == name},
+            metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
+            trials=[trial(store, row, measured) for row in mine.to_dict("records")],
+            csv=f"trials/{plain}.csv",
+            recording=f"../recordings/{name}.rrd" if is_file(recording) else None,
+            view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
+        )
+    return files
+
+
+def is_file(path: Any) -> bool:
+    """Is there such a file? A name that the system refuses is none."""
+    try:
+        return bool(path.is_file())
+    except (OSError, ValueError):
+        return False
+
+
+def orders(rows: pd.DataFrame) -> list[tuple[str, str, Order]]:
+    """Fitted orders of convergence by engine and track, of the series that holds most steps."""
+    found = []
+    for (engine, track), part in rows[rows["error"] > 0].groupby(["engine", "track"], sort=False):
+        longest = max((group for _, group in part.groupby("series")), key=lambda group: group["dt"].nunique())
+        by_step = longest.groupby("dt")["error"].median()
+        fit = fit_order(by_step.index.to_list(), by_step.to_list())
+        if fit is not None:
+            found.append((engine, track, fit))
+    return found
+
+
+def trial(store: "Store", row: Mapping[str, Any], measured: pd.DataFrame) -> dict[str, Any]:
+    """A row of the table of trials."""
+    values = {m["metric"]: m for m in measured[measured["trial"] == row["trial"]].to_dict("records")}
+    nothing = {name: None for name, value in row.items() if pd.api.types.is_scalar(value) and pd.isna(value)}
+    return {
+        **row,
+        **nothing,
+        "values": values,
+        "resolved": row["resolved"],
+        "warnings": json.loads(row["warnings"]) if row["warnings"] else [],
+        "reproduce": f"plumbline reproduce {shlex.quote(str(store.folder))} {shlex.quote(str(row['trial']))}",
+    }
+
+
+def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
+    """Trials with one column a metric; cells that a spreadsheet would run are made text."""
+    columns = [name for name in rows.columns if name not in ("error", "metric", "at_most", "unit", "answered", "series")]
+    table = rows[columns]
+    if len(measured):
+        wide = measured.pivot_table(index="trial", columns="metric", values="value", aggfunc="first", dropna=False, sort=False)
+        table = table.join(wide, on="trial", rsuffix=" (metric)")
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([csv_cell(str(name)) for name in table.columns])
+    writer.writerows(
+        [csv_cell("" if pd.api.types.is_scalar(v) and pd.isna(v) else v) for v in row] for row in table.to_numpy(object)
+    )
+    return text.getvalue()
+
+
+PAGE = Page(name="case", title="Cases", order=50, render=render, listed=False)

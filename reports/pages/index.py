@@ -1,0 +1,59 @@
+"""The first page: what was found, the verdict of every case on every engine, the engines, and where the numbers come from."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from reports.answers import answers, at_own_step
+from reports.charts import across_cases
+from reports.contents import cases, families, tracks
+from reports.glance import glances
+from reports.page import Page
+from reports.summary import sentences
+from reports.template import fill
+from reports.verdict import verdicts
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+ERRORS = (
+    "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale: "
+    "left is better. Filled marks are tuned, open ones the vendor's defaults. Exact zeros have no place on a logarithmic axis."
+)
+COSTS = (
+    "CPU time per simulated second at the same trials: left is cheaper; 1 is as fast as the clock on the wall. "
+    "Read it together with the errors beside it: neither means anything alone."
+)
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page and its two charts."""
+    rows = at_own_step(store, answers(store))
+    scales = {name: case["scale"] or 1.0 for name, case in cases(store).items()}
+    scaled = rows.assign(error=[error / scales[name] for error, name in zip(rows["error"], rows["case"], strict=True)])
+    figures = [
+        figure
+        for figure in (
+            across_cases(store, scaled, "error", "overview-error", "Error as a share of the case's scale", ERRORS),
+            across_cases(store, scaled, "cpu", "overview-cost", "CPU time per simulated second [s/s]", COSTS),
+        )
+        if figure is not None
+    ]
+    page = fill(
+        "index.html",
+        store,
+        title=store.study.get("title") or store.study.get("name", "Report"),
+        sentences=sentences(store),
+        glances=glances(store),
+        families=families(store),
+        cells=verdicts(store),
+        tracks=tracks(store),
+        figures=figures,
+        machine=store.machine,
+        trials=len(store.trials),
+    )
+    return {"index.html": page} | {figure.path: figure.svg for figure in figures}
+
+
+PAGE = Page(name="index", title="Overview", order=0, render=render)

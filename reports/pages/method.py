@@ -1,0 +1,40 @@
+"""The page on method: how answers are judged and timed, what the outcomes mean, and how to run anything again."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from reports.page import Page
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from pandas import Series
+
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page."""
+    samples = store.samples
+    timing = {
+        "samples": len(samples),
+        "trials": samples["trial"].nunique() if len(samples) else 0,
+        "processes": int(samples.groupby("trial")["process"].nunique().max()) if len(samples) else 0,
+        "blocks": int(samples.groupby("trial")["block"].nunique().max()) if len(samples) else 0,
+        "canary": spread(samples["canary"]) if len(samples) else None,
+    }
+    return {
+        "method.html": fill(
+            "method.html", store, title="Method", machine=store.machine, timing=timing, folder=str(store.folder)
+        )
+    }
+
+
+def spread(canary: "Series") -> float | None:
+    """Middle half of the canary's readings over their median [1]: how steady the machine was."""
+    middle = float(canary.median())
+    return None if not middle > 0 else float(canary.quantile(0.75) - canary.quantile(0.25)) / middle
+
+
+PAGE = Page(name="method", title="Method", order=90, render=render)

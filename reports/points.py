@@ -1,0 +1,71 @@
+"""The points of a chart: plain rows with units for axes, and an edge for every trial that has no place on them."""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from reports.contents import engines
+from reports.status import outcome
+from reports.text import visible
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["labels", "points"]
+
+Row = dict[str, Any]
+
+
+def labels(store: "Store") -> Mapping[str, str]:
+    """What an engine is called in charts: its title, with its name where two share one, and a mark where it is ours."""
+    found = engines(store)
+    titles = [engine["title"] for engine in found.values()]
+    return {
+        name: visible(engine["title"] if titles.count(engine["title"]) == 1 else f"{engine['title']} ({name})")[:60]
+        + (" (ours)" if engine["ours"] else "")
+        for name, engine in found.items()
+    }
+
+
+def number(value: Any) -> float | None:
+    """A finite float, or None: JSON has no NaN."""
+    return float(value) if pd.notna(value) and math.isfinite(value) else None
+
+
+def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
+    """Rows of `answers` for a chart.
+
+    Terms of a row:
+        engine, track, series, trial, status, symbol, reason, settings: words. dt [ms], dt_s [s], error [its unit], cpu, low,
+        high [CPU s per simulated s]. edge: 'none' where the error can be drawn on a logarithmic axis, 'exact' where it is
+        0, 'outcome' where there is no error.
+    """
+    names = labels(store)
+    found = []
+    for row in rows.to_dict("records"):
+        error, cpu = number(row["error"]), number(row["cpu_per_sim_s"])
+        cpu = cpu if cpu is not None and cpu > 0 else None
+        low, high = number(row["cpu_low"]), number(row["cpu_high"])
+        found.append(
+            {
+                "engine": names[row["engine"]],
+                "track": row["track"],
+                "series": row["series"],
+                "trial": row["trial"],
+                "case": row["case"],
+                "status": row["status"],
+                "symbol": outcome(row["status"]).symbol,
+                "reason": visible(str(row["reason"]))[:300],
+                "settings": visible(row["settings_line"])[:300],
+                "dt": 1e3 * float(row["dt"]),
+                "error": error,
+                "bound": number(row["at_most"]),
+                "cpu": cpu,
+                "low": low if low is not None and low > 0 and cpu is not None else cpu,
+                "high": high if high is not None and cpu is not None else cpu,
+                "edge": "outcome" if error is None else "exact" if error == 0 else "none",
+            }
+        )
+    return found

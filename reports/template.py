@@ -1,0 +1,90 @@
+"""Templates filled in with every string escaped, cleaned of control characters and cut to a readable length."""
+
+import re
+from functools import cache
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from reports.contents import engines
+from reports.page import pages
+from reports.palette import looks
+from reports.status import STATUSES, outcome
+from reports.text import amount, plural, settings_text, slug, visible
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["case_file", "fill"]
+
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'none'; font-src 'none'; base-uri 'none'; form-action 'none'"
+)
+"""Nothing inline runs, nothing comes from elsewhere, and nothing can be sent."""
+
+ADDRESS = re.compile(r"https?://[^\s<>\"'()\[\]{}]+[^\s<>\"'()\[\]{}.,;:]")
+
+
+def case_file(name: str) -> str:
+    """The page of a case."""
+    return f"case-{slug(name)}.html"
+
+
+def cite(text: str) -> Markup:
+    """A source with its web addresses as links; any other scheme stays text."""
+    shown, parts, end = visible(text), [], 0
+    for found in ADDRESS.finditer(shown):
+        address = escape(found.group())
+        parts += [escape(shown[end : found.start()]), Markup('<a rel="noreferrer noopener" href="')]
+        parts += [address, Markup('">'), address, Markup("</a>")]
+        end = found.end()
+    return Markup("").join([*parts, escape(shown[end:])])
+
+
+def cleaned(value: Any) -> Any:
+    """What every expression of a template goes through before it is escaped."""
+    return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+@cache
+def environment() -> Environment:
+    """The templates of this folder, with the filters that they share."""
+    made = Environment(
+        loader=PackageLoader("reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=cleaned,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {
+        "amount": amount,
+        "case_file": case_file,
+        "cite": cite,
+        "outcome": outcome,
+        "plural": lambda count, noun: plural(count, noun),
+        "settings": settings_text,
+        "address": lambda text: quote(text, safe=""),
+    }
+    return made
+
+
+def fill(template: str, store: "Store", **context: Any) -> str:
+    """A whole page from `templates/<template>`."""
+    named = engines(store)
+    return (
+        environment()
+        .get_template(template)
+        .render(
+            policy=POLICY,
+            navigation=[page for page in pages() if page.listed],
+            engines=named,
+            looks=looks(named),
+            statuses=STATUSES,
+            study=store.study,
+            **context,
+        )
+    )

@@ -1,0 +1,87 @@
+"""The architecture, checked: who imports whom, what starts lazily, and that every plug-in ends as it should."""
+
+import ast
+import importlib
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from harness import discover
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("harness", "adapters", "cases", "reports", "engine")
+VENDORS = {"mujoco", "pybullet", "dartpy", "numba", "rerun", "altair", "vl_convert", "pyarrow"}
+
+
+def test_every_import_contract_holds() -> None:
+    command = [sys.executable, "-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def imported_by(code: str) -> set[str]:
+    """The top-level packages that are loaded once some code has run in a fresh interpreter."""
+    script = f"import sys, json\n{code}\nprint(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_the_command_line_starts_without_engines_and_without_number_crunchers() -> None:
+    assert not imported_by("import harness.cli") & (VENDORS | {"numpy", "scipy", "pandas", "pydantic"})
+
+
+@pytest.mark.parametrize("name", discover.names("adapters"))
+def test_an_adapter_is_imported_without_its_vendor(name: str) -> None:
+    assert not imported_by(f"import adapters.{name}") & {"mujoco", "pybullet", "dartpy", "numba"}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_vendor_packages_are_imported_inside_functions_only(package: str) -> None:
+    allowed = {"engine": {"numba"}}.get(package, set())
+    for path in (ROOT / package).rglob("*.py"):
+        for node in ast.parse(path.read_text()).body:
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            tops = {name.split(".")[0] for name in names}
+            assert not tops & (VENDORS - allowed), f"{path.relative_to(ROOT)} imports {tops & VENDORS} at its top"
+
+
+@pytest.mark.parametrize("kind", ["adapters", "cases"])
+def test_every_plug_in_is_found_and_ends_in_its_constant(kind: str) -> None:
+    found = {"adapters": discover.adapters, "cases": discover.cases}[kind]()
+    files = {path.stem for path in (ROOT / kind).glob("*.py")} - {"__init__"}
+    assert files <= found.keys()
+    constant = {"adapters": "ADAPTER", "cases": "CASE"}[kind]
+    for name in files:
+        last = ast.parse((ROOT / kind / f"{name}.py").read_text()).body[-1]
+        targets = last.targets if isinstance(last, ast.Assign) else [last.target] if isinstance(last, ast.AnnAssign) else []
+        assert [t.id for t in targets if isinstance(t, ast.Name)] == [constant]
+
+
+def test_metrics_have_unique_names_units_and_sources() -> None:
+    for name, metric in discover.metrics().items():
+        assert name == metric.name
+        assert metric.unit
+        assert metric.source
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_public_name_exists(package: str) -> None:
+    for path in sorted((ROOT / package).rglob("*.py")):
+        module = importlib.import_module(".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"))
+        for name in getattr(module, "__all__", ()):
+            assert hasattr(module, name), f"{module.__name__}.__all__ names {name}, which is not there"
+
+
+def test_every_dependency_is_locked_and_no_index_is_named() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    lock = (ROOT / "requirements.lock").read_text()
+    assert "http" not in lock
+    assert "index" not in lock
+    for requirement in (*project["dependencies"], *project["optional-dependencies"]["dev"]):
+        name = requirement.split(">")[0].split("=")[0].split(";")[0].strip()
+        assert f"\n{name}==" in f"\n{lock}", f"{name} is not in requirements.lock"

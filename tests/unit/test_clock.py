@@ -1,0 +1,57 @@
+"""The clock: its statistics are what they claim on samples whose answer is known; no time is asserted."""
+
+import dataclasses
+
+from harness.adapter import Settings
+from harness.clock import summarise
+from harness.record import Sample
+from harness.study import Experiment, Trial
+
+TRIAL = Trial(
+    trial="t",
+    study="s",
+    experiment=Experiment(name="e"),
+    case="c",
+    parameters={},
+    engine="x",
+    engine_version="1",
+    track="tuned",
+    settings=Settings(dt=0.01),
+    seed=0,
+)
+SAMPLE = Sample(process=0, block=0, steps=100, cpu=0.5, wall=1.0, canary=0.001, switches=0)
+
+
+def test_the_median_is_taken_per_simulated_second() -> None:
+    samples = [dataclasses.replace(SAMPLE, cpu=cpu) for cpu in (0.5, 0.50001, 0.49999, 0.5, 9.0)]
+    timing = summarise(TRIAL, samples)
+    assert timing.cpu_per_sim_s == 0.5  # 100 steps of 0.01 s are one simulated second
+    assert timing.wall_per_sim_s == 1.0
+    assert timing.realtime_factor == 1.0
+
+
+def test_equal_samples_have_an_interval_of_no_width_and_are_stable() -> None:
+    timing = summarise(TRIAL, [SAMPLE] * 5)
+    assert (timing.cpu_low, timing.cpu_high) == (0.5, 0.5)
+    assert timing.unstable_timing is False
+
+
+def test_the_interval_covers_the_median() -> None:
+    timing = summarise(TRIAL, [dataclasses.replace(SAMPLE, cpu=0.5 + 0.001 * k) for k in range(9)])
+    assert timing.cpu_low is not None
+    assert timing.cpu_high is not None
+    assert timing.cpu_low < 0.504 == timing.cpu_per_sim_s < timing.cpu_high
+    assert timing.unstable_timing is False
+
+
+def test_a_wide_interval_a_restless_canary_and_too_few_samples_are_each_marked_unstable() -> None:
+    wide = [dataclasses.replace(SAMPLE, cpu=cpu) for cpu in (0.3, 0.5, 0.7, 0.4, 0.6)]
+    restless = [dataclasses.replace(SAMPLE, canary=canary) for canary in (0.001, 0.002, 0.001, 0.002, 0.003)]
+    for samples in (wide, restless, [SAMPLE] * 2):
+        assert summarise(TRIAL, samples).unstable_timing is True
+
+
+def test_no_sample_is_said_and_not_made_up() -> None:
+    timing = summarise(TRIAL, [], "process ended with exit code -11")
+    assert timing.cpu_per_sim_s is None
+    assert "exit code -11" in timing.note

@@ -44,22 +44,24 @@ def _slopes(scene: Scene, actual: Trajectory) -> list[Slope]:
 
 
 def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    slopes = _slopes(scene, actual)
     if not actual.finite:
         return math.nan
+    slopes = _slopes(scene, actual)
     if len({mu for _, mu, _, _ in slopes}) > 1:
         raise NotMeasurable("the boxes differ in friction, so that there is no common threshold")
-    # A box slides when it covers half the way that the excess (or, below the threshold, the shortfall) of its angle makes.
-    sticking = max([0.0, *(angle for angle, _, true, found in slopes if found <= abs(true) / 2)])
-    sliding = min([math.pi / 2, *(angle for angle, _, true, found in slopes if found > abs(true) / 2)])
+    # A box slides when it covers half the way that the incline nearest to the threshold makes: more than creep, and still less
+    # than what any incline beyond a wrong threshold would show.
+    least = min(abs(true) for _, _, true, _ in slopes) / 2
+    sticking = max([0.0, *(angle for angle, _, _, found in slopes if found <= least)])
+    sliding = min([math.pi / 2, *(angle for angle, _, _, found in slopes if found > least)])
     true_angle = math.atan(slopes[0][1])
     return abs((sticking + sliding) / 2 - true_angle) / true_angle
 
 
 def _acceleration(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    slopes = _slopes(scene, actual)
     if not actual.finite:
         return math.nan
+    slopes = _slopes(scene, actual)
     errors = [abs(found - true) for _, _, true, found in slopes if true > 0]
     if not errors:
         raise NotMeasurable("no incline is steep enough to slide")

@@ -5,10 +5,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from reports.contents import cases
 from reports.figure import Figure, thin
 from reports.palette import looks
 from reports.points import labels, points
-from reports.text import TIMES, amount
+from reports.status import outcome
+from reports.text import TIMES, amount, visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -259,19 +261,39 @@ class Marks:
 
 
 def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, title: str, caption: str) -> Figure | None:
-    """One row a case, one mark an engine: the median of a column of its trials, on a logarithmic axis."""
+    """One row a case, one mark an engine: the median of a column of its trials, on a logarithmic axis.
+
+    What has no number stands as its outcome right of the frame.
+    """
     import altair as alt
 
-    drawn = [row for row in points(store, rows) if row[field]]
-    if not drawn:
+    titles = {key: visible(case["title"])[:60] for key, case in cases(store).items()}
+    drawn = points(store, rows)
+    merged: list[Row] = []
+    silent: list[Row] = []
+    for (case, _, _), part in grouped(drawn, ("case", "engine", "track")).items():
+        told = titles[case] if list(titles.values()).count(titles[case]) == 1 else f"{titles[case]} ({visible(case)[:40]})"
+        numbers = [row[field] for row in part if row[field]]
+        first = max(part, key=lambda row: outcome(row["status"]).rank) | {"case": told}
+        (merged if numbers else silent).append(first | ({field: median(numbers)} if numbers else {}))
+    if not merged:
         return None
-    merged = [
-        part[0] | {field: median(row[field] for row in part)} for part in grouped(drawn, ("case", "engine", "track")).values()
-    ]
-    style = Marks(store, merged)
+    style = Marks(store, drawn)
+    labelled = list(dict.fromkeys(row["case"] for row in [*merged, *silent]))
     x = logarithmic(alt.X, field, title, decades(row[field] for row in merged))
-    y = alt.Y("case:N", title=None, sort=None, axis=alt.Axis(grid=True, labelLimit=150, ticks=False))
-    marks = chart(merged).mark_point(**POINT).encode(x=x, y=y, **style.channels())
-    spec = finished([marks], height=30 + 22 * len({row["case"] for row in merged}))
-    columns = ("case", "engine", "track", title)
-    return Figure(name, title, caption, spec, columns, [[r["case"], r["engine"], r["track"], amount(r[field])] for r in merged])
+    axis = alt.Axis(grid=True, labelLimit=170, ticks=False)
+    y = alt.Y("case:N", title=None, scale=alt.Scale(domain=labelled), axis=axis)
+    layers = [chart(merged).mark_point(**POINT).encode(x=x, y=y, **style.channels())]
+    shown: Row = {"text": alt.Text("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
+    for place, part in enumerate(grouped((row for row in silent if not answered(row, field)), ("engine", "track")).values()):
+        edge = chart(part).mark_text(fontSize=12, fontWeight=700, dx=12 + 13 * place)
+        layers.append(edge.encode(x=alt.value("width"), y=y, **shown))
+    spec = finished(layers, height=30 + 22 * len(labelled))
+    columns = ("case", "engine", "track", title, "outcome")
+    cells = [[row["case"], row["engine"], row["track"], amount(row[field]), row["status"]] for row in [*merged, *silent]]
+    return Figure(name, title, caption, spec, columns, cells)
+
+
+def answered(row: Row, field: str) -> bool:
+    """Is a missing number no failure: an error of exactly zero, or a trial that was not timed though it answered?"""
+    return bool(row["edge"] == "exact" or (field == "cpu" and row["edge"] != "outcome"))

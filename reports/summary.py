@@ -19,8 +19,8 @@ def sentences(store: "Store") -> list[str]:
     if store.trials.empty:
         return ["The store holds no trial."]
     seen, cells = glances(store), verdicts(store)
-    written = [size(store), *leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells)]
-    return [*written, *ours(store, cells), *silence(store)]
+    written = [*leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells)]
+    return [*written, *ours(store, cells), *silence(store), size(store)]
 
 
 def size(store: "Store") -> str:
@@ -37,7 +37,7 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
     """Who passes most, on each track."""
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
-    for track in tracks(store):
+    for track in reversed(tracks(store)):
         judged = [one for one in seen if one.track == track and one.counts["passed"] + one.counts["failed"]]
         if len(judged) < 2:
             continue
@@ -55,26 +55,24 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
 
 
 def price(store: "Store", seen: list[Glance]) -> list[str]:
-    """Who is cheapest where all answered, with the error that came with it."""
-    titles = {name: engine["title"] for name, engine in engines(store).items()}
-    written = []
-    for track in tracks(store):
-        priced = sorted(
-            (one for one in seen if one.track == track and one.relative_cost is not None),
-            key=lambda one: one.relative_cost or 0.0,
-        )
-        if len(priced) < 2:
-            continue
-        parts = [
-            f"{titles[one.engine]} {amount(one.relative_cost, 2)}{TIMES} the cost"
-            + (f" at {amount(one.relative_error, 2)}{TIMES} the error" if one.relative_error is not None else "")
-            for one in priced
-        ]
-        written.append(
-            f"Price of an answer, {track} track, relative to the best of each case over the "
-            f"{plural(priced[0].shared, 'case')} that all were timed on (geometric means): {join_words(parts)}."
-        )
-    return written
+    """Who is cheapest where all answered, and in the same breath whose errors are the smallest."""
+    track = tracks(store)[-1]
+    priced = [one for one in seen if one.track == track and one.relative_cost is not None]
+    if len(priced) < 2:
+        return []
+    cost = ranked(store, {one.engine: one.relative_cost for one in priced if one.relative_cost is not None})
+    error = ranked(
+        store, {one.engine: one.relative_error for one in seen if one.track == track and one.relative_error is not None}
+    )
+    shared = plural(priced[0].shared, "case")
+    return [f"What accuracy costs, {track}, over the {shared} timed on all of them: in CPU time {cost}; in error {error}."]
+
+
+def ranked(store: "Store", ratios: dict[str, float]) -> str:
+    """'A 1x, B 2.3x': from the best, relative to the best of each case."""
+    titles = engines(store)
+    order = sorted(ratios, key=lambda name: ratios[name])
+    return ", ".join(f"{titles[name]['title']} {amount(ratios[name], 2)}{TIMES}" for name in order) or "none measured"
 
 
 def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:

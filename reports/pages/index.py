@@ -19,7 +19,7 @@ __all__ = ["PAGE"]
 
 ERRORS = (
     "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale: "
-    "left is better. Filled marks are tuned, open ones the vendor's defaults. Exact zeros have no place on a logarithmic axis."
+    "left is better. Filled is tuned, open the vendor's defaults. Trials without a number stand at the right, as outcomes."
 )
 COSTS = (
     "CPU time per simulated second at the same trials: left is cheaper; 1 is as fast as the clock on the wall. "

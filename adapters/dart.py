@@ -30,6 +30,7 @@ Deviations:
       as much.
     * Rays are cast by DART's own detector in a group of its own; a ray that starts inside a solid reports the exit, and
       inside the half space of a plane distance 0.
+    * No more than 1000 contacts of a step are kept (dartpy cannot raise that bound); `warnings()` says so where it is met.
     * Contact points are those of the start of the last step, with the forces of that step.
 """
 
@@ -86,6 +87,10 @@ SMALLEST_COEFFICIENT = 1e-3
 """DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""
 MANY_BODIES = 16
 """Above this number of movable bodies 'auto' leaves the conic solver, whose cost grows fastest."""
+MOST_CONTACTS = 1000
+"""CollisionOption::maxNumContacts; dartpy hands out a copy of the option, so that it cannot be raised."""
+STEPS_UNCHECKED = 32
+"""How many steps go by between two looks for NaN within one call of `step`."""
 LONGEST_RAY = 1e9
 """A ray is a segment in DART [m]; beyond this its fraction loses the millimetre."""
 WORLD_FRAME = -1
@@ -189,15 +194,17 @@ class DartSimulation(Simulation):
         """Advance by count * dt. Raises: Diverged."""
         built = self._open
         advance = built.world.step
-        if self._forced or self._wrench is not None:
-            for _ in range(count):
-                self._push(built)
+        pushed = self._forced or self._wrench is not None
+        while count > 0:
+            # A run that broke is left early: DART would go on and fill the console with its repairs.
+            few = min(count, STEPS_UNCHECKED)
+            for _ in range(few):
+                if pushed:
+                    self._push(built)
                 advance()
-        else:
-            for _ in range(count):
-                advance()
-        self._steps += count
-        self._check(built)
+            count -= few
+            self._steps += few
+            self._check(built)
 
     def _push(self, built: _Built) -> None:
         """Forces and commands of the coming step; DART forgets them after each."""
@@ -231,29 +238,22 @@ class DartSimulation(Simulation):
         skeleton.computeForwardDynamics()
         places = [m.joint.getIndexInSkeleton(0) for m in motors]
         x, v, a = (np.asarray(f())[places] for f in (skeleton.getPositions, skeleton.getVelocities, skeleton.getAccelerations))
-        mobility = np.asarray(skeleton.getInvAugMassMatrix())[np.ix_(places, places)]
+        mobility = np.linalg.inv(np.asarray(skeleton.getAugMassMatrix()))[np.ix_(places, places)]
         k, c = (np.array([getattr(m.drive, name) for m in motors]) for name in ("stiffness", "damping"))
         wanted = np.array([m.target for m in motors]), np.array([m.drive.target_velocity for m in motors])
         v_free = v + dt * a
-        f = k * (wanted[0] - x - dt * v_free) + c * (wanted[1] - v_free)
+        push = k * (wanted[0] - x - dt * v_free) + c * (wanted[1] - v_free)
         gain = dt * (c + dt * k)
-        f = np.linalg.solve(np.eye(len(motors)) + gain[:, None] * mobility, f)
+        f = np.linalg.solve(np.eye(len(motors)) + gain[:, None] * mobility, push)
         for motor, force in zip(motors, f, strict=True):
             limit = motor.drive.limit if motor.drive.limit is not None else math.inf
             motor.joint.setCommand(0, motor.push + float(min(max(force, -limit), limit)))
 
     def _check(self, built: _Built) -> None:
         """DART replaces a pose that is not finite by the identity, but the velocities stay what they are: ask them."""
-        total = 0.0
-        for skeleton in built.skeletons:
-            v, x = skeleton.getVelocities(), skeleton.getPositions()
-            total += float(v @ v) + float(x @ x)
-        if not math.isfinite(total):
-            raise Diverged(f"a velocity or position is not finite after step {self._steps} of {built.resolved.dt:g} s")
-        if (
-            not self._crowded
-            and built.world.getLastCollisionResult().getNumContacts() >= built.resolved.options["max_contacts"]
-        ):
+        if built.skeletons and not np.isfinite(np.concatenate([s.getVelocities() for s in built.skeletons])).all():
+            raise Diverged(f"a velocity is not finite after step {self._steps} of {built.resolved.dt:g} s")
+        if not self._crowded and built.world.getLastCollisionResult().getNumContacts() >= MOST_CONTACTS:
             self._crowded = True
 
     def state(self, out: State) -> None:
@@ -359,7 +359,7 @@ class DartSimulation(Simulation):
                     f"number of iterations and {stats.numFailed} were left to PGS"
                 )
         if self._crowded:
-            notes.append(f"contacts reached max_contacts {built.resolved.options['max_contacts']}; DART drops those beyond")
+            notes.append(f"contacts reached {MOST_CONTACTS}; DART drops those beyond, and dartpy cannot raise the bound")
         return tuple(notes)
 
     def save(self) -> object:
@@ -510,7 +510,10 @@ def _touching(scene: Scene) -> list[Body]:
 
 
 def _detector(scene: Scene, asked: str | None, notes: list[str]) -> str:
-    """The detector of this scene; None asks for the vendor's default, 'auto' for one with every shape right. Raises: Unsupported."""
+    """The detector of this scene: None is the vendor's default, 'auto' one that has every shape right.
+
+    Raises: Unsupported.
+    """
     bodies = _touching(scene)
     types = {placed.shape.type for b in bodies for placed in b.collision}
     meshes = types & {"convex_hull", "triangle_mesh"}
@@ -575,18 +578,14 @@ def _validated(settings: Settings) -> dict[str, Any]:
     known = {
         "detector": (None, "auto", *DETECTORS),
         "deactivation": (None, True, False),
-        "max_contacts": None,
         "split_impulse": (None, True, False),
     }
     for name, value in settings.options.items():
         if name not in known:
             raise SettingsError(f"settings: option '{name}' is unknown to dart, expected some of {', '.join(known)}")
         allowed = known[name]
-        if allowed is not None and not any(value is one or (isinstance(one, str) and value == one) for one in allowed):
+        if not any(value is one or (isinstance(one, str) and value == one) for one in allowed):
             raise SettingsError(f"settings: option '{name}' {value!r}, expected one of {allowed}")
-    contacts = settings.options.get("max_contacts", 1000)
-    if not isinstance(contacts, int) or isinstance(contacts, bool) or not 1 <= contacts <= 10_000_000:
-        raise SettingsError(f"settings: option 'max_contacts' {contacts!r}, expected 1..10000000")
     if settings.integrator not in (None, INTEGRATOR):
         raise SettingsError(f"settings: integrator '{settings.integrator}', expected '{INTEGRATOR}', the only one of dart")
     if settings.solver not in (None, "auto", *SOLVERS):
@@ -595,7 +594,7 @@ def _validated(settings: Settings) -> dict[str, Any]:
         raise SettingsError(f"settings: substeps {settings.substeps}; dart has none, expected a smaller dt")
     if settings.solver in (None, "dantzig") and (settings.iterations is not None or settings.tolerance is not None):
         raise SettingsError("settings: iterations or tolerance; dantzig pivots to the exact solution, expected neither")
-    return {name: settings.options.get(name) for name in known} | {"max_contacts": contacts}
+    return {name: settings.options.get(name) for name in known}
 
 
 def _ends(scene: Scene, joint: Joint) -> tuple[int, int]:
@@ -758,7 +757,6 @@ class _Builder:
         solver = world.getConstraintSolver()
         if self.options["split_impulse"] is not None:
             solver.setSplitImpulseEnabled(self.options["split_impulse"])
-        solver.getCollisionOption().maxNumContacts = self.options["max_contacts"]
         name = _solver(self.scene, settings.solver)
         iterations, tolerance, friction_solver = settings.iterations, settings.tolerance, None
         if name in ("nsgs", "fbf"):
@@ -800,7 +798,6 @@ class _Builder:
             options={
                 "detector": world.getCollisionDetector().getType(),
                 "deactivation": bool(world.getDeactivationOptions().mEnabled),
-                "max_contacts": int(solver.getCollisionOption().maxNumContacts),
                 "split_impulse": bool(solver.isSplitImpulseEnabled()),
             },
             source=settings.source,
@@ -996,18 +993,21 @@ class _Builder:
 
     def _loops(self, cut: list[Joint]) -> None:
         constraint, built = self.dart.constraint, self.built
+        solver = built.world.getConstraintSolver()
         for joint in cut:
             nodes = [built.nodes[i] for i in _ends(self.scene, joint) if i != WORLD_FRAME]
             match joint:
                 case Fixed():
-                    made = constraint.WeldJointConstraint(*nodes)
+                    solver.addConstraint(constraint.WeldJointConstraint(*nodes))
                 case Ball(anchor_W=anchor):
-                    made = constraint.BallJointConstraint(*nodes, np.array(anchor))
+                    solver.addConstraint(constraint.BallJointConstraint(*nodes, np.array(anchor)))
                 case Revolute(anchor_W=anchor, axis_W=axis):
-                    made = constraint.RevoluteJointConstraint(*nodes, np.array(anchor), *[np.array(axis)] * len(nodes))
+                    lever = max(float(np.linalg.norm(np.asarray(node.getCOM()) - np.array(anchor))) for node in nodes) or 1.0
+                    for way in (0.0, lever):
+                        point = np.array(anchor) + way * np.array(axis)
+                        solver.addConstraint(constraint.BallJointConstraint(*nodes, point))
                 case _:
                     raise AssertionError(f"joint '{joint.name}' cannot be cut")
-            built.world.getConstraintSolver().addConstraint(made)
 
     def _filter(self) -> None:
         places = {b.name: i for i, b in enumerate(self.scene.bodies)}
@@ -1097,7 +1097,7 @@ ADAPTER = DartAdapter(
         "default": Settings(source="dartpy 6.20.0 as it comes: FCL, Dantzig, deactivation on"),
         "tuned": Settings(
             solver="auto",
-            options={"detector": "auto", "deactivation": False, "max_contacts": 100_000},
+            options={"detector": "auto", "deactivation": False},
             source="ODE detector: the default of Gazebo's DART plugin (gz-physics, dartsim); exact friction cone: DART 6.20, "
             "NsgsFrictionSolver.hpp; Dantzig for bodies that lean on each other: the vendor's default",
         ),

@@ -1,0 +1,95 @@
+"""A body thrown without drag: does gravity act as it should, and nothing else?"""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX, POSITION_RMS
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
+from harness.scene.values import Vector3
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 2.0
+VELOCITY = (3.0, 1.0, 8.0)
+FASTEST = 15.0
+"""Above the speed at the end of the default flight, sqrt(10 + (g T - 8)^2) = 12.1 m/s [m/s]."""
+SINGLE = 2.0**-24
+"""Relative rounding of a float32: an engine in single precision is judged as such."""
+
+
+def _scene(velocity: Vector3 = VELOCITY, mass: float = 1.0, radius: float = 0.1) -> Scene:
+    """A ball that nothing can touch, thrown from the origin with `velocity` [m/s]."""
+    ball = Body(
+        name="ball",
+        mass=mass,
+        inertia=sphere_inertia(mass, radius),
+        visual=(PlacedShape(shape=Sphere(radius=radius)),),
+        v_WB=velocity,
+    )
+    return Scene(bodies=(ball,))
+
+
+def _expected(time: Floats, velocity: Vector3 = VELOCITY, mass: float = 1.0, radius: float = 0.1) -> Trajectory:  # noqa: ARG001
+    """x = v0 t + g t^2/2; mass and size do not enter."""
+    truth = Trajectory.of(time, 1)
+    t = truth.time[:, None]
+    truth.p_WB[:, 0] = np.array(velocity) * t + 0.5 * np.array(EARTH_GRAVITY) * t**2
+    truth.v_WB[:, 0] = np.array(velocity) + np.array(EARTH_GRAVITY) * t
+    return truth
+
+
+def _rounding(dt: float) -> float:
+    """Velocity [m/s] lost to rounding in single precision: half a unit in the last place, in the same direction every step."""
+    return SINGLE * FASTEST * DURATION / dt
+
+
+def _first_order(dt: float) -> float:
+    """Position [m]: semi-implicit Euler's exact error g dt t/2, 1 % more, and the rounding of velocity over the flight."""
+    return 1.01 * G * dt * DURATION / 2 + _rounding(dt) * DURATION
+
+
+def _energy(dt: float) -> float:
+    """Share of the energy in play that the potential of the position error g dt t/2 makes; kinetic energy is exact."""
+    return 2.0 * G * _first_order(dt) / (VELOCITY[0] ** 2 + VELOCITY[1] ** 2 + (G * DURATION - VELOCITY[2]) ** 2)
+
+
+CASE = Case(
+    name="flight_projectile",
+    title="Projectile",
+    question="Does a thrown body follow its parabola, to the order of the integrator and without hidden damping?",
+    source="Galilei, Discorsi (1638); x = v0 t + g t^2/2",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"velocity": VELOCITY, "mass": 1.0, "radius": 0.1},
+    headline=POSITION_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a parabola never diverges"),
+        Check(
+            metric=POSITION_MAX,
+            at_most=_first_order,
+            because="semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single-precision "
+            "rounding are added. Damping of 0.04/s would add 0.04 v t^2/2 = 0.25 m sideways alone",
+        ),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=_rounding,
+            because="under a constant force every one-step method gives velocity exactly; what is left is one rounding a step, "
+            "counted in single precision and all in one direction",
+        ),
+        Check(metric=ATTITUDE_MAX, at_most=1e-6, because="nothing turns the body; 1e-6 rad is single-precision rounding"),
+        Check(metric=ANGULAR_VELOCITY_MAX, at_most=1e-6, because="nothing turns the body; single-precision rounding"),
+        Check(
+            metric=ENERGY_MAX,
+            at_most=_energy,
+            because="kinetic energy is exact, so energy errs by m g times the position error, over the largest kinetic energy",
+        ),
+    ),
+    observe=(POSITION_RMS, POSITION_FINAL, ENERGY_STAGGERED),
+)

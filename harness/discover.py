@@ -1,4 +1,4 @@
-"""Finding plug-ins: adapters, cases, metrics and pages, by walking a folder and by entry points; nothing is listed by hand.
+"""Finding plug-ins: adapters, cases and metrics, by walking a folder and by entry points; nothing is listed by hand.
 
 A name found twice, or a file that does not end in its constant, is an error; an import error is raised, never hidden.
 """
@@ -14,7 +14,7 @@ from harness.case import Case
 from harness.metric import Metric
 from harness.own_scene import SCENE_PREFIX, own_case
 
-__all__ = ["PluginError", "adapter", "adapters", "case", "cases", "metrics", "names", "pages", "version_of"]
+__all__ = ["PluginError", "adapter", "adapters", "case", "cases", "metrics", "names", "version_of"]
 
 
 class PluginError(Exception):
@@ -32,12 +32,12 @@ def _outside(group: str) -> dict[str, EntryPoint]:
 
 
 def names(kind: str) -> tuple[str, ...]:
-    """The names of all plug-ins of a kind ('adapters', 'cases', 'pages'), without importing one.
+    """The names of all plug-ins of a kind ('adapters' or 'cases'), without importing one.
 
     Raises:
         PluginError: where a third party's plug-in takes a built-in name.
     """
-    inside, outside = _folder("reports.pages" if kind == "pages" else kind), _outside(f"plumbline.{kind}")
+    inside, outside = _folder(kind), _outside(f"plumbline.{kind}")
     for name in inside.keys() & outside.keys():
         raise PluginError(
             f"entry point plumbline.{kind} '{name}' ({outside[name].value}): the name is built in; choose another"
@@ -98,16 +98,6 @@ def metrics() -> dict[str, Metric]:
                 raise PluginError(f"metric '{metric.name}': two files define it, expected one")
             found[metric.name] = metric
     return found
-
-
-def pages() -> tuple[Any, ...]:
-    """All pages of the report, by their order. Raises: PluginError."""
-    found = [getattr(importlib.import_module(path), "PAGE", None) for path in _folder("reports.pages").values()]
-    found += [point.load() for point in _outside("plumbline.pages").values()]
-    for page in found:
-        if page is None:
-            raise PluginError("a file in reports/pages lacks PAGE, expected one constant at its end")
-    return tuple(sorted(found, key=lambda page: (page.order, page.name)))
 
 
 def version_of(engine: Adapter) -> tuple[str, str | None]:

@@ -1,0 +1,75 @@
+"""The four recipes of CONTRIBUTING work as they are printed."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from harness.store import Store
+
+ROOT = Path(__file__).parents[2]
+GROUPS = {
+    "adapters/drift.py": ("adapters", "drift", "ADAPTER"),
+    "cases/flight_straight.py": ("cases", "flight_straight", "CASE"),
+    "harness/metrics/way.py": ("metrics", "way", "METRIC"),
+    "reports/pages/roll.py": ("pages", "roll", "PAGE"),
+}
+
+
+def recipes() -> dict[str, str]:
+    blocks = re.findall(r"```python\n# (\S+)\n(.*?)```", (ROOT / "CONTRIBUTING.md").read_text(), flags=re.DOTALL)
+    return dict(blocks)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that looks like an installed package with all four recipes in it."""
+    folder = tmp_path_factory.mktemp("recipes")
+    info = folder / "recipes-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: recipes\nVersion: 1.0\n")
+    lines = []
+    for path, text in recipes().items():
+        group, name, constant = GROUPS[path]
+        (folder / f"recipe_{name}.py").write_text(text)
+        lines.append(f"[plumbline.{group}]\n{name} = recipe_{name}:{constant}\n")
+    (info / "entry_points.txt").write_text("".join(lines))
+    return folder
+
+
+def call(installed: Path, *arguments: object) -> str:
+    command = [sys.executable, "-m", "harness.cli", *map(str, arguments)]
+    environment = os.environ | {"PYTHONPATH": str(installed)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=200)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_all_four_recipes_are_printed() -> None:
+    assert recipes().keys() == GROUPS.keys()
+
+
+def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(installed: Path, tmp_path: Path) -> None:
+    assert "drift" in {row["name"] for row in json.loads(call(installed, "engines", "--json"))}
+    assert "flight_straight" in {row["name"] for row in json.loads(call(installed, "cases", "--json"))}
+    call(installed, "run", "quick", "--engine", "drift", "--case", "flight_straight", "--out", tmp_path / "out")
+    trials = Store(tmp_path / "out").trials
+    assert list(trials["status"]) == ["passed", "passed"]
+    assert "<li>drift</li>" in (tmp_path / "out" / "report" / "roll.html").read_text()
+
+
+def test_the_new_engine_keeps_the_contract(installed: Path) -> None:
+    statuses = {row["status"] for row in json.loads(call(installed, "check", "drift", "--json"))}
+    assert "passed" in statuses
+    assert not statuses & {"failed", "improved"}
+
+
+def test_the_new_metric_is_found(installed: Path) -> None:
+    script = "from harness import discover; print(discover.metrics()['way'].unit)"
+    environment = os.environ | {"PYTHONPATH": str(installed)}
+    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "m"

@@ -197,7 +197,7 @@ BROAD: Final = 11  # 0 brute force, 1 sweep and prune
 MATERIALS: Final = 12
 EXCLUSIONS: Final = 13
 STEPS: Final = 14
-FIRST_PAIRS: Final = 15
+NEW: Final = 15  # manifolds of this step that the last one did not have
 
 
 def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:

@@ -166,9 +166,12 @@ def sweep(
     state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float,
     bias_rate: float, mass_scale: float, impulse_scale: float, max_push: float, soft: int, bouncing: int,
 ) -> None:  # fmt: skip
-    """One sweep over all manifolds: rolling and torsional friction, friction, normal.
+    """One sweep over all manifolds: rolling and torsional friction, then friction and normal.
 
-    Args: soft: 1 to correct the position error, 0 to relax. bouncing: 1 to aim at the velocity after restitution instead.
+    While the position error is corrected the normal comes last, since it matters most; in the relaxing sweeps friction does, so that
+    it ends on the cone of the final normal impulse.
+
+    Args: soft: 1 to correct the position error, 0 to relax; then points that gave no impulse stay out. bouncing: 1 to aim at the velocity after restitution instead.
     """
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
@@ -195,38 +198,40 @@ def sweep(
             wa = sub(wa, sym_vec(ia, sub(after, before)))
             wb = add(wb, sym_vec(ib, sub(after, before)))
         friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
-        if friction > 0.0:
-            for k in range(points):
-                i = 4 * m + k
-                ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
-                u = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
-                u = axpy(-dot(n, u), n, u)
-                before = load3(point, i, TANGENT_IMPULSE)
-                after = axpy(-point[i, TANGENT_MASS], u, before)
-                size, most = norm(after), friction * point[i, NORMAL_IMPULSE]
-                if size > most:
-                    after = scale(most / size, after)
-                store3(point, i, TANGENT_IMPULSE, after)
-                va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, sub(after, before), va, wa, vb, wb)
-        for k in range(points):
-            i = 4 * m + k
-            ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
-            u = dot(n, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
-            s, before = point[i, SEPARATION], point[i, NORMAL_IMPULSE]
-            bias, hard, keep = 0.0, 1.0, 0.0
-            if bouncing == 1:
-                if point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
-                    bias = manifold[m, LAW + 2] * point[i, APPROACH]
-                elif s > 0.0:
-                    bias = s / h
-            elif s > 0.0:
-                bias = s / h
-            elif soft == 1:
-                bias, hard, keep = max(bias_rate * s, -max_push), mass_scale, impulse_scale
-            impulse = max(before - point[i, NORMAL_MASS] * hard * (u + bias) - keep * before, 0.0)
-            point[i, NORMAL_IMPULSE] = impulse
-            point[i, SPIKE] = max(point[i, SPIKE], impulse)
-            va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, scale(impulse - before, n), va, wa, vb, wb)
+        for part in range(2):
+            if (part == 0) != (soft == 1):
+                for k in range(points):
+                    i = 4 * m + k
+                    s, before = point[i, SEPARATION], point[i, NORMAL_IMPULSE]
+                    bias, hard, keep = 0.0, 1.0, 0.0
+                    if soft == 1:
+                        if s > 0.0:
+                            bias = s / h
+                        else:
+                            bias, hard, keep = max(bias_rate * s, -max_push), mass_scale, impulse_scale
+                    elif s > 0.0 and before == 0.0:
+                        continue
+                    elif bouncing == 1 and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
+                        bias = manifold[m, LAW + 2] * point[i, APPROACH]
+                    ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
+                    u = dot(n, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
+                    impulse = max(before - point[i, NORMAL_MASS] * hard * (u + bias) - keep * before, 0.0)
+                    point[i, NORMAL_IMPULSE] = impulse
+                    point[i, SPIKE] = max(point[i, SPIKE], impulse)
+                    va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, scale(impulse - before, n), va, wa, vb, wb)
+            elif friction > 0.0:
+                for k in range(points):
+                    i = 4 * m + k
+                    ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
+                    slip = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
+                    slip = axpy(-dot(n, slip), n, slip)
+                    held = load3(point, i, TANGENT_IMPULSE)
+                    after = axpy(-point[i, TANGENT_MASS], slip, held)
+                    size, most = norm(after), friction * point[i, NORMAL_IMPULSE]
+                    if size > most:
+                        after = scale(most / size, after)
+                    store3(point, i, TANGENT_IMPULSE, after)
+                    va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, sub(after, held), va, wa, vb, wb)
         store3(state, a, V, va)
         store3(state, a, W, wa)
         store3(state, b, V, vb)
@@ -245,16 +250,23 @@ def bounce(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> bool:
 
 
 @kernel
-def friction_mode(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
-    """Sticking manifolds whose whole static disc is used up start to slip; slipping ones whose disc is not used up stick."""
+def friction_mode(state: Floats, body: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
+    """Sticking manifolds that use up their whole static disc start to slip; slipping ones that the static disc can stop stick."""
     for m in range(manifolds):
-        mu = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
-        used, room = 0.0, 0.0
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        n, static = load3(manifold, m, NORMAL), manifold[m, LAW]
+        used, needed, room = 0.0, 0.0, 0.0
+        share = 1.0 / (max(body[a, INV_MASS] + body[b, INV_MASS], 1e-300) * max(key[m, POINTS], 1))
         for k in range(key[m, POINTS]):
-            used += norm(load3(point, 4 * m + k, TANGENT_IMPULSE))
-            room += mu * point[4 * m + k, NORMAL_IMPULSE]
+            i = 4 * m + k
+            slip = sub(load3(state, b, V), load3(state, a, V))
+            slip = add(slip, sub(cross(load3(state, b, W), load3(point, i, ARM_B)), cross(load3(state, a, W), load3(point, i, ARM_A))))
+            held = load3(point, i, TANGENT_IMPULSE)
+            used += norm(held)
+            needed += norm(axpy(-share, axpy(-dot(n, slip), n, slip), held))
+            room += static * point[i, NORMAL_IMPULSE]
         if room > 0.0:
-            key[m, SLIPS] = 1 if used >= STUCK * room else 0
+            key[m, SLIPS] = int(used >= STUCK * room) if key[m, SLIPS] == 0 else int(needed >= STUCK * room)
 
 
 @kernel

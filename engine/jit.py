@@ -57,7 +57,10 @@ def kernel(function: Function) -> Function:
     """
     import numba
 
-    return cast(Function, numba.njit(fastmath=set(FLAGS), error_model="numpy", nogil=True)(function))
+    compiled = numba.njit(
+        fastmath=set(FLAGS), error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
+    )(function)
+    return cast(Function, compiled)
 
 
 def entry(function: Function) -> Function:

@@ -8,7 +8,7 @@ Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, 
 import math
 
 from engine.arena import (
-    BALL_RADIUS, BODY_A, BODY_B, DT, FIRST_GAP, LAW, MANIFOLDS, MARGIN, MATERIAL, MATERIALS, NORMAL, NORMAL_IMPULSE,
+    BALL_RADIUS, BODY_A, BODY_B, DT, FIRST_GAP, LAW, MANIFOLDS, MARGIN, MATERIAL, MATERIALS, NEW, NORMAL, NORMAL_IMPULSE,
     OLD_MANIFOLDS, OWNER, PLACE, POINTS, SHAPE_A, SHAPE_B, SIZE, SLIPS, SPIN_IMPULSE, TANGENT_IMPULSE, TOUCHED, TYPE, V, W, BOX,
     CONTINUOUS, OFFSET, P,
 )  # fmt: skip
@@ -84,7 +84,7 @@ def build_manifolds(
     old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, clip: Floats, clip_key: Ints,
 ) -> None:  # fmt: skip
     """Run the narrow phase on all pairs and match the points found with the old ones."""
-    found = 0
+    found, new = 0, 0
     for p in range(pairs):
         a, b = pair[p, 0], pair[p, 1]
         if shape_kind[a, TYPE] > shape_kind[b, TYPE]:
@@ -114,6 +114,7 @@ def build_manifolds(
         while m >= 0 and old_key[m, SHAPE_B] != b:
             m = following[m, 0]
         if m < 0:
+            new += 1
             place = load3(point, at, PLACE)
             va = add(load3(state, i, V), cross(load3(state, i, W), sub(place, load3(state, i, P))))
             vb = add(load3(state, j, V), cross(load3(state, j, W), sub(place, load3(state, j, P))))
@@ -128,4 +129,4 @@ def build_manifolds(
                         point[at + k, NORMAL_IMPULSE] = old_point[4 * m + other, NORMAL_IMPULSE]
                         store3(point, at + k, TANGENT_IMPULSE, load3(old_point, 4 * m + other, TANGENT_IMPULSE))
         found += 1
-    count[0, MANIFOLDS] = found
+    count[0, MANIFOLDS], count[0, NEW] = found, new

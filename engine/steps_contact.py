@@ -4,7 +4,7 @@ import math
 
 from engine.arena import (
     BODIES, BODY, BODY_KIND, BOUNCE_SPEED, COUNT, DAMPING_RATIO, DT, GRAVITY, GYROSCOPIC, HERTZ, ITERATIONS, LOAD, MANIFOLD,
-    MANIFOLD_KEY, MANIFOLDS, MAX_PUSH, POINT, RELAXATIONS, RUNGE_KUTTA, SETTING, STATE, STEPS, SUBSTEPS, TOUCHED, TURNED,
+    MANIFOLD_KEY, MANIFOLDS, MAX_PUSH, NEW, POINT, RELAXATIONS, RUNGE_KUTTA, SETTING, STATE, STEPS, SUBSTEPS, TOUCHED, TURNED,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
 from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
@@ -16,6 +16,9 @@ from engine.runge_kutta import runge_kutta_free
 from engine.vec import Floats, Ints, load3, norm
 
 __all__ = ["slow_approach", "soft_factors", "step_contact"]
+
+FRESH = 8
+"""Times as many sweeps in the first sub-step of a new contact, which has no impulses to start from."""
 
 
 @kernel
@@ -64,24 +67,25 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 else:
                     drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
         if n > 0:
-            for _ in range(substeps):
+            for substep in range(substeps):
+                patience = FRESH if substep == 0 and count[0, NEW] > 0 else 1
                 for b in range(bodies):
                     if kind[b, TOUCHED] == 1:
                         kick(state, body, kind, turned, load, setting, b, h)
                 approach(state, kind, setting, n, manifold, key, point, h, slow)
                 warm_start(state, body, turned, n, manifold, key, point)
-                for _ in range(count[0, ITERATIONS]):
+                for _ in range(count[0, ITERATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
                 for b in range(bodies):
                     if kind[b, TOUCHED] == 1:
                         drift(state, body, kind, turned, b, h, gyroscopic)
                 refresh(state, n, manifold, key, point)
-                for _ in range(count[0, RELAXATIONS]):
+                for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                 if bounce(n, manifold, key, point):
                     for _ in range(count[0, ITERATIONS] + count[0, RELAXATIONS]):
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
-                friction_mode(n, manifold, key, point)
+                friction_mode(state, body, n, manifold, key, point)
                 sum_impulses(n, manifold, key, point)
         count[0, STEPS] += 1
         if not is_finite(state, bodies):

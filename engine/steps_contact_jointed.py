@@ -2,7 +2,7 @@
 
 from engine.arena import (
     BIAS, BODIES, BODY, BODY_KIND, CHILD, COUNT, DAMPING_RATIO, DT, FACTOR, GAP, GYROSCOPIC, HERTZ, HIGH, IMPULSE, ITERATIONS, JOINT,
-    JOINT_KIND, JOINTS, LOAD, LOW, MANIFOLD, MANIFOLD_KEY, MANIFOLDS, MATRIX, MAX_PUSH, PARENT, POINT, REACH, RELAXATIONS, ROW,
+    JOINT_KIND, JOINTS, LOAD, LOW, MANIFOLD, MANIFOLD_KEY, MANIFOLDS, MATRIX, MAX_PUSH, NEW, PARENT, POINT, REACH, RELAXATIONS, ROW,
     ROW_BODY, RUNGE_KUTTA, SETTING, SOFTNESS, STATE, STEPS, SUBSTEPS, TOUCHED, TURNED, VECTOR,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
@@ -15,7 +15,7 @@ from engine.jit import entry, kernel
 from engine.joint_rows import equality_rows
 from engine.motion import drift, drift_free, kick
 from engine.runge_kutta import runge_kutta_free
-from engine.steps_contact import slow_approach, soft_factors
+from engine.steps_contact import FRESH, slow_approach, soft_factors
 from engine.vec import Floats, Ints
 
 __all__ = ["step_contact_jointed"]
@@ -64,7 +64,8 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                     runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
                 else:
                     drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
-        for _ in range(substeps):
+        for substep in range(substeps):
+            patience = FRESH if substep == 0 and count[0, NEW] > 0 else 1
             for b in range(bodies):
                 if kind[b, TOUCHED] == 1:
                     kick(state, body, kind, turned, load, setting, b, h)
@@ -76,7 +77,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
             approach(state, kind, setting, n, manifold, key, point, h, slow)
             warm_start(state, body, turned, n, manifold, key, point)
             hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
-            for _ in range(count[0, ITERATIONS]):
+            for _ in range(count[0, ITERATIONS] * patience):
                 if n > 0:
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
                     hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
@@ -85,14 +86,14 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                     drift(state, body, kind, turned, b, h, gyroscopic)
             if n > 0:
                 refresh(state, n, manifold, key, point)
-                for _ in range(count[0, RELAXATIONS]):
+                for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                     hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
                 if bounce(n, manifold, key, point):
                     for _ in range(count[0, ITERATIONS] + count[0, RELAXATIONS]):
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
                         hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
-                friction_mode(n, manifold, key, point)
+                friction_mode(state, body, n, manifold, key, point)
                 sum_impulses(n, manifold, key, point)
         count[0, STEPS] += 1
         if not is_finite(state, bodies):

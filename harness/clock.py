@@ -26,7 +26,7 @@ from harness.record import Sample, Timing
 from harness.study import Trial
 from harness.worker import confine, context
 
-__all__ = ["clock_group", "summarise"]
+__all__ = ["clock_group", "clock_steps", "summarise"]
 
 _LONGEST = 10.0
 """A single run of a scene is cut off after this many times the sample's length."""
@@ -51,7 +51,7 @@ class _Plan:
     steps: int
 
 
-def _clock_steps(simulation: Simulation, steps: int) -> tuple[float, float]:
+def clock_steps(simulation: Simulation, steps: int) -> tuple[float, float]:
     """CPU and wall seconds of one call of `step`."""
     wall, cpu = time.perf_counter(), time.process_time()
     simulation.step(steps)
@@ -75,7 +75,7 @@ def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
             switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw
             for _ in range(plan.runs):
                 simulation = adapter.build(scene, trial.settings)
-                one_cpu, one_wall = _clock_steps(simulation, plan.steps)
+                one_cpu, one_wall = clock_steps(simulation, plan.steps)
                 simulation.close()
                 cpu, wall = cpu + one_cpu, wall + one_wall
             switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw - switches
@@ -91,7 +91,7 @@ def _calibrate(build: Callable[[], Simulation], whole: int, seconds: float) -> _
     done, spent = 1, 0.0
     while done < whole and spent < _LONGEST * seconds:
         count = min(max(1, whole // 20), whole - done)
-        spent += _clock_steps(simulation, count)[1]
+        spent += clock_steps(simulation, count)[1]
         done += count
     simulation.close()
     if done < whole:

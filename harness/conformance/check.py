@@ -1,0 +1,79 @@
+"""What a conformance check is, and how it words what it found."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from harness.adapter import Adapter, Feature, Settings
+
+__all__ = ["Comparison", "ConformanceCheck", "Finding", "NotApplicable", "judge", "near", "that"]
+
+
+class NotApplicable(Exception):
+    """The check has nothing to ask of this engine; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What one check found: its verdict, and got against expected in words."""
+
+    status: Literal["passed", "failed", "not_applicable"]
+    message: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConformanceCheck:
+    """One question that every adapter must answer rightly.
+
+    Terms:
+        name: stable, snake case. run: (adapter, settings of the track) to a finding.
+        needs: features without which the question makes no sense; an adapter that does not claim them must refuse them.
+        excusable: may an adapter declare a known failure? True for what a vendor's defaults do to the physics; False for
+        frames, units, order, finiteness, shapes and the contract itself, which must be right on every track.
+    """
+
+    name: str
+    question: str
+    run: Callable[[Adapter, Settings], Finding]
+    needs: Feature = Feature.NONE
+    excusable: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One comparison of a check, with its verdict in words."""
+
+    holds: bool
+    text: str
+
+
+def _worded(value: ArrayLike) -> str:
+    array = np.asarray(value, dtype=np.float64)
+    return f"{array:.6g}" if array.ndim == 0 else np.array2string(array, precision=6, separator=", ", threshold=12)
+
+
+def near(what: str, got: ArrayLike, expected: ArrayLike, within: float, because: str = "") -> Comparison:
+    """Is every number of `got` within `within` of `expected`? NaN is near to nothing."""
+    got_array, expected_array = np.asarray(got, dtype=np.float64), np.asarray(expected, dtype=np.float64)
+    if got_array.shape != expected_array.shape:
+        return Comparison(False, f"{what}: got shape {got_array.shape}, expected {expected_array.shape}")
+    with np.errstate(all="ignore"):
+        holds = bool((np.abs(got_array - expected_array) <= within).all())
+    reason = f" ({because})" if because else ""
+    return Comparison(holds, f"{what}: got {_worded(got)}, expected {_worded(expected)} within {within:.3g}{reason}")
+
+
+def that(holds: bool, text: str) -> Comparison:
+    """A comparison whose verdict is known; `text` names got and expected."""
+    return Comparison(bool(holds), text)
+
+
+def judge(*comparisons: Comparison) -> Finding:
+    """Passed when all hold; otherwise failed, naming those that do not."""
+    wrong = [one.text for one in comparisons if not one.holds]
+    if wrong:
+        return Finding("failed", "; ".join(wrong))
+    return Finding("passed", "; ".join(one.text for one in comparisons))

@@ -169,7 +169,14 @@ def finished(layers: Sequence[Any], height: int) -> Row:
     import altair as alt
 
     spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict()
-    spec["config"] = {"legend": {"orient": "bottom", "columns": 4, "symbolSize": 90}}
+    spec["config"] = {
+        "legend": {
+            "orient": "bottom",
+            "columns": 4,
+            "symbolSize": 90,
+            "layout": {"bottom": {"direction": "vertical", "margin": 4}},
+        }
+    }
     spec["autosize"] = {"type": "fit-x", "contains": "padding"}
     return spec
 
@@ -285,8 +292,10 @@ def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, ti
     y = alt.Y("case:N", title=None, scale=alt.Scale(domain=labelled), axis=axis)
     layers = [chart(merged).mark_point(**POINT).encode(x=x, y=y, **style.channels())]
     shown: Row = {"text": alt.Text("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
-    for place, part in enumerate(grouped((row for row in silent if not answered(row, field)), ("engine", "track")).values()):
-        edge = chart(part).mark_text(fontSize=12, fontWeight=700, dx=12 + 13 * place)
+    beside = list(grouped((row for row in silent if not answered(row, field)), ("case",)).values())
+    for place in range(max(map(len, beside), default=0)):
+        edge = chart([part[place] for part in beside if place < len(part)])
+        edge = edge.mark_text(fontSize=12, fontWeight=700, dx=12 + 13 * place)
         layers.append(edge.encode(x=alt.value("width"), y=y, **shown))
     spec = finished(layers, height=30 + 22 * len(labelled))
     columns = ("case", "engine", "track", title, "outcome")

@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-__all__ = ["HOSTILE", "LADDER", "STATUSES", "write_run_folder"]
+__all__ = ["BAD_CASE", "HOSTILE", "LADDER", "STATUSES", "write_run_folder"]
 
 STATUSES = ("passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted")
 LADDER = [1 / 60, 1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920]
@@ -27,6 +27,7 @@ HOSTILE = (
     "datum.x; window.attacked=1",
     "x" * 1_000_000,
 )
+BAD_CASE = "bad_<script>window.attacked=1</script>"
 ENGINES = {  # name: title, ours, order, error at dt = 1/240, cost per simulated second
     "reference": ("Plumbline reference", True, 2, 1.1e-4, 2.0e-2),
     "mujoco": ("MuJoCo", False, 1, 8.0e-4, 4.1e-3),
@@ -102,9 +103,8 @@ def catalogue(hostile: bool) -> dict[str, Any]:
         "deviations": [],
     }
     if hostile:
-        bad = "bad_<script>window.attacked=1</script>"
-        cases[bad] = cases["rest_table"] | {
-            "name": bad,
+        cases[BAD_CASE] = cases["rest_table"] | {
+            "name": BAD_CASE,
             "title": HOSTILE[0],
             "question": HOSTILE[1],
             "source": HOSTILE[3],
@@ -199,9 +199,8 @@ def tables(hostile: bool) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
                                       "because": "not measurable: no contact"},
                         ]  # fmt: skip
     if hostile:
-        bad = "bad_<script>window.attacked=1</script>"
         for text, status in zip(HOSTILE, (*STATUSES, "passed", "failed"), strict=True):
-            trial = row(bad, HOSTILE[7], "tuned", 1 / 240, status=status, reason=text, detail=text)
+            trial = row(BAD_CASE, HOSTILE[7], "tuned", 1 / 240, status=status, reason=text, detail=text)
             trial |= {
                 "trial": f"{hash_of(text):016x}"[:16],
                 "settings": json.dumps({"options": {text: text}}),

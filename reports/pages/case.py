@@ -12,7 +12,7 @@ import pandas as pd
 from harness.trend import Order, fit_order
 from reports.answers import answers
 from reports.charts import error_by_cost, error_by_step
-from reports.contents import FAMILIES, cases
+from reports.contents import FAMILIES, cases, engines, tracks
 from reports.page import Page
 from reports.template import case_file, fill
 from reports.text import csv_cell, slug
@@ -29,9 +29,13 @@ def render(store: "Store") -> Mapping[str, str]:
     files: dict[str, str] = {}
     rows, cells, known = answers(store), verdicts(store), cases(store)
     names = list(known)
+    sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
     for place, name in enumerate(names):
         case, mine = known[name], rows[rows["case"] == name]
         measured = store.measurements[store.measurements["trial"].isin(mine["trial"])]
+        values: dict[str, dict[str, Any]] = {}
+        for row in measured.to_dict("records"):
+            values.setdefault(row["trial"], {})[row["metric"]] = row
         plain = slug(name)
         unit = next((str(unit) for unit in mine["unit"].dropna()), "1")
         figures = [
@@ -51,10 +55,10 @@ def render(store: "Store") -> Mapping[str, str]:
             before=known[names[place - 1]] if place else None,
             after=known[names[place + 1]] if place + 1 < len(names) else None,
             figures=figures,
-            orders=orders(mine),
-            verdicts={(engine, track): cell for (of, engine, track), cell in cells.items() if of == name},
+            orders=orders(mine, sides),
+            verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
-            trials=[trial(store, row, measured) for row in mine.to_dict("records")],
+            trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],
             csv=f"trials/{plain}.csv",
             recording=f"../recordings/{name}.rrd" if is_file(recording) else None,
             view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
@@ -70,10 +74,12 @@ def is_file(path: Any) -> bool:
         return False
 
 
-def orders(rows: pd.DataFrame) -> list[tuple[str, str, Order]]:
+def orders(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> list[tuple[str, str, Order]]:
     """Fitted orders of convergence by engine and track, of the series that holds most steps."""
     found = []
-    for (engine, track), part in rows[rows["error"] > 0].groupby(["engine", "track"], sort=False):
+    parts = dict(list(rows[rows["error"] > 0].groupby(["engine", "track"], sort=False)))
+    for engine, track in (side for side in sides if side in parts):
+        part = parts[engine, track]
         longest = max((group for _, group in part.groupby("series")), key=lambda group: group["dt"].nunique())
         by_step = longest.groupby("dt")["error"].median()
         fit = fit_order(by_step.index.to_list(), by_step.to_list())
@@ -82,9 +88,8 @@ def orders(rows: pd.DataFrame) -> list[tuple[str, str, Order]]:
     return found
 
 
-def trial(store: "Store", row: Mapping[str, Any], measured: pd.DataFrame) -> dict[str, Any]:
+def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """A row of the table of trials."""
-    values = {m["metric"]: m for m in measured[measured["trial"] == row["trial"]].to_dict("records")}
     nothing = {name: None for name, value in row.items() if pd.api.types.is_scalar(value) and pd.isna(value)}
     return {
         **row,
@@ -102,7 +107,8 @@ def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
     table = rows[columns]
     if len(measured):
         wide = measured.pivot_table(index="trial", columns="metric", values="value", aggfunc="first", dropna=False, sort=False)
-        table = table.join(wide, on="trial", rsuffix=" (metric)")
+        wide.columns = [f"{name} (metric)" if name in table.columns else name for name in map(str, wide.columns)]
+        table = table.join(wide, on="trial")
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([csv_cell(str(name)) for name in table.columns])

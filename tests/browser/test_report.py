@@ -1,0 +1,241 @@
+"""Can a person read the report? A real browser opens every page from disk, without a network."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+import reports
+from tests.run_folder import BAD_CASE, write_run_folder
+
+pytestmark = pytest.mark.browser
+
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+CHROMIUM = next(
+    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))),
+    os.environ.get("PLUMBLINE_CHROMIUM"),
+)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: no browser is driven")
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on this machine (apt-get install chromium, or PLUMBLINE_CHROMIUM=path)")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    cases = ("flight_projectile", "joint_pendulum", "stack_tower")
+    return reports.build(write_run_folder(tmp_path_factory.mktemp("plain") / "run", only=cases)).parent
+
+
+@pytest.fixture(scope="module")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = write_run_folder(tmp_path_factory.mktemp("hostile") / "run", hostile=True, only=("joint_chain", BAD_CASE))
+    return reports.build(folder).parent
+
+
+class Visit:
+    """A page that is open, and all that it said or asked for."""
+
+    def __init__(self, browser: Any, path: Path, **context: Any) -> None:
+        self.page = browser.new_context(viewport={"width": 1280, "height": 900}, **context).new_page()
+        self.said: list[str] = []
+        self.asked: list[str] = []
+        self.page.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
+        self.page.on("pageerror", lambda error: self.said.append(f"error: {error}"))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.on("dialog", lambda dialog: (self.said.append("dialog"), dialog.dismiss()))
+        self.page.goto(path.as_uri())
+        if context.get("java_script_enabled", True):
+            self.page.wait_for_function(
+                "() => [...document.querySelectorAll('figure.chart')].every(one => one.dataset.drawn)", timeout=60_000
+            )
+
+    def close(self) -> None:
+        self.page.context.close()
+
+
+@pytest.fixture
+def visit(browser: Any) -> Iterator[Any]:
+    opened: list[Visit] = []
+
+    def go(path: Path, **context: Any) -> Visit:
+        opened.append(Visit(browser, path, **context))
+        return opened[-1]
+
+    yield go
+    for one in opened:
+        one.close()
+
+
+def html_files(report: Path) -> list[Path]:
+    found = sorted(report.glob("*.html"))
+    assert found
+    return found
+
+
+def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(plain: Path, visit: Any) -> None:
+    assert len(html_files(plain)) == 5
+    for path in html_files(plain):
+        seen = visit(path)
+        assert seen.said == [], path.name
+        assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}, path.name
+
+
+def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(plain: Path, visit: Any) -> None:
+    followed = 0
+    for path in html_files(plain):
+        for href in visit(path).page.eval_on_selector_all("[href], [src]", "all => all.map(one => one.href || one.src)"):
+            address = urlsplit(href)
+            if address.scheme in ("http", "https", "data"):
+                continue
+            assert address.scheme == "file", href
+            target = Path(unquote(address.path))
+            assert target.is_file(), f"{path.name}: {href}"
+            if address.fragment:
+                assert f'id="{unquote(address.fragment)}"' in target.read_text(encoding="utf-8"), f"{path.name}: {href}"
+            followed += 1
+    assert followed > 50
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(plain: Path, visit: Any, scheme: str) -> None:
+    for name in ("index.html", "case-stack_tower.html"):
+        page = visit(plain / name, color_scheme=scheme).page
+        charts = page.locator("figure.chart .plot svg.marks")
+        assert charts.count() == 2
+        for k in range(2):
+            box = charts.nth(k).bounding_box()
+            assert box is not None
+            assert box["width"] > 300
+            assert box["height"] > 150
+            assert charts.nth(k).locator(".mark-symbol path").count() > 5
+
+
+def test_outcomes_without_a_number_are_drawn_on_the_chart(plain: Path, visit: Any) -> None:
+    text = visit(plain / "case-stack_tower.html").page.locator("#case-stack_tower-step .plot svg").text_content()
+    for symbol in "∞∅◷‡▣":
+        assert symbol in text
+
+
+def test_without_scripts_the_static_pictures_stand_and_the_tables_are_there(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-stack_tower.html", java_script_enabled=False).page
+    stills = page.locator("figure.chart img.still")
+    assert stills.count() == 2
+    for k in range(2):
+        assert stills.nth(k).is_visible()
+        assert (stills.nth(k).bounding_box() or {"height": 0})["height"] > 150
+    assert page.locator("table.trials tbody tr").count() == 60
+
+
+def test_print_shows_the_static_picture_in_place_of_the_live_chart(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-stack_tower.html").page
+    assert not page.locator("figure.chart img.still").first.is_visible()
+    page.emulate_media(media="print")
+    assert page.locator("figure.chart img.still").first.is_visible()
+    assert not page.locator("figure.chart .plot").first.is_visible()
+
+
+def column(page: Any, head: str) -> list[float]:
+    place = page.locator("table.trials thead th").all_inner_texts().index(head)
+    return [
+        float(text) for text in page.eval_on_selector_all(
+            "table.trials tbody tr", f"rows => rows.map(row => row.cells[{place}].dataset.value)"
+        ) if text != ""
+    ]  # fmt: skip
+
+
+def test_a_click_on_a_heading_sorts_the_numbers_and_another_turns_them(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-stack_tower.html").page
+    heads = [text for text in page.locator("table.trials thead th").all_inner_texts() if text.startswith("CPU")]
+    before = column(page, heads[0])
+    button = page.locator("table.trials thead th button", has_text=heads[0])
+    button.click()
+    assert column(page, heads[0]) == sorted(before) != before
+    button.click()
+    assert column(page, heads[0]) == sorted(before, reverse=True)
+
+
+def test_gaps_stand_last_in_both_directions(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-stack_tower.html").page
+    button = page.locator("table.trials thead th button", has_text="CPU")
+    for _ in range(2):
+        button.click()
+        assert page.locator("table.trials tbody tr").last.get_attribute("data-status") in ("unavailable", "diverged", "oom")
+
+
+def test_words_and_outcomes_filter_the_trials(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-stack_tower.html").page
+    rows = page.locator("table.trials tbody tr:visible")
+    assert rows.count() == 60
+    page.locator(".tools input").fill("mujoco tuned")
+    assert rows.count() == 6
+    page.locator(".tools input").fill("")
+    page.locator(".tools select").select_option("crashed")
+    assert rows.count() == 1
+
+
+def test_a_permanent_link_to_a_trial_opens_its_row(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-stack_tower.html").page
+    name = page.locator("table.trials tbody tr").nth(40).get_attribute("id")
+    page.evaluate(f"location.hash = '{name}'")
+    page.wait_for_selector(f"#{name} details[open]")
+    assert "plumbline reproduce" in page.locator(f"#{name}").inner_text()
+
+
+def test_hovering_a_point_tells_its_trial(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-flight_projectile.html").page
+    page.locator("#case-flight_projectile-step .plot svg .mark-symbol path[aria-label]").first.hover(force=True)
+    page.wait_for_selector("#hover", state="visible")
+    told = page.locator("#hover").inner_text()
+    assert "trial" in told
+    assert "settings" in told
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_no_page_is_wider_than_the_screen(plain: Path, visit: Any, width: int) -> None:
+    for path in html_files(plain):
+        page = visit(path).page
+        page.set_viewport_size({"width": width, "height": 800})
+        assert page.evaluate("document.documentElement.scrollWidth") <= width, path.name
+
+
+def test_names_that_attack_run_no_script_and_open_no_dialog(hostile: Path, visit: Any) -> None:
+    for path in html_files(hostile):
+        seen = visit(path)
+        seen.page.evaluate("document.querySelectorAll('details').forEach((one) => (one.open = true))")
+        seen.page.evaluate("document.querySelectorAll('th button').forEach((one) => one.click())")
+        for mark in seen.page.locator(".plot svg .mark-symbol path[aria-label]").all()[:20]:
+            mark.hover(force=True)
+        assert seen.page.evaluate("window.attacked") is None, path.name
+        assert seen.said == [], path.name
+        assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}, path.name
+
+
+def test_the_policy_itself_stops_a_script_that_slips_in(plain: Path, tmp_path: Path, visit: Any) -> None:
+    shutil.copytree(plain, tmp_path / "report")
+    page = tmp_path / "report" / "method.html"
+    attack = '<script>window.attacked=1</script><img src="x" onerror="window.attacked=1"></main>'
+    page.write_text(page.read_text(encoding="utf-8").replace("</main>", attack), encoding="utf-8")
+    seen = visit(page)
+    assert seen.page.evaluate("window.attacked") is None
+    assert any("Content Security Policy" in text for text in seen.said)

@@ -34,7 +34,7 @@ MANIFOLD: Final = 16  # (pairs, 20)
 POINT: Final = 17  # (4 pairs, 32)
 OLD_MANIFOLD: Final = 18
 OLD_POINT: Final = 19
-SURFACE: Final = 20  # (materials^2, 5)
+SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
 SETTING: Final = 21  # (1, 24)
 CLIP: Final = 22  # (32, 8): scratch of the clipping
 FLOAT_TABLES: Final = 23
@@ -171,6 +171,9 @@ SUM: Final = 21  # 3: impulse on B over the step
 FIRST_GAP: Final = 24
 SPIKE: Final = 25  # largest normal impulse of the step
 PLACE: Final = 26  # 3: the point in W
+
+# Columns of SURFACE beside the law's.
+APART: Final = 5
 
 # Columns of SETTING.
 DT: Final = 0

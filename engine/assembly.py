@@ -68,7 +68,7 @@ def shape_row(placed: Placed) -> tuple[int, list[float], float, FloatArray]:
 
 def assemble_world(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
-    options: Options,
+    options: Options, apart: Sequence[tuple[str, str]] = (),
 ) -> tuple[FloatArray, IntArray]:  # fmt: skip
     """The arena of a world at its start. Raises: ValueError, NotSupported."""
     n, nj = len(bodies), len(joints)
@@ -83,7 +83,7 @@ def assemble_world(
     rows = sum(ROWS[type(joint)] + 3 for joint in joints) + 1
     movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
     pairs = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
-    materials = sorted({body.material for body in bodies} | {one for pair in surfaces for one in pair})
+    materials = sorted({body.material for body in bodies} | {one for pair in (*surfaces, *apart) for one in pair})
     excluded = [
         (index[joint.parent], index[joint.child])
         for joint in joints
@@ -92,7 +92,7 @@ def assemble_world(
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 6),
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32), (pairs, 20),
-        (4 * pairs, 32), (len(materials) ** 2, 5), (1, 24), (32, 8),
+        (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8),
     ]  # fmt: skip
     int_shapes = [
         (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2), (ns, 1),
@@ -117,9 +117,12 @@ def assemble_world(
         _write_joint(floats, ints, j, joint, index, bodies)
     for (one, two), law in surfaces.items():
         for a, b in ((one, two), (two, one)):
-            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b)] = (
+            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), :5] = (
                 law.static_friction, law.kinetic_friction, law.restitution, law.rolling_friction, law.torsional_friction,
             )  # fmt: skip
+    for one, two in apart:
+        for a, b in ((one, two), (two, one)):
+            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), at.APART] = 1.0
     if excluded:
         int_table(ints, at.EXCLUDED)[:] = excluded
     setting = float_table(floats, ints, at.SETTING)[0]

@@ -7,7 +7,7 @@ Bodies, 1992, section 2.3.
 import math
 
 from engine.arena import (
-    BALL_RADIUS, BOX, CAPSULE, DYNAMIC, MOTION, OFFSET, OWNER, P, PLANE, Q, SIZE, SPHERE, TURN, TYPE, V, W,
+    APART, BALL_RADIUS, BOX, CAPSULE, DYNAMIC, MATERIAL, MOTION, OFFSET, OWNER, P, PLANE, Q, SIZE, SPHERE, TURN, TYPE, V, W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
@@ -57,9 +57,9 @@ def write_bounds(
 
 @kernel
 def overlap(
-    bounds: Floats, shape_kind: Ints, kind: Ints, excluded: Ints, exclusions: int, pose: Floats, i: int, j: int
+    bounds: Floats, shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, pose: Floats, i: int, j: int
 ) -> bool:
-    """Whether shapes i and j may touch: bounds overlap, one of them can move, and no joint excludes their bodies."""
+    """Whether shapes i and j may touch: bounds overlap, one of them can move, and no joint or material parts them."""
     a, b = shape_kind[i, OWNER], shape_kind[j, OWNER]
     if a == b or (kind[a, MOTION] != DYNAMIC and kind[b, MOTION] != DYNAMIC):
         return False
@@ -78,6 +78,8 @@ def overlap(
         for k in range(3):
             if bounds[i, k] > bounds[j, k + 3] or bounds[j, k] > bounds[i, k + 3]:
                 return False
+    if surface[shape_kind[i, MATERIAL] * materials + shape_kind[j, MATERIAL], APART] == 1.0:
+        return False
     for e in range(exclusions):
         if (excluded[e, 0] == a and excluded[e, 1] == b) or (excluded[e, 0] == b and excluded[e, 1] == a):
             return False
@@ -86,13 +88,13 @@ def overlap(
 
 @kernel
 def brute_force(
-    bounds: Floats, shape_kind: Ints, kind: Ints, excluded: Ints, exclusions: int, pose: Floats, shapes: int, pair: Ints
+    bounds: Floats, shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, pose: Floats, shapes: int, pair: Ints
 ) -> int:
     """Write every overlapping pair (i < j). Returns: their number, which may exceed the room in `pair`."""
     found = 0
     for i in range(shapes):
         for j in range(i + 1, shapes):
-            if overlap(bounds, shape_kind, kind, excluded, exclusions, pose, i, j):
+            if overlap(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, i, j):
                 if found < pair.shape[0]:
                     pair[found, 0], pair[found, 1] = i, j
                 found += 1
@@ -101,7 +103,7 @@ def brute_force(
 
 @kernel
 def sweep_and_prune(
-    bounds: Floats, shape_kind: Ints, kind: Ints, excluded: Ints, exclusions: int, pose: Floats, shapes: int, order: Ints, pair: Ints
+    bounds: Floats, shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, pose: Floats, shapes: int, order: Ints, pair: Ints
 ) -> int:  # fmt: skip
     """As `brute_force`, over the shapes sorted by their lower bound in x; the order is kept from step to step."""
     for at in range(1, shapes):
@@ -121,7 +123,7 @@ def sweep_and_prune(
             if bounds[t, 0] > high:
                 break
             i, j = (s, t) if s < t else (t, s)
-            if overlap(bounds, shape_kind, kind, excluded, exclusions, pose, i, j):
+            if overlap(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, i, j):
                 if found < pair.shape[0]:
                     pair[found, 0], pair[found, 1] = i, j
                 found += 1

@@ -2,7 +2,7 @@
 
 from engine.arena import (
     BODIES, BODY, BODY_KIND, BOUNDS, BROAD, CLIP, CLIP_KEY, COUNT, DT, EXCLUDED, EXCLUSIONS, HEAD, MANIFOLD, MANIFOLD_KEY, MANIFOLDS,
-    MARGIN, NEXT, OLD_KEY, OLD_MANIFOLD, OLD_POINT, OLD_POINT_KEY, ORDER, PAIR, POINT, POINT_KEY, POSE, SETTING, SHAPE, SHAPE_KIND,
+    MARGIN, MATERIALS, NEXT, OLD_KEY, OLD_MANIFOLD, OLD_POINT, OLD_POINT_KEY, ORDER, PAIR, POINT, POINT_KEY, POSE, SETTING, SHAPE, SHAPE_KIND,
     SHAPES, STATE, SURFACE, TOUCHED, TURNED,
 )  # fmt: skip
 from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_bounds
@@ -31,20 +31,25 @@ def find_contacts(floats: Floats, ints: Ints) -> bool:
     old, old_point = floats_of(floats, ints, OLD_MANIFOLD), floats_of(floats, ints, OLD_POINT)
     old_key, old_point_key = ints_of(ints, OLD_KEY), ints_of(ints, OLD_POINT_KEY)
     head, following, count = ints_of(ints, HEAD), ints_of(ints, NEXT), ints_of(ints, COUNT)
+    surface, materials = floats_of(floats, ints, SURFACE), count[0, MATERIALS]
     shapes, exclusions = count[0, SHAPES], count[0, EXCLUSIONS]
     pose_shapes(state, shape, shape_kind, shapes, pose)
     write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
     if count[0, BROAD] == 0:
-        pairs = brute_force(bounds, shape_kind, kind, excluded, exclusions, pose, shapes, pair)
+        pairs = brute_force(
+            bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair
+        )
     else:
-        pairs = sweep_and_prune(bounds, shape_kind, kind, excluded, exclusions, pose, shapes, order, pair)
+        pairs = sweep_and_prune(
+            bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, order, pair
+        )
     if pairs > pair.shape[0]:
         return False
     for b in range(count[0, BODIES] + 1):
         kind[b, TOUCHED] = 0
     keep_old(count, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
     build_manifolds(
-        state, kind, shape, shape_kind, pose, floats_of(floats, ints, SURFACE), setting, count, pair, pairs, manifold, key, point,
+        state, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
         point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY),
     )  # fmt: skip
     prepare(state, body, turned, count[0, MANIFOLDS], manifold, key, point)

@@ -54,7 +54,8 @@ class World:
 
     Args:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other pairs
-        are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve.
+        are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that never
+        touch.
     Raises: ValueError naming the element, field and value; NotSupported for contact of cylinders and hulls.
     """
 
@@ -65,9 +66,10 @@ class World:
         surfaces: Mapping[tuple[str, str], Surface] | None = None,
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         options: Options | None = None,
+        apart: Sequence[tuple[str, str]] = (),
     ) -> None:
         self.options = options or Options()
-        self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options)
+        self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart)
         self._joints = {joint.name: j for j, joint in enumerate(joints)}
         self._names = [body.name for body in bodies]
         owner = int_table(self._ints, at.SHAPE_KIND)[:, at.OWNER]

@@ -1,0 +1,362 @@
+"""The reference engine of this repository (`engine/`): Runge-Kutta or semi-implicit Euler, direct joints, soft sub-stepped contact.
+
+Sources:
+    E. Catto, *Solver2D*, 2024 (sub-stepped soft contact: four sub-steps, contact stiffness a quarter of the sub-step's rate,
+    relaxing sweeps); Hairer, Lubich, Wanner, *Geometric Numerical Integration*, chapters IV and VII (projection, SHAKE).
+
+Deviations:
+    * Contacts are springs with a frequency of at most a quarter of the sub-step's rate, so resting bodies sink in by micrometres.
+    * Approaches slower than four times what gravity gives in one sub-step do not bounce.
+    * Without the effect `continuous_collision`, contacts are made ahead of time up to half the thickness of the thinner shape.
+    * Bodies that nothing touches in a step follow the integrator; touched ones follow semi-implicit Euler in sub-steps.
+    * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
+    * One friction point does not feel the others within a sweep: several contacts that strike at once share the blow as the
+      sweeps find it, so blows passed through bodies already in touch lose energy even with restitution 1.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, assert_never
+
+import numpy as np
+
+from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unsupported
+from harness.scene import (
+    Ball,
+    Body,
+    Box,
+    Camera,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Distance,
+    Effect,
+    Fixed,
+    Joint,
+    PlacedShape,
+    Plane,
+    Prismatic,
+    Revolute,
+    Scene,
+    Sphere,
+    Surface,
+    TriangleMesh,
+)
+from harness.trajectory import Contacts, Floats, Hits, State
+
+if TYPE_CHECKING:
+    import engine
+
+__all__ = ["ADAPTER"]
+
+SOLVER = "tgs_soft"
+OPTIONS: Mapping[str, type] = {
+    "relaxations": int,
+    "broad_phase": str,
+    "contact_hertz": float,
+    "contact_damping_ratio": float,
+    "max_push": float,
+    "bounce_speed": float,
+    "margin": float,
+}
+
+# --- settings -------------------------------------------------------------------------------------
+
+
+def _options(scene: Scene, settings: Settings) -> "engine.Options":
+    """The engine's options under the effects of the scene. Raises: SettingsError."""
+    import engine
+
+    if settings.solver not in (None, SOLVER):
+        raise SettingsError(f"settings: solver '{settings.solver}', expected '{SOLVER}'")
+    if settings.tolerance is not None:
+        raise SettingsError(f"settings: tolerance {settings.tolerance}, but the solver sweeps a fixed number of times")
+    chosen: dict[str, Any] = {"dt": settings.dt}
+    for name in ("substeps", "iterations", "integrator"):
+        if getattr(settings, name) is not None:
+            chosen[name] = getattr(settings, name)
+    for name, value in settings.options.items():
+        kind = OPTIONS.get(name)
+        if kind is None:
+            raise SettingsError(f"settings: option '{name}' is unknown, expected one of {', '.join(OPTIONS)}")
+        if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else kind):
+            raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
+        chosen[name] = value
+    effects = scene.effects
+    try:
+        return engine.Options(
+            **chosen,
+            contacts=Effect.CONTACT in effects,
+            gyroscopic=Effect.GYROSCOPIC in effects,
+            continuous=Effect.CONTINUOUS_COLLISION in effects,
+        )
+    except ValueError as error:
+        raise SettingsError(str(error)) from error
+
+
+def _resolved(settings: Settings, used: "engine.Options") -> Settings:
+    """What the engine uses, defaults filled in."""
+    filled = {name: getattr(used, name) for name in OPTIONS}
+    return replace(
+        settings,
+        substeps=used.substeps,
+        iterations=used.iterations,
+        integrator=used.integrator,
+        solver=SOLVER,
+        options={name: value for name, value in filled.items() if value is not None},
+    )
+
+
+# --- the scene ------------------------------------------------------------------------------------
+
+
+def _placed(body: Body, part: PlacedShape) -> "engine.Placed":
+    """A shape in the engine's words. Raises: Unsupported."""
+    import engine
+
+    shape = part.shape
+    made: engine.Shape
+    match shape:
+        case Sphere():
+            made = engine.Sphere(shape.radius)
+        case Box():
+            made = engine.Box(shape.half_extents)
+        case Capsule():
+            made = engine.Capsule(shape.radius, shape.half_length)
+        case Plane():
+            made = engine.Plane(shape.normal)
+        case Cylinder():
+            raise Unsupported(f"cylinder of body '{body.name}'", "the engine has no contact of cylinders yet")
+        case ConvexHull():
+            raise Unsupported(f"convex hull of body '{body.name}'", "the engine has no hulls yet")
+        case TriangleMesh():
+            raise Unsupported(f"triangle mesh of body '{body.name}'", "the engine has no meshes yet")
+        case _:
+            assert_never(shape)
+    return engine.Placed(made, part.p_BS, part.q_BS)
+
+
+def _body(body: Body, effects: Effect) -> "engine.Body":
+    """A body in the engine's words, without the damping that the scene leaves out."""
+    import engine
+
+    return engine.Body(
+        name=body.name,
+        mass=body.mass,
+        inertia=body.inertia,
+        shapes=tuple(_placed(body, part) for part in body.collision),
+        material=body.material,
+        p_WB=body.p_WB,
+        q_WB=body.q_WB,
+        v_WB=body.v_WB,
+        w_WB=body.w_WB,
+        motion=body.motion,
+        linear_damping=body.linear_damping if Effect.LINEAR_DAMPING in effects else 0.0,
+        angular_damping=body.angular_damping if Effect.ANGULAR_DAMPING in effects else 0.0,
+    )
+
+
+def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str, Any]:
+    """Limits, spring and drive of a joint in the engine's words."""
+    import engine
+
+    extras: dict[str, Any] = {}
+    if joint.limits is not None:
+        lower, upper = joint.limits.lower, joint.limits.upper
+        extras["limits"] = engine.Limits(
+            lower=-np.inf if lower is None else lower, upper=np.inf if upper is None else upper
+        )
+    if joint.spring is not None:
+        spring = joint.spring
+        extras["spring"] = engine.Spring(stiffness=spring.stiffness, damping=spring.damping, rest=spring.rest)
+    if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
+        drive = joint.drive
+        extras["drive"] = engine.Drive(
+            stiffness=drive.stiffness,
+            damping=drive.damping,
+            target=drive.target,
+            target_velocity=drive.target_velocity,
+            limit=np.inf if drive.limit is None else drive.limit,
+        )
+    return extras
+
+
+def _joint(joint: Joint, effects: Effect) -> "engine.Joint":
+    """A joint in the engine's words."""
+    import engine
+
+    ends: dict[str, Any] = {
+        "name": joint.name, "parent": joint.parent, "child": joint.child, "collide": joint.collide
+    }  # fmt: skip
+    match joint:
+        case Fixed():
+            return engine.Fixed(**ends)
+        case Ball():
+            return engine.Ball(**ends, anchor_W=joint.anchor_W)
+        case Revolute():
+            return engine.Revolute(
+                **ends, anchor_W=joint.anchor_W, axis_W=joint.axis_W, position=joint.position, **_extras(joint, effects)
+            )
+        case Prismatic():
+            return engine.Prismatic(
+                **ends, anchor_W=joint.anchor_W, axis_W=joint.axis_W, position=joint.position, **_extras(joint, effects)
+            )
+        case Distance():
+            return engine.Distance(
+                **ends, anchor_W=joint.anchor_W, child_anchor_W=joint.child_anchor_W, **_extras(joint, effects)
+            )
+        case _:
+            assert_never(joint)
+
+
+def _surface(law: Surface, effects: Effect) -> "engine.Surface":
+    """A law in the engine's words, without what the scene leaves out."""
+    import engine
+
+    rubs = Effect.FRICTION in effects
+    return engine.Surface(
+        static_friction=law.static_friction if rubs else 0.0,
+        kinetic_friction=law.kinetic_friction if rubs else 0.0,
+        restitution=law.restitution if Effect.RESTITUTION in effects else 0.0,
+        rolling_friction=law.rolling_friction if Effect.ROLLING_FRICTION in effects else 0.0,
+        torsional_friction=law.torsional_friction if Effect.TORSIONAL_FRICTION in effects else 0.0,
+    )
+
+
+# --- the simulation -------------------------------------------------------------------------------
+
+
+class _Simulation:
+    """One world of the engine."""
+
+    def __init__(self, world: "engine.World", scene: Scene, resolved: Settings) -> None:
+        self._world, self._resolved = world, resolved
+        self._drives = {j.name for j in scene.joints if getattr(j, "drive", None) is not None}
+        if Effect.DRIVES not in scene.effects:
+            self._drives = set()
+
+    @property
+    def resolved(self) -> Settings:
+        return self._resolved
+
+    def step(self, count: int = 1) -> None:
+        import engine
+
+        try:
+            self._world.step(count)
+        except engine.Diverged as error:
+            raise Diverged(str(error)) from error
+
+    def state(self, out: State) -> None:
+        table = self._world.state()
+        out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
+
+    def contacts(self) -> Contacts:
+        found = self._world.contacts()
+        return Contacts.of(
+            found.bodies[:, 0], found.bodies[:, 1], found.point, found.normal, found.gap, found.force
+        )
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        hits = self._world.cast(origins, directions, max_range)
+        return Hits(distance=hits.distance, body=hits.body, normal_W=hits.normal)
+
+    def render(self, camera: Camera) -> Floats:
+        raise Unsupported(f"image of camera '{camera.name}'", "the engine has no renderer yet")
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        for name, target in targets.items():
+            if name not in self._drives:
+                raise KeyError(f"joint '{name}': has no drive in this simulation, expected one of {sorted(self._drives)}")
+            self._world.command(name, float(target))
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        self._world.set_load(f_B_W, tau_B_W)
+
+    def warnings(self) -> tuple[str, ...]:
+        return ()
+
+    def save(self) -> object:
+        return self._world.save()
+
+    def restore(self, saved: object) -> None:
+        floats, ints = saved  # type: ignore[misc]  # what save() gave
+        self._world.restore((floats, ints))
+
+    def close(self) -> None:
+        """Nothing to free: the world is arrays."""
+
+
+def _build(scene: Scene, settings: Settings) -> Simulation:
+    import engine
+
+    effects = scene.effects
+    options = _options(scene, settings)
+    try:
+        world = engine.World(
+            bodies=[_body(body, effects) for body in scene.bodies],
+            joints=[_joint(joint, effects) for joint in scene.joints] if Effect.JOINTS in effects else (),
+            surfaces={law.between: _surface(law, effects) for law in scene.surfaces},
+            gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0),
+            options=options,
+            apart=scene.apart,
+        )
+    except engine.NotSupported as error:
+        raise Unsupported(error.what, error.why) from error
+    return _Simulation(world, scene, _resolved(settings, options))
+
+
+# --- the adapter ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Reference(Adapter):
+    """The reference engine."""
+
+    def version(self) -> str:
+        import engine
+
+        return engine.__version__
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        return _build(scene, settings)
+
+
+F = Feature
+ADAPTER = _Reference(
+    name="reference",
+    title="Plumbline reference engine",
+    distribution="plumbline",
+    features=F.SPHERE | F.BOX | F.CAPSULE | F.PLANE | F.COMPOUND | F.FULL_INERTIA | F.KINEMATIC
+    | F.FIXED | F.BALL | F.REVOLUTE | F.PRISMATIC | F.DISTANCE | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES
+    | F.PAIR_FRICTION | F.STATIC_FRICTION | F.ROLLING_FRICTION | F.TORSIONAL_FRICTION | F.RESTITUTION
+    | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS | F.WRENCH
+    | F.SAVE | F.NATIVE_STEPS,
+    tracks={
+        "default": Settings(
+            substeps=4,
+            iterations=2,
+            integrator="semi_implicit_euler",
+            source="Catto, Solver2D, 2024: semi-implicit Euler in four sub-steps",
+        ),
+        "tuned": Settings(
+            substeps=8,
+            iterations=2,
+            integrator="rk4",
+            options={"contact_hertz": 480.0},
+            source="Hairer, Norsett, Wanner I, section II.1 (order four for smooth motion); Catto, Solver2D, 2024 (stiffness a "
+            "quarter of the sub-step's rate)",
+        ),
+    },
+    knobs={
+        "substeps": (1, 2, 4, 8, 16),
+        "iterations": (1, 2, 4, 8),
+        "integrator": ("semi_implicit_euler", "rk4"),
+        "options.contact_hertz": (60.0, 120.0, 240.0, 480.0, 960.0),
+    },
+    deviations=(
+        "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
+        "Approaches slower than four times what gravity gives in one sub-step do not bounce.",
+        "Blows passed on through bodies already in touch lose energy even with restitution 1.",
+    ),
+)  # fmt: skip

@@ -9,7 +9,13 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.tunnelling import EMBEDDED_SHARE, TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_HIGH, TUNNEL_PROBABILITY_LOW
+from harness.metrics.tunnelling import (
+    EMBEDDED_SHARE,
+    STOP_GAP,
+    TUNNEL_PROBABILITY,
+    TUNNEL_PROBABILITY_HIGH,
+    TUNNEL_PROBABILITY_LOW,
+)
 from harness.scene import Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -97,6 +103,6 @@ CASE = Case(
             because="a wall stops every sphere, at any phase; 64 of 64 stopped put the probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, EMBEDDED_SHARE),
+    observe=(TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, EMBEDDED_SHARE, STOP_GAP),
     headline="tunnel_probability",
 )

@@ -11,6 +11,7 @@ from harness.trajectory import Trajectory
 __all__ = [
     "EMBEDDED_SHARE",
     "METRIC",
+    "STOP_GAP",
     "TUNNEL_PROBABILITY",
     "TUNNEL_PROBABILITY_HIGH",
     "TUNNEL_PROBABILITY_LOW",
@@ -44,31 +45,34 @@ def _wall(scene: Scene) -> tuple[Body, Box]:
     raise NotMeasurable("no wall: a fixed body of one box")
 
 
-def _count(scene: Scene, actual: Trajectory) -> tuple[int, int, int]:
-    """How many passed, how many are left embedded, and how many were shot.
+def _depths(scene: Scene, actual: Trajectory) -> list[tuple[float, float, float]]:
+    """Of each sphere that is shot: how far [m] its front ends past the wall's face, half the wall's thickness, its radius.
 
     The wall's extent along the shot is that of its box, which lies across the shot.
     """
     wall, box = _wall(scene)
-    passed = embedded = shot = 0
+    found = []
     if len(actual) == 0:
         raise NotMeasurable("no samples")
+    axes = [np.array(rotate(wall.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
     for place, body in enumerate(scene.bodies):
         shapes = [placed.shape for placed in body.collision]
-        if not body.movable or not any(body.v_WB) or len(shapes) != 1 or not isinstance(shapes[0], Sphere):
-            continue
-        shot += 1
-        way = np.array(body.v_WB) / np.linalg.norm(body.v_WB)
-        axes = [np.array(rotate(wall.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
-        half = float(sum(abs(way @ axis) * extent for axis, extent in zip(axes, box.half_extents, strict=True)))
-        depth = float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way) + half + shapes[0].radius
-        if depth >= 2 * (half + shapes[0].radius):
-            passed += 1
-        elif depth > half:
-            embedded += 1
-    if shot == 0:
+        if body.movable and any(body.v_WB) and len(shapes) == 1 and isinstance(shapes[0], Sphere):
+            way = np.array(body.v_WB) / np.linalg.norm(body.v_WB)
+            half = float(sum(abs(way @ axis) * extent for axis, extent in zip(axes, box.half_extents, strict=True)))
+            depth = float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way) + half + shapes[0].radius
+            found.append((depth, half, shapes[0].radius))
+    if not found:
         raise NotMeasurable("no sphere is shot")
-    return passed, embedded, shot
+    return found
+
+
+def _count(scene: Scene, actual: Trajectory) -> tuple[int, int, int]:
+    """How many passed, how many are left embedded, and how many were shot."""
+    depths = _depths(scene, actual)
+    passed = sum(depth >= 2 * (half + radius) for depth, half, radius in depths)
+    unstopped = sum(depth > half for depth, half, _ in depths)
+    return passed, unstopped - passed, len(depths)
 
 
 def _probability(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -91,6 +95,16 @@ def _embedded(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> 
     return embedded / shot if actual.finite else math.nan
 
 
+def _stop_gap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    depths = _depths(scene, actual)
+    if not actual.finite:
+        return math.nan
+    stopped = [max(0.0, -depth) for depth, half, _ in depths if depth <= half]
+    if not stopped:
+        raise NotMeasurable("no sphere is stopped")
+    return max(stopped)
+
+
 TUNNEL_PROBABILITY = Metric(name="tunnel_probability", unit="1", source=SOURCE, measure=_probability)
 TUNNEL_PROBABILITY_LOW = Metric(
     name="tunnel_probability_low", unit="1", source="lower 95 % bound of Wilson (1927) on tunnel_probability", measure=_low
@@ -105,4 +119,11 @@ EMBEDDED_SHARE = Metric(
     measure=_embedded,
 )
 
-METRIC = (TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, EMBEDDED_SHARE)
+STOP_GAP = Metric(
+    name="stop_gap",
+    unit="m",
+    source="greatest distance from the wall's face at which a stopped sphere ends; 0 without restitution, more after a rebound",
+    measure=_stop_gap,
+)
+
+METRIC = (TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, EMBEDDED_SHARE, STOP_GAP)

@@ -10,6 +10,7 @@ from harness.metric import NotMeasurable
 from harness.metrics.tunnelling import (
     EMBEDDED_SHARE,
     METRIC,
+    STOP_GAP,
     TUNNEL_PROBABILITY,
     TUNNEL_PROBABILITY_HIGH,
     TUNNEL_PROBABILITY_LOW,
@@ -77,6 +78,14 @@ def test_the_share_is_that_of_all_shots_with_its_wilson_bounds() -> None:
     assert TUNNEL_PROBABILITY(scene, run) == 3 / 8
     assert EMBEDDED_SHARE(scene, run) == 1 / 8
     assert (TUNNEL_PROBABILITY_LOW(scene, run), TUNNEL_PROBABILITY_HIGH(scene, run)) == wilson_interval(3, 8)
+
+
+def test_the_stop_gap_is_the_farthest_end_of_a_stopped_sphere() -> None:
+    scene = stage(4)
+    assert STOP_GAP(scene, end(scene, [-HALF - R, -HALF - R, -HALF - R - 0.5, 9.0])) == pytest.approx(0.5)
+    assert STOP_GAP(scene, end(scene, [-R - 0.001] * 4)) == 0.0
+    with pytest.raises(NotMeasurable, match="no sphere is stopped"):
+        STOP_GAP(scene, end(scene, [9.0] * 4))
 
 
 @pytest.mark.parametrize(("hits", "trials"), [(0, 64), (1, 64), (3, 8), (32, 64), (63, 64), (64, 64), (15, 148), (1, 1)])

@@ -103,7 +103,7 @@ def _gap(dt: float) -> float:
 
 
 def _energy(dt: float) -> float:
-    """Twice (w0/2) dt for half a step between position and velocity, and the height of the gap, of the largest kinetic energy."""
+    """Twice (w0/2) dt for half a step between position and velocity, and the gap's height, over the energy in play."""
     rate, distance, _ = _default()
     return float(rate * dt + _gap(dt) / (distance * (1 - np.cos(np.radians(AMPLITUDE)))))
 
@@ -142,14 +142,14 @@ CASE = Case(
         Check(
             metric=PERIOD,
             at_most=_period_error,
-            because="a staggered method's period errs by (w0 dt)^2/24, taken twice; a hinge that gives way makes the rod longer; "
-            "1e-6 for interpolation between samples",
+            because="a staggered method's period errs by (w0 dt)^2/24, taken twice; a hinge that gives way makes the rod "
+            "longer; 1e-6 for interpolation between samples",
         ),
         Check(
             metric=ENERGY_MAX,
             at_most=_energy,
-            because="position and velocity half a step apart make (w0/2) dt without any loss, taken twice for maximal coordinates "
-            "and higher orders; a hinge's gap adds its height. Damping of 0.04/s would lose a third in 10 s",
+            because="position and velocity half a step apart make (w0/2) dt without any loss, taken twice for maximal "
+            "coordinates and higher orders; a hinge's gap adds its height. Damping of 0.04/s would lose a third in 10 s",
         ),
         Check(
             metric=JOINT_GAP_MAX,

@@ -1,0 +1,126 @@
+"""An inertial sensor on a spinning body: is the ideal signal right, and does its noise follow its law?"""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.kinematics import rotate_back
+from harness.metrics.allan import ACCELEROMETER_SCORE, GYROSCOPE_SCORE, SLOPES, Channel, Regime, slope_bound
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
+from harness.metrics.noise_bias import BIAS_SCORE
+from harness.metrics.noise_independence import INDEPENDENCE_SCORE
+from harness.scene import AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+DURATION = 200.0
+RATE = 120.0
+SPIN, LEVER = 2.0, 0.3
+MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
+SINGLE = 2.0**-24
+"""Relative rounding of a float32: an engine in single precision is judged as such."""
+
+GYROSCOPE = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)
+ACCELEROMETER = AxisNoise(density=2e-3, bias=0.2, instability=1e-2, instability_time=0.2, random_walk=1.5e-2)
+"""White noise of a consumer's sensor; instability and walk are large and quick, so that 200 s show all three slopes."""
+
+
+def _scene(spin: float = SPIN, lever: float = LEVER) -> Scene:
+    """A free ball turning about z at `spin` [rad/s], with a sensor `lever` [m] off its axis, turned against the ball."""
+    ball = Body(
+        name="ball",
+        mass=1.0,
+        inertia=sphere_inertia(1.0, 0.5),
+        visual=(PlacedShape(shape=Sphere(radius=0.5)),),
+        w_WB=(0.0, 0.0, spin),
+    )
+    imu = Imu(
+        name="imu",
+        body="ball",
+        rate=RATE,
+        p_BS=(lever, 0.0, 0.1),
+        q_BS=MOUNTING,
+        noise=ImuNoise(accelerometer=ACCELEROMETER, gyroscope=GYROSCOPE),
+    )
+    return Scene(bodies=(ball,), sensors=(imu,), gravity=(0.0, 0.0, 0.0))
+
+
+def _expected(time: Floats, spin: float = SPIN, lever: float = LEVER) -> Trajectory:
+    """Steady rotation, and what an ideal sensor reads in it.
+
+    The mean acceleration over an interval T of a circle of radius r is the chord of the velocity's own circle over T: it has
+    the size 2 w r sin(w T/2)/T and points to the axis from where S is in the middle of the interval.
+    """
+    truth = Trajectory.of(time, 1)
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(spin * truth.time / 2), np.sin(spin * truth.time / 2)
+    truth.w_WB[:, 0, 2] = spin
+    count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
+    inwards = -2.0 * spin * lever * np.sin(spin / (2 * RATE)) * RATE
+    streams = {"imu/time": np.arange(1, count + 1) / RATE}
+    for name, signal in (("accelerometer", [inwards, 0.0, 0.0]), ("gyroscope", [0.0, 0.0, spin])):
+        streams[f"imu/{name}_ideal"] = np.tile(rotate_back(np.array(MOUNTING), np.array(signal)), (count, 1))
+    return replace(truth, streams=streams)
+
+
+def _acceleration(dt: float) -> float:
+    """[m/s2]: an angle a step of 2 atan(w dt/2) instead of w dt, and the rounding of velocities w r over one interval."""
+    return 1.01 * SPIN**2 * LEVER * (SPIN * dt) ** 2 / 12 + 8 * SINGLE * SPIN * LEVER * RATE
+
+
+def _slope_checks() -> tuple[Check, ...]:
+    count = round(DURATION * RATE)
+    laws: dict[Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
+    regimes: tuple[Regime, ...] = ("white", "floor", "random_walk")
+
+    def bound(law: AxisNoise, regime: Regime, _dt: float) -> float:
+        return slope_bound(law, regime, count, 1.0 / RATE)
+
+    return tuple(
+        Check(
+            metric=SLOPES[channel, regime],
+            at_most=partial(bound, law, regime),
+            because="the part that the law's other processes have in the slope over this window, and five standard deviations",
+        )
+        for channel, law in laws.items()
+        for regime in regimes
+    )
+
+
+FIVE = "five standard deviations: each comparison raises a false alarm in 6 of 10 million runs, "
+
+CASE = Case(
+    name="sensor_imu_noise",
+    title="Noise of an inertial sensor",
+    question="Are acceleration and turning right at a lever arm, and has the noise the Allan deviation of its law?",
+    source="IEEE Std 952-1997, annex C; Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., chapter 11",
+    truth="statistics",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"spin": SPIN, "lever": LEVER},
+    sample_interval=0.1,
+    dt=1 / 120,
+    ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
+    headline=ACCELEROMETER_ERROR.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a free ball never diverges"),
+        Check(
+            metric=ACCELEROMETER_ERROR,
+            at_most=_acceleration,
+            because="w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
+            "velocities that are differenced",
+        ),
+        Check(
+            metric=GYROSCOPE_ERROR,
+            at_most=16 * SINGLE * SPIN,
+            because="no torque acts, so the rate stays what it was; a few roundings in single precision",
+        ),
+        Check(metric=GYROSCOPE_SCORE, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(metric=ACCELEROMETER_SCORE, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(metric=BIAS_SCORE, at_most=5.0, because=FIVE + "the largest of 6 in 3 of a million"),
+        Check(metric=INDEPENDENCE_SCORE, at_most=5.0, because=FIVE + "the largest of 15 pairs in 9 of a million"),
+        *_slope_checks(),
+    ),
+)

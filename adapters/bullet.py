@@ -1,0 +1,1575 @@
+"""Bullet through its Python binding pybullet 3.2.7: rigid bodies, trees of joints, contacts and rays.
+
+Sources:
+    E. Coumans, Y. Bai, *PyBullet Quickstart Guide* (sections createMultiBody, changeDynamics, setPhysicsEngineParameter,
+    setJointMotorControl2, rayTestBatch, Synthetic Camera Rendering); the C++ sources that pybullet 3.2.7 ships with.
+
+Every body is put in its principal frame I (origin at the centre of mass), because Bullet knows diagonal inertia alone:
+q_WB = q_WI q_BI*. A tree of joints becomes one multibody in reduced coordinates, whose links start at joint coordinate zero;
+a joint that closes a loop becomes point-to-point or fixed constraints.
+
+Deviations:
+    * Springs and drives act as explicit torques: evaluated by the adapter at the start of each (sub)step and held over it
+      (`TORQUE_CONTROL`), because Bullet's own position motor is a velocity constraint without a stiffness in N m/rad.
+    * A kinematic body is a body of 1e12 times the scene's largest mass, held up against gravity, whose velocity is prescribed
+      anew in every (sub)step: pybullet offers no way to flag a body as kinematic.
+    * Sub-steps are steps of dt/substeps (pybullet's numSubSteps can lose one to rounding); contact forces are the last one's.
+    * Rays and images are taken in a second world that holds the same shapes at the present poses, so that a scene that never
+      senses does not pay. Rays on spheres, capsules and cylinders err by millimetres at grazing incidence.
+    * A rotation of more than pi/4 in one (sub)step is cut to pi/4 although the angular velocity stays
+      (ANGULAR_MOTION_THRESHOLD of btTransformUtil.h).
+    * Hulls in compounds travel through a temporary OBJ file in single precision. Hulls in compounds and on links keep Bullet's
+      collision margin and are 1 mm thicker.
+    * Rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP), and on `default`
+      lose the gap that is left when the contact is found, divided by dt.
+    * Rolling friction acts along two fixed directions, each with its own bound.
+"""
+
+import contextlib
+import ctypes
+import importlib
+import importlib.metadata
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, assert_never
+
+import numpy as np
+from scipy.optimize import nnls
+
+from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
+from harness.scene import (
+    WORLD,
+    Ball,
+    Body,
+    Box,
+    Camera,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Distance,
+    Drive,
+    Effect,
+    Fixed,
+    Joint,
+    Plane,
+    Prismatic,
+    Quaternion,
+    Revolute,
+    Scene,
+    Shape,
+    Sphere,
+    Spring,
+    Surface,
+    TriangleMesh,
+    Vector3,
+    multiply,
+    rotate,
+)
+from harness.trajectory import Contacts, Floats, Hits, State
+
+__all__ = ["ADAPTER"]
+
+IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+KINEMATIC_RATIO = 1e12
+"""Mass of a kinematic body over the greatest mass of the scene."""
+RAY_BATCH = 16_000
+"""Rays in one call; beyond 16383 the binding drops rays in silence."""
+GREATEST_FRICTION = 10.0
+"""btManifoldResult clamps every combined coefficient to this."""
+PLANE_WIDTH = 1000.0
+"""Side [m] of the square that stands for a plane in images."""
+NEAR, FAR = 0.05, 100.0
+"""The range [m] of depth images: TinyRenderer's buffer is single precision, so a wider one would cost resolution."""
+LIFTED = 1e10
+"""A velocity limit [m/s, rad/s] and a force limit [N] that nothing reaches."""
+OPTIONS: Mapping[str, tuple[type, ...]] = {
+    "coordinates": (str,),
+    "restitution": (str,),
+    "damping": (str,),
+    "velocity_limit": (int, float),
+    "erp": (int, float),
+    "contact_erp": (int, float),
+    "friction_erp": (int, float),
+    "contact_slop": (int, float),
+    "cfm": (int, float),
+    "restitution_threshold": (int, float),
+    "warm_starting": (int, float),
+    "split_impulse": (bool,),
+    "cone_friction": (bool,),
+    "margin": (int, float),
+}
+ENGINE_PARAMETERS: Mapping[str, str] = {
+    "erp": "erp",
+    "contact_erp": "contactERP",
+    "friction_erp": "frictionERP",
+    "contact_slop": "contactSlop",
+    "cfm": "globalCFM",
+    "restitution_threshold": "restitutionVelocityThreshold",
+    "warm_starting": "warmStartingFactor",
+}
+VENDOR_OPTIONS: Mapping[str, Any] = {
+    "coordinates": "multibody",
+    "restitution": "vendor",
+    "damping": "vendor",
+    "velocity_limit": 100.0,
+    "erp": 0.2,
+    "contact_erp": 0.08,
+    "friction_erp": 0.2,
+    "contact_slop": 1e-5,
+    "cfm": 0.0,
+    "restitution_threshold": 0.2,
+    "warm_starting": 0.1,
+    "split_impulse": True,
+    "cone_friction": True,
+    "margin": 0.001,
+}
+"""What pybullet 3.2.7 starts from: createEmptyDynamicsWorld and btContactSolverInfo of its sources."""
+SOLVERS = {"si": "CONSTRAINT_SOLVER_LCP_SI", "dantzig": "CONSTRAINT_SOLVER_LCP_DANTZIG", "pgs": "CONSTRAINT_SOLVER_LCP_PGS"}
+
+
+# --- the vendor's module --------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def _silenced() -> Iterator[None]:
+    """Keep C code from writing on the standard streams: pybullet greets its importer, and warns, through printf."""
+    libc = ctypes.CDLL(None)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    libc.fflush(None)
+    saved = os.dup(1), os.dup(2)
+    void = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(void, 1)
+        os.dup2(void, 2)
+        yield
+    finally:
+        libc.fflush(None)
+        os.dup2(saved[0], 1)
+        os.dup2(saved[1], 2)
+        for descriptor in (void, *saved):
+            os.close(descriptor)
+
+
+def _bullet() -> Any:
+    """The module pybullet, imported at the first need. Raises: Unavailable."""
+    loaded = sys.modules.get("pybullet")
+    if loaded is not None:
+        return loaded
+    try:
+        with _silenced():
+            return importlib.import_module("pybullet")
+    except ImportError as error:
+        raise Unavailable(
+            f"pybullet cannot be imported ({error}); it publishes wheels for Python 3.10 and 3.11 only"
+        ) from error
+
+
+# --- frames ---------------------------------------------------------------------------------------
+
+
+def _conjugate(q: Quaternion) -> Quaternion:
+    return (q[0], -q[1], -q[2], -q[3])
+
+
+def _xyzw(q: Quaternion) -> list[float]:
+    return [q[1], q[2], q[3], q[0]]
+
+
+def _minus(a: Vector3, b: Vector3) -> Vector3:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _plus(a: Vector3, b: Vector3) -> Vector3:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def _from_matrix(R: Floats) -> Quaternion:
+    """The unit quaternion of a rotation matrix (Shepperd's method: divide by the largest component)."""
+    trace = float(np.trace(R))
+    squares = np.array([trace, R[0, 0], R[1, 1], R[2, 2]])
+    k = int(np.argmax(squares))
+    if k == 0:
+        q = np.array([1 + trace, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    else:
+        i = k - 1
+        j, m = (i + 1) % 3, (i + 2) % 3
+        q = np.zeros(4)
+        q[0] = R[m, j] - R[j, m]
+        q[1 + i] = 1 + R[i, i] - R[j, j] - R[m, m]
+        q[1 + j] = R[j, i] + R[i, j]
+        q[1 + m] = R[m, i] + R[i, m]
+    w, x, y, z = (q / np.linalg.norm(q)).tolist()
+    return (w, x, y, z)
+
+
+def _principal(body: Body) -> tuple[Vector3, Quaternion]:
+    """Principal moments [kg m2] of a body and q_BI, which turns the principal frame I into B."""
+    tensor = np.asarray(body.inertia)
+    if not (tensor - np.diag(np.diag(tensor))).any():
+        return (float(tensor[0, 0]), float(tensor[1, 1]), float(tensor[2, 2])), IDENTITY
+    moments, axes = np.linalg.eigh(tensor)
+    if np.linalg.det(axes) < 0:
+        axes[:, 0] *= -1
+    return (float(moments[0]), float(moments[1]), float(moments[2])), _from_matrix(axes)
+
+
+def _products(a: Floats, b: Floats) -> Floats:
+    """Hamilton products of quaternions (w, x, y, z), row by row, shapes (n, 4)."""
+    aw, ax, ay, az = a.T
+    bw, bx, by, bz = b.T
+    rows = [
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    ]
+    return np.stack(rows, axis=1)
+
+
+# --- the law of contact ---------------------------------------------------------------------------
+
+_Kind = tuple[str, bool]
+"""A material, and whether the bodies of it move: statics may carry another number than movable bodies of the same material."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Coefficients:
+    """The numbers that one kind of body carries, so that Bullet's combination gives each pair its value."""
+
+    friction: float = 0.0
+    restitution: float = 0.0
+    rolling: float = 0.0
+    torsional: float = 0.0
+
+
+def _pairs(scene: Scene) -> dict[tuple[_Kind, _Kind], Surface]:
+    """The kinds that can touch, with their law."""
+    solid: dict[_Kind, list[Body]] = {}
+    for body in scene.bodies:
+        if body.collision:
+            solid.setdefault((body.material, body.movable), []).append(body)
+    kinds = sorted(solid)
+    return {
+        (a, b): scene.surface(solid[a][0], solid[b][0])
+        for i, a in enumerate(kinds)
+        for b in kinds[i:]
+        if (a[1] or b[1]) and (a != b or len(solid[a]) > 1)
+    }
+
+
+def _factors(values: Mapping[tuple[_Kind, _Kind], float], what: str) -> dict[_Kind, float]:
+    """Numbers x >= 0 with x_a x_b = value for every pair; a linear problem in logarithms. Raises: Unsupported."""
+    kinds = sorted({kind for pair in values for kind in pair})
+    positive = sorted({kind for pair, value in values.items() if value > 0 for kind in pair})
+    for (a, b), value in values.items():
+        if value == 0 and a in positive and b in positive:
+            raise Unsupported(
+                f"surface {a[0]}/{b[0]}", f"Bullet multiplies the {what} of the two bodies; both are above 0 elsewhere"
+            )
+    rows = [(pair, value) for pair, value in values.items() if value > 0]
+    if not rows:
+        return dict.fromkeys(kinds, 0.0)
+    place = {kind: k for k, kind in enumerate(positive)}
+    matrix, logarithms = np.zeros((len(rows), len(positive))), np.zeros(len(rows))
+    for row, ((a, b), value) in enumerate(rows):
+        matrix[row, place[a]] += 1
+        matrix[row, place[b]] += 1
+        logarithms[row] = math.log(value)
+    solution = np.linalg.lstsq(matrix, logarithms, rcond=None)[0]
+    misfit = np.abs(matrix @ solution - logarithms)
+    if misfit.max() > 1e-12:
+        (a, b), value = rows[int(misfit.argmax())]
+        raise Unsupported(
+            f"surface {a[0]}/{b[0]}",
+            f"Bullet multiplies the {what} of the two bodies; no numbers give {value:g} and the other pairs",
+        )
+    return {kind: math.exp(solution[place[kind]]) if kind in place else 0.0 for kind in kinds}
+
+
+def _levers(values: Mapping[tuple[_Kind, _Kind], float], friction: Mapping[_Kind, float], what: str) -> dict[_Kind, float]:
+    """Numbers r >= 0 with r_a mu_b + r_b mu_a = value [m] for every pair (btManifoldResult). Raises: Unsupported."""
+    kinds = sorted({kind for pair in values for kind in pair})
+    if not any(values.values()):
+        return dict.fromkeys(kinds, 0.0)
+    place = {kind: k for k, kind in enumerate(kinds)}
+    matrix, target = np.zeros((len(values), len(kinds))), np.zeros(len(values))
+    for row, ((a, b), value) in enumerate(values.items()):
+        matrix[row, place[a]] += friction[b]
+        matrix[row, place[b]] += friction[a]
+        target[row] = value
+    solution, misfit = nnls(matrix, target)
+    if misfit > 1e-12 * target.max():
+        raise Unsupported(what, "Bullet combines it as r_a mu_b + r_b mu_a; no numbers give every pair its value")
+    return {kind: float(solution[place[kind]]) for kind in kinds}
+
+
+def _law(scene: Scene) -> dict[_Kind, _Coefficients]:
+    """The coefficients of each kind of body. Raises: Unsupported."""
+    if Effect.CONTACT not in scene.effects:
+        return {}
+    pairs = _pairs(scene)
+
+    def values(effect: Effect, name: str) -> dict[tuple[_Kind, _Kind], float]:
+        return {pair: getattr(law, name) if effect in scene.effects else 0.0 for pair, law in pairs.items()}
+
+    kinetic = values(Effect.FRICTION, "kinetic_friction")
+    for (a, b), law in pairs.items():
+        where = f"surface {a[0]}/{b[0]}"
+        if Effect.FRICTION in scene.effects and law.static_friction > law.kinetic_friction:
+            raise Unsupported(where, "Bullet has one coefficient of friction; static and kinetic differ")
+        if kinetic[a, b] > GREATEST_FRICTION:
+            raise Unsupported(where, f"Bullet clamps friction to {GREATEST_FRICTION:g}")
+    friction = _factors(kinetic, "friction")
+    restitution = _factors(values(Effect.RESTITUTION, "restitution"), "restitution")
+    rolling = _levers(values(Effect.ROLLING_FRICTION, "rolling_friction"), friction, "rolling friction")
+    torsional = _levers(values(Effect.TORSIONAL_FRICTION, "torsional_friction"), friction, "torsional friction")
+    return {kind: _Coefficients(friction[kind], restitution[kind], rolling[kind], torsional[kind]) for kind in friction}
+
+
+# --- the tree of joints ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Link:
+    """A body of a tree: its place in the scene, its parent's among the links (-1: the base) and the joint between them."""
+
+    place: int
+    parent: int
+    joint: Joint
+
+
+@dataclass(frozen=True, slots=True)
+class _Tree:
+    """One multibody: the base's place in the scene (None: the world), its links, and the joints that close its loops."""
+
+    base: int | None
+    links: tuple[_Link, ...] = ()
+    closures: tuple[Joint, ...] = ()
+
+
+@dataclass(slots=True)
+class _Forest:
+    """Disjoint sets of names."""
+
+    parent: dict[str, str] = field(default_factory=dict)
+
+    def root(self, name: str) -> str:
+        """The name that stands for the set."""
+        while self.parent.setdefault(name, name) != name:
+            name = self.parent[name]
+        return name
+
+    def join(self, a: str, b: str) -> bool:
+        """Unite two sets; False where they are one already."""
+        a, b = self.root(a), self.root(b)
+        self.parent[b] = a
+        return a != b
+
+
+def _loaded(joint: Joint) -> bool:
+    """Does the joint carry more than its constraint?"""
+    return any(getattr(joint, name, None) is not None for name in ("limits", "spring", "drive"))
+
+
+def _trees(scene: Scene, joints: Sequence[Joint]) -> list[_Tree]:
+    """All movable and kinematic bodies in spanning trees; joints with limits, springs or drives are never the closing ones."""
+    place = {body.name: k for k, body in enumerate(scene.bodies)}
+    motion = {body.name: body.motion for body in scene.bodies} | {WORLD: "static"}
+    groups, spanning = _Forest(), _Forest()
+    for joint in joints:
+        if "static" not in (motion[joint.parent], motion[joint.child]):
+            groups.join(joint.parent, joint.child)
+
+    def ground(name: str, other: str) -> str:
+        # All that stands still is one node per group: two pendulums on one wall stay two multibodies. Names are printable, so
+        # the line break makes a node that no body can be called.
+        return f"\n{groups.root(other)}" if motion[name] == "static" else name
+
+    ends = {j.name: (ground(j.parent, j.child), ground(j.child, j.parent)) for j in joints}
+    grounds = sorted({end for pair in ends.values() for end in pair if end.startswith("\n")})
+    edges: dict[str, list[tuple[str, Joint]]] = {}
+    closing: list[tuple[str, Joint]] = []
+    for joint in sorted(joints, key=lambda j: (not _loaded(j), j.type == "ball", j.type == "fixed")):
+        a, b = ends[joint.name]
+        if spanning.join(a, b):
+            edges.setdefault(a, []).append((b, joint))
+            edges.setdefault(b, []).append((a, joint))
+        else:
+            closing.append((a, joint))
+    moving = [body.name for body in scene.bodies if body.motion != "static"]
+    children = {joint.child for joint in joints}
+    roots = [*grounds]
+    roots += [name for name in moving if motion[name] == "kinematic"]
+    roots += [name for name in moving if name not in children] + moving
+    trees: list[_Tree] = []
+    seen: set[str] = set()
+    for root in roots:
+        if root in seen:
+            continue
+        numbers, links = dict[str, int](), list[_Link]()
+        # Depth first, children in their order: pybullet numbers links so, whatever order it is told.
+        stack: list[tuple[str, str, Joint | None]] = [(root, root, None)]
+        while stack:
+            name, above, by = stack.pop()
+            numbers[name] = len(links) if by is not None else -1
+            seen.add(name)
+            if by is not None:
+                if motion[name] == "kinematic":
+                    raise Unsupported(
+                        f"joint '{by.name}'", "Bullet's multibody has one base; a second prescribed body is no link"
+                    )
+                links.append(_Link(place[name], numbers[above], by))
+            stack += [(other, name, joint) for other, joint in reversed(edges.get(name, [])) if other != above]
+        closures = [joint for name, joint in closing if name in numbers]
+        trees.append(_Tree(None if root in grounds else place[root], tuple(links), tuple(closures)))
+    return trees
+
+
+# --- shapes ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Port:
+    """A connection to one private world of Bullet."""
+
+    bullet: Any
+    client: int
+
+    def call(self, name: str, *arguments: Any, **named: Any) -> Any:
+        """One call of the binding, always with the client by keyword: in some functions its position means something else."""
+        return getattr(self.bullet, name)(*arguments, **named, physicsClientId=self.client)
+
+
+def _write_mesh(path: Path, vertices: Iterable[Vector3], faces: Iterable[Sequence[int]]) -> str:
+    """An OBJ file of a mesh; returns its name."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+def _hull_faces(shape: ConvexHull) -> list[list[int]]:
+    """Triangles of a convex hull by their vertices, counter-clockwise seen from outside."""
+    from scipy.spatial import ConvexHull as Hull
+
+    points = np.asarray(shape.vertices)
+    hull = Hull(points)
+    faces: list[list[int]] = []
+    for (a, b, c), plane in zip(hull.simplices, hull.equations, strict=True):
+        outward = float(np.dot(np.cross(points[b] - points[a], points[c] - points[a]), plane[:3])) > 0
+        faces.append([int(a), int(b), int(c)] if outward else [int(a), int(c), int(b)])
+    return faces
+
+
+@dataclass(slots=True)
+class _ShapeTable:
+    """The arrays that createCollisionShapeArray and createVisualShapeArray read in step, one row a shape."""
+
+    types: list[int] = field(default_factory=list)
+    radii: list[float] = field(default_factory=list)
+    halves: list[list[float]] = field(default_factory=list)
+    lengths: list[float] = field(default_factory=list)
+    files: list[str] = field(default_factory=list)
+    normals: list[list[float]] = field(default_factory=list)
+    flags: list[int] = field(default_factory=list)
+    positions: list[Vector3] = field(default_factory=list)
+    turns: list[list[float]] = field(default_factory=list)
+
+    def add(self, bullet: Any, shape: Shape, p_LS: Vector3, q_LS: Quaternion, folder: Path) -> None:
+        """Append one shape at its pose in the link frame L; meshes are written into `folder`."""
+        kind, radius, half, length, file, normal, flag = bullet.GEOM_SPHERE, 0.0, [0.0] * 3, 0.0, "", [0.0, 0.0, 1.0], 0
+        path = folder / f"{id(self)}_{len(self.types)}.obj"
+        match shape:
+            case Sphere():
+                radius = shape.radius
+            case Box():
+                kind, half = bullet.GEOM_BOX, list(shape.half_extents)
+            case Capsule():
+                kind, radius, length = bullet.GEOM_CAPSULE, shape.radius, 2 * shape.half_length
+            case Cylinder():
+                kind, radius, length = bullet.GEOM_CYLINDER, shape.radius, 2 * shape.half_length
+            case Plane():
+                kind, normal = bullet.GEOM_PLANE, list(shape.normal)
+            case ConvexHull():
+                kind, file = bullet.GEOM_MESH, _write_mesh(path, shape.vertices, _hull_faces(shape))
+            case TriangleMesh():
+                kind, file = bullet.GEOM_MESH, _write_mesh(path, shape.vertices, shape.faces)
+                flag = bullet.GEOM_FORCE_CONCAVE_TRIMESH
+            case _:
+                assert_never(shape)
+        self.types.append(kind)
+        self.radii.append(radius)
+        self.halves.append(half)
+        self.lengths.append(length)
+        self.files.append(file)
+        self.normals.append(normal)
+        self.flags.append(flag)
+        self.positions.append(p_LS)
+        self.turns.append(_xyzw(q_LS))
+
+
+def _single_shape(port: _Port, shape: Shape, p_LS: Vector3, q_LS: Quaternion) -> int:
+    """A collision shape of one part, in double precision; the number of the shape."""
+    bullet = port.bullet
+    pose: dict[str, Any] = {"collisionFramePosition": p_LS, "collisionFrameOrientation": _xyzw(q_LS)}
+    made: int
+    match shape:
+        case Sphere():
+            made = port.call("createCollisionShape", bullet.GEOM_SPHERE, radius=shape.radius, **pose)
+        case Box():
+            made = port.call("createCollisionShape", bullet.GEOM_BOX, halfExtents=shape.half_extents, **pose)
+        case Capsule():
+            length = 2 * shape.half_length
+            made = port.call("createCollisionShape", bullet.GEOM_CAPSULE, radius=shape.radius, height=length, **pose)
+        case Cylinder():
+            length = 2 * shape.half_length
+            made = port.call("createCollisionShape", bullet.GEOM_CYLINDER, radius=shape.radius, height=length, **pose)
+        case Plane():
+            made = port.call("createCollisionShape", bullet.GEOM_PLANE, planeNormal=shape.normal, **pose)
+        case ConvexHull() | TriangleMesh():
+            # The pose goes into the vertices, in double precision.
+            vertices = [_plus(p_LS, rotate(q_LS, v)) for v in shape.vertices]
+            if isinstance(shape, ConvexHull):
+                made = port.call("createCollisionShape", bullet.GEOM_MESH, vertices=vertices)
+            else:
+                indices = [k for face in shape.faces for k in face]
+                flags = bullet.GEOM_FORCE_CONCAVE_TRIMESH
+                made = port.call("createCollisionShape", bullet.GEOM_MESH, vertices=vertices, indices=indices, flags=flags)
+        case _:
+            assert_never(shape)
+    return made
+
+
+def _visual_shape(port: _Port, shape: Shape) -> int:
+    """What TinyRenderer draws of a shape; the number of the visual shape."""
+    bullet = port.bullet
+    made: int
+    match shape:
+        case Sphere():
+            made = port.call("createVisualShape", bullet.GEOM_SPHERE, radius=shape.radius)
+        case Box():
+            made = port.call("createVisualShape", bullet.GEOM_BOX, halfExtents=shape.half_extents)
+        case Capsule():
+            made = port.call("createVisualShape", bullet.GEOM_CAPSULE, radius=shape.radius, length=2 * shape.half_length)
+        case Cylinder():
+            made = port.call("createVisualShape", bullet.GEOM_CYLINDER, radius=shape.radius, length=2 * shape.half_length)
+        case Plane():
+            # TinyRenderer has no picture of a plane: a square of PLANE_WIDTH stands for it.
+            normal = np.asarray(shape.normal)
+            side = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
+            across, along = (
+                PLANE_WIDTH / 2 * side / np.linalg.norm(side),
+                PLANE_WIDTH / 2 * np.cross(normal, side / np.linalg.norm(side)),
+            )
+            corners = [across + along, along - across, -across - along, across - along]
+            made = _visual_mesh(port, [tuple(corner.tolist()) for corner in corners], [(0, 1, 2), (0, 2, 3)])
+        case ConvexHull():
+            made = _visual_mesh(port, shape.vertices, _hull_faces(shape))
+        case TriangleMesh():
+            made = _visual_mesh(port, shape.vertices, shape.faces)
+        case _:
+            assert_never(shape)
+    return made
+
+
+def _visual_mesh(port: _Port, vertices: Sequence[Vector3], faces: Sequence[Sequence[int]]) -> int:
+    """A mesh for TinyRenderer with a normal per face, so that edges stay sharp."""
+    points = np.asarray(vertices)[np.asarray(faces)]
+    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    normals = np.repeat(normals / np.linalg.norm(normals, axis=1, keepdims=True), 3, axis=0)
+    corners = points.reshape(-1, 3)
+    made: int = port.call(
+        "createVisualShape",
+        port.bullet.GEOM_MESH,
+        vertices=corners.tolist(),
+        indices=list(range(len(corners))),
+        normals=normals.tolist(),
+        uvs=[[0.0, 0.0]] * len(corners),
+    )
+    return made
+
+
+def _check_shapes(body: Body) -> None:
+    """Refuse what Bullet has no collision algorithm for. Raises: Unsupported."""
+    for placed in body.collision:
+        if isinstance(placed.shape, TriangleMesh) and body.motion != "static":
+            raise Unsupported(f"triangle mesh of body '{body.name}'", "Bullet collides moving bodies as convex shapes only")
+        vertices = getattr(placed.shape, "vertices", ())
+        if len(vertices) > 131_072 or len(getattr(placed.shape, "faces", ())) * 3 > 524_288:
+            raise Unsupported(f"mesh of body '{body.name}'", "pybullet cuts a mesh at 131072 vertices or 524288 indices")
+
+
+def _collision_shape(port: _Port, placed: Sequence[tuple[Shape, Vector3, Quaternion]]) -> int:
+    """One collision shape out of shapes at their poses in the link frame L; -1 for none."""
+    if not placed:
+        return -1
+    if len(placed) == 1:
+        return _single_shape(port, *placed[0])
+    table = _ShapeTable()
+    with tempfile.TemporaryDirectory(prefix="plumbline-") as folder:
+        for shape, p_LS, q_LS in placed:
+            table.add(port.bullet, shape, p_LS, q_LS, Path(folder))
+        made: int = port.call(
+            "createCollisionShapeArray",
+            shapeTypes=table.types,
+            radii=table.radii,
+            halfExtents=table.halves,
+            lengths=table.lengths,
+            fileNames=table.files,
+            meshScales=[[1.0, 1.0, 1.0]] * len(table.types),
+            planeNormals=table.normals,
+            flags=table.flags,
+            collisionFramePositions=table.positions,
+            collisionFrameOrientations=table.turns,
+        )
+    if made < 0:
+        raise Unsupported("compound", "pybullet could not make one shape of these parts")
+    return made
+
+
+def _padded(body: Body) -> bool:
+    """Has the body shapes that Bullet makes thicker by its margin?"""
+    return any(isinstance(placed.shape, ConvexHull | TriangleMesh) for placed in body.collision)
+
+
+def _inner_radius(body: Body) -> float:
+    """The radius [m] of a ball that fits into each of the body's shapes."""
+    radii: list[float] = []
+    for placed in body.collision:
+        match placed.shape:
+            case Sphere() | Capsule():
+                radii.append(placed.shape.radius)
+            case Cylinder():
+                radii.append(min(placed.shape.radius, placed.shape.half_length))
+            case Box():
+                radii.append(min(placed.shape.half_extents))
+            case ConvexHull():
+                radii.append(0.25 * float(np.ptp(np.asarray(placed.shape.vertices), axis=0).min()))
+            case Plane() | TriangleMesh():
+                continue
+            case _:
+                assert_never(placed.shape)
+    return min(radii, default=0.0)
+
+
+# --- the simulation -------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Actuator:
+    """A spring and a drive on one joint of one multibody."""
+
+    joint: str
+    link: int
+    position: float
+    spring: Spring | None
+    drive: Drive | None
+    target: float
+
+    def effort(self, q: float, rate: float) -> float:
+        """The torque or force [N m or N] at joint coordinate q (from the initial pose) and its rate."""
+        x, total = self.position + q, 0.0
+        if self.spring is not None:
+            total -= self.spring.stiffness * (x - self.spring.rest) + self.spring.damping * rate
+        if self.drive is not None:
+            pull = self.drive.stiffness * (self.target - x) + self.drive.damping * (self.drive.target_velocity - rate)
+            limit = self.drive.limit
+            total += pull if limit is None else min(max(pull, -limit), limit)
+        return total
+
+
+@dataclass(frozen=True, slots=True)
+class _Assembly:
+    """What the builder made: Bullet's numbers of the bodies by their places in the scene.
+
+    Terms:
+        bases: (place, number) of bodies that are bases. linked: number -> places of links. fixed_bases: numbers of multibodies
+        held by the world. actuators: number -> springs and drives. prescribed: (place, number) of kinematic bodies.
+        address: (number, link) -> place. q_IB (n, 4): turns I against B.
+    """
+
+    bases: tuple[tuple[int, int], ...]
+    linked: Mapping[int, tuple[int, ...]]
+    actuators: Mapping[int, tuple[_Actuator, ...]]
+    prescribed: tuple[tuple[int, int], ...]
+    address: Mapping[tuple[int, int], int]
+    q_IB: Floats
+
+
+class _Simulation:
+    """A private world of Bullet in the binding's direct mode."""
+
+    def __init__(self, port: _Port, scene: Scene, settings: Settings, made: _Assembly, notices: Sequence[str]) -> None:
+        self._port, self._scene, self._made = port, scene, made
+        self._substeps = settings.substeps or 1
+        self._resolved = settings
+        self._notices = tuple(notices)
+        self._start = State.initial(scene)
+        moving = [place for place, _ in made.bases] + [place for links in made.linked.values() for place in links]
+        self._moving = np.array(moving, dtype=np.int64)
+        self._still = np.setdiff1d(np.arange(len(scene.bodies)), self._moving)
+        turns = made.q_IB[self._moving]
+        self._turned = np.flatnonzero((turns != np.array(IDENTITY)).any(axis=1))
+        self._turns = turns[self._turned]
+        self._place = {body.name: k for k, body in enumerate(scene.bodies)}
+        self._drives = {a.joint: a for group in made.actuators.values() for a in group if a.drive is not None}
+        self._pushed: tuple[tuple[int, int, Any, Any], ...] = ()
+        self._twin: _Twin | None = None
+        self._open = True
+
+    @property
+    def resolved(self) -> Settings:
+        return self._resolved
+
+    def step(self, count: int = 1) -> None:
+        advance, client = self._port.bullet.stepSimulation, self._port.client
+        acts = bool(self._made.actuators or self._made.prescribed or self._pushed)
+        for _ in range(count * self._substeps):
+            if acts:
+                self._act()
+            advance(physicsClientId=client)
+        self._check()
+
+    def _act(self) -> None:
+        """Prescribe velocities, apply springs, drives and wrenches for the coming (sub)step."""
+        p, client = self._port.bullet, self._port.client
+        gravity = self._gravity()
+        for place, number in self._made.prescribed:
+            body = self._scene.bodies[place]
+            position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
+            p.resetBaseVelocity(number, body.v_WB, body.w_WB, physicsClientId=client)
+            weight = p.getDynamicsInfo(number, -1, physicsClientId=client)[0]
+            lift = [-weight * g for g in gravity]
+            p.applyExternalForce(number, -1, lift, position, p.WORLD_FRAME, physicsClientId=client)
+        for number, actuators in self._made.actuators.items():
+            links = [a.link for a in actuators]
+            states = p.getJointStates(number, links, physicsClientId=client)
+            efforts = [a.effort(state[0], state[1]) for a, state in zip(actuators, states, strict=True)]
+            p.setJointMotorControlArray(number, links, p.TORQUE_CONTROL, forces=efforts, physicsClientId=client)
+        for number, link, force, torque in self._pushed:
+            if link < 0:
+                position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
+            else:
+                position = p.getLinkState(number, link, computeForwardKinematics=1, physicsClientId=client)[0]
+            p.applyExternalForce(number, link, force, position, p.WORLD_FRAME, physicsClientId=client)
+            p.applyExternalTorque(number, link, torque, p.WORLD_FRAME, physicsClientId=client)
+
+    def _gravity(self) -> Vector3:
+        return self._scene.gravity if Effect.GRAVITY in self._scene.effects else (0.0, 0.0, 0.0)
+
+    def _check(self) -> None:
+        """Are all velocities finite? Bullet never says so itself."""
+        p, client, total = self._port.bullet, self._port.client, 0.0
+        for _, number in self._made.bases:
+            v, w = p.getBaseVelocity(number, physicsClientId=client)
+            total += v[0] + v[1] + v[2] + w[0] + w[1] + w[2]
+        for number, places in self._made.linked.items():
+            for joint in p.getJointStatesMultiDof(number, range(len(places)), physicsClientId=client):
+                total += sum(joint[0]) + sum(joint[1])
+        if not math.isfinite(total):
+            raise Diverged("Bullet: a velocity stopped being finite")
+
+    def state(self, out: State) -> None:
+        p, client = self._port.bullet, self._port.client
+        pose, twist = p.getBasePositionAndOrientation, p.getBaseVelocity
+        rows: list[tuple[float, ...]] = []
+        for _, number in self._made.bases:
+            position, turn = pose(number, physicsClientId=client)
+            v, w = twist(number, physicsClientId=client)
+            rows.append(position + turn + v + w)
+        for number, places in self._made.linked.items():
+            links = range(len(places))
+            for link in p.getLinkStates(
+                number, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=client
+            ):
+                rows.append(link[0] + link[1] + link[6] + link[7])
+        still, moving = self._still, self._moving
+        if len(still):
+            for target, source in zip(_channels(out), _channels(self._start), strict=True):
+                target[still] = source[still]
+        if not rows:
+            return
+        table = np.array(rows)
+        if not math.isfinite(table.sum()):
+            raise Diverged("Bullet: a pose or velocity stopped being finite")
+        q = table[:, [6, 3, 4, 5]]
+        if len(self._turned):
+            q[self._turned] = _products(q[self._turned], self._turns)
+        out.p_WB[moving], out.q_WB[moving] = table[:, :3], q
+        out.v_WB[moving], out.w_WB[moving] = table[:, 7:10], table[:, 10:]
+
+    def contacts(self) -> Contacts:
+        address = self._made.address
+        points = [c for c in self._port.call("getContactPoints") if c[8] <= 0 or c[9] != 0]
+        if not points:
+            return Contacts.none()
+        normal = -np.array([c[7] for c in points])
+        along, across = np.array([c[11] for c in points]), np.array([c[13] for c in points])
+        sizes = np.array([(c[9], c[10], c[12]) for c in points])
+        force = sizes[:, :1] * normal - sizes[:, 1:2] * along - sizes[:, 2:] * across
+        return Contacts.of(
+            [address[c[1], c[3]] for c in points],
+            [address[c[2], c[4]] for c in points],
+            (np.array([c[5] for c in points]) + np.array([c[6] for c in points])) / 2,
+            normal,
+            [c[8] for c in points],
+            force,
+        )
+
+    def _sensed(self) -> "_Twin":
+        if self._twin is None:
+            self._twin = _Twin.of(self._port.bullet, self._scene, self._resolved.options["margin"])
+        present = State.empty(len(self._scene.bodies))
+        self.state(present)
+        self._twin.place(present, self._moving)
+        return self._twin
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        return self._sensed().cast(origins, directions, max_range)
+
+    def render(self, camera: Camera) -> Floats:
+        return self._sensed().render(camera, self._place)
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        for name, target in targets.items():
+            if name not in self._drives:
+                raise KeyError(f"joint '{name}': has no drive in this simulation, expected one of {sorted(self._drives)}")
+            self._drives[name].target = float(target)
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        self._pushed = tuple(
+            (number, link, f_B_W[place].tolist(), tau_B_W[place].tolist())
+            for (number, link), place in self._made.address.items()
+            if self._scene.bodies[place].movable and (f_B_W[place].any() or tau_B_W[place].any())
+        )
+
+    def warnings(self) -> tuple[str, ...]:
+        return self._notices
+
+    def save(self) -> object:
+        raise Unsupported("save", "a state restored by Bullet's restoreState moves on differently from the second step on")
+
+    def restore(self, saved: object) -> None:  # noqa: ARG002 -- the protocol's name
+        raise Unsupported("restore", "a state restored by Bullet's restoreState moves on differently from the second step on")
+
+    def close(self) -> None:
+        if self._twin is not None:
+            self._twin.close()
+            self._twin = None
+        if self._open:
+            self._open = False
+            self._port.call("disconnect")
+
+
+def _channels(state: State) -> tuple[Floats, ...]:
+    return state.p_WB, state.q_WB, state.v_WB, state.w_WB
+
+
+# --- sensing --------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Twin:
+    """A second world, never stepped, of all shapes: each part of a body is a static body of its own, moved to where it is.
+
+    Terms:
+        parts: (number in Bullet, place in the scene, shape's pose in B). owners: number -> place.
+    """
+
+    port: _Port
+    parts: tuple[tuple[int, int, Vector3, Quaternion], ...]
+    owners: Mapping[int, int]
+    poses: dict[int, tuple[Vector3, Quaternion]]
+
+    @classmethod
+    def of(cls, bullet: Any, scene: Scene, margin: float) -> "_Twin":
+        """All bodies of the scene at their initial poses."""
+        port = _Port(bullet, bullet.connect(bullet.DIRECT))
+        parts: list[tuple[int, int, Vector3, Quaternion]] = []
+        for place, body in enumerate(scene.bodies):
+            solids = [(placed, _single_shape(port, placed.shape, (0.0, 0.0, 0.0), IDENTITY), -1) for placed in body.collision]
+            drawn = body.collision if body.visual is None else body.visual
+            looks = [(placed, -1, _visual_shape(port, placed.shape)) for placed in drawn]
+            for placed, solid, look in solids + looks:
+                p_WS, q_WS = _plus(body.p_WB, rotate(body.q_WB, placed.p_BS)), multiply(body.q_WB, placed.q_BS)
+                number = port.call(
+                    "createMultiBody",
+                    baseMass=0.0,
+                    baseCollisionShapeIndex=solid,
+                    baseVisualShapeIndex=look,
+                    basePosition=p_WS,
+                    baseOrientation=_xyzw(q_WS),
+                    useMaximalCoordinates=0 if solid < 0 else 1,
+                )
+                if solid >= 0 and isinstance(placed.shape, ConvexHull | TriangleMesh):
+                    port.call("changeDynamics", number, -1, collisionMargin=margin)
+                parts.append((number, place, placed.p_BS, placed.q_BS))
+        poses = {place: (body.p_WB, body.q_WB) for place, body in enumerate(scene.bodies)}
+        return cls(port, tuple(parts), {number: place for number, place, _, _ in parts}, poses)
+
+    def place(self, state: State, moving: Iterable[int]) -> None:
+        """Move the shapes of the moving bodies to where these are."""
+        moved = {int(place) for place in moving}
+        for place in moved:
+            (x, y, z), (w, i, j, k) = state.p_WB[place].tolist(), state.q_WB[place].tolist()
+            self.poses[place] = (x, y, z), (w, i, j, k)
+        for number, place, p_BS, q_BS in self.parts:
+            if place in moved:
+                p, q = self.poses[place]
+                self.port.call("resetBasePositionAndOrientation", number, _plus(p, rotate(q, p_BS)), _xyzw(multiply(q, q_BS)))
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """First hits, see `Simulation.cast`."""
+        ends = origins + directions * max_range
+        fraction, owner, normal = np.ones(len(origins)), np.full(len(origins), -1), np.zeros((len(origins), 3))
+        for start in range(0, len(origins), RAY_BATCH):
+            part = slice(start, start + RAY_BATCH)
+            hits = self.port.call("rayTestBatch", origins[part].tolist(), ends[part].tolist())
+            fraction[part] = [hit[2] for hit in hits]
+            owner[part] = [self.owners.get(hit[0], -1) for hit in hits]
+            normal[part] = [hit[4] for hit in hits]
+        normal[owner < 0] = 0.0
+        return Hits(np.where(owner < 0, np.inf, fraction * max_range), owner.astype(np.int64), normal)
+
+    def render(self, camera: Camera, places: Mapping[str, int]) -> Floats:
+        """The z-depth image of TinyRenderer, see `Simulation.render`; z = f n / (f - (f - n) d) of its depth buffer d."""
+        p_WB, q_WB = (0.0, 0.0, 0.0), IDENTITY
+        if camera.body != WORLD:
+            p_WB, q_WB = self.poses[places[camera.body]]
+        p_WS, q_WS = _plus(p_WB, rotate(q_WB, camera.p_BS)), multiply(q_WB, camera.q_BS)
+        ahead, down = rotate(q_WS, (0.0, 0.0, 1.0)), rotate(q_WS, (0.0, 1.0, 0.0))
+        width, height, near, far = camera.width, camera.height, NEAR, FAR
+        # TinyRenderer samples the lower left corner of a pixel: the picture is moved so that this is the pixel's centre.
+        centre_x, centre_y = camera.centre_x - 0.5, camera.centre_y + 0.5
+        left, right = -centre_x / camera.focal_x, (width - centre_x) / camera.focal_x
+        bottom, top = -(height - centre_y) / camera.focal_y, centre_y / camera.focal_y
+        view = self.port.call("computeViewMatrix", p_WS, _plus(p_WS, ahead), [-c for c in down])
+        frustum = [edge * near for edge in (left, right, bottom, top)]
+        projection = self.port.call("computeProjectionMatrix", *frustum, near, far)
+        with _silenced():
+            image = self.port.call(
+                "getCameraImage", width, height, view, projection, shadow=0, renderer=self.port.bullet.ER_TINY_RENDERER
+            )
+        depth = np.asarray(image[3], dtype=np.float64).reshape(height, width)
+        seen = np.asarray(image[4]).reshape(height, width) >= 0
+        with np.errstate(divide="ignore"):
+            return np.where(seen, far * near / (far - (far - near) * depth), np.inf)
+
+    def close(self) -> None:
+        """Free the second world."""
+        self.port.call("disconnect")
+
+
+# --- the builder ----------------------------------------------------------------------------------
+
+
+def _checked(settings: Settings) -> dict[str, Any]:
+    """All options, the vendor's where the settings leave them open. Raises: SettingsError."""
+    if settings.integrator not in (None, "semi_implicit_euler"):
+        raise SettingsError(f"settings: integrator {settings.integrator!r}, expected 'semi_implicit_euler', Bullet's only one")
+    if settings.solver is not None and settings.solver not in SOLVERS:
+        raise SettingsError(f"settings: solver {settings.solver!r}, expected one of {', '.join(SOLVERS)}")
+    for name, value in settings.options.items():
+        if name not in OPTIONS:
+            raise SettingsError(f"settings: option {name!r} is unknown, expected some of {', '.join(OPTIONS)}")
+        if not isinstance(value, OPTIONS[name]) or (isinstance(value, bool) and bool not in OPTIONS[name]):
+            raise SettingsError(
+                f"settings: option {name} = {value!r}, expected {' or '.join(t.__name__ for t in OPTIONS[name])}"
+            )
+        if isinstance(value, int | float) and not (math.isfinite(value) and value >= 0):
+            raise SettingsError(f"settings: option {name} = {value!r}, expected a finite number of at least 0")
+    options = {**VENDOR_OPTIONS, **settings.options}
+    for name, choices in (
+        ("coordinates", ("multibody", "maximal")),
+        ("damping", ("vendor", "scene")),
+        ("restitution", ("vendor", "touching")),
+    ):
+        if options[name] not in choices:
+            raise SettingsError(f"settings: option {name} = {options[name]!r}, expected one of {', '.join(choices)}")
+    return options
+
+
+class _Builder:
+    """Puts one scene into one private world."""
+
+    def __init__(self, port: _Port, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> None:
+        self.port, self.scene, self.settings, self.options = port, scene, settings, options
+        self.effects = scene.effects
+        self.joints = scene.joints if Effect.JOINTS in self.effects else ()
+        self.solid = Effect.CONTACT in self.effects
+        # Bullet brakes a body that comes within a contact's margin so that it just touches at the end of the step, and takes
+        # that from the rebound: restitution is right only if contacts wait until bodies touch, and if penetration is
+        # corrected apart from velocity.
+        self._touching = options["restitution"] == "touching" and Effect.RESTITUTION in self.effects
+        self.law = _law(scene)
+        self.principal = [_principal(body) for body in scene.bodies]
+        self.greatest = max((b.mass for b in scene.bodies if b.movable), default=1.0)
+        self.bases: list[tuple[int, int]] = []
+        self.linked: dict[int, tuple[int, ...]] = {}
+        self.actuators: dict[int, tuple[_Actuator, ...]] = {}
+        self.prescribed: list[tuple[int, int]] = []
+        self.address: dict[tuple[int, int], int] = {}
+        self.notices: list[str] = []
+        self.loose: list[int] = []
+
+    def build(self) -> _Simulation:
+        """Everything in order; the initial state is read back at the end."""
+        for body in self.scene.bodies:
+            _check_shapes(body)
+        for joint in self.joints:
+            if isinstance(joint, Distance):
+                raise Unsupported(
+                    f"distance joint '{joint.name}'", "Bullet has no constraint that keeps two points at a distance"
+                )
+        self._parameters()
+        trees = _trees(self.scene, self.joints)
+        free = [tree.base for tree in trees if tree.base is not None and not tree.links and not tree.closures]
+        self.loose = sorted(place for place in free if self._maximal(place))
+        for place in self.loose:
+            self._free(place, maximal=True)
+        self._renew_inertia()
+        for place, body in enumerate(self.scene.bodies):
+            if body.motion == "static":
+                self._static(place)
+        for place in sorted(set(free) - set(self.loose)):
+            self._free(place, maximal=False)
+        for tree in trees:
+            if tree.links or tree.closures:
+                self._multibody(tree)
+        if Effect.GRAVITY in self.effects:
+            self.port.call("setGravity", *self.scene.gravity)
+        self._filter()
+        self._surplus()
+        q_IB = np.array([_conjugate(q) for _, q in self.principal])
+        made = _Assembly(tuple(self.bases), self.linked, self.actuators, tuple(self.prescribed), self.address, q_IB)
+        simulation = _Simulation(self.port, self.scene, self._resolved(), made, self.notices)
+        self._verify(simulation)
+        return simulation
+
+    def _parameters(self) -> None:
+        """Time step, gravity and solver."""
+        settings, options, bullet = self.settings, self.options, self.port.bullet
+        named: dict[str, Any] = {"fixedTimeStep": settings.dt / (settings.substeps or 1), "numSubSteps": 0}
+        named |= {ENGINE_PARAMETERS[name]: value for name, value in settings.options.items() if name in ENGINE_PARAMETERS}
+        if settings.iterations is not None:
+            named["numSolverIterations"] = settings.iterations
+        if settings.tolerance is not None:
+            named["solverResidualThreshold"] = settings.tolerance
+        if "split_impulse" in settings.options:
+            named["useSplitImpulse"] = int(options["split_impulse"])
+        if "cone_friction" in settings.options:
+            named["enableConeFriction"] = int(options["cone_friction"])
+        if self._touching:
+            named |= {"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0}
+        if settings.solver is not None:
+            named["constraintSolverType"] = getattr(bullet, SOLVERS[settings.solver])
+        with _silenced():
+            self.port.call("setPhysicsEngineParameter", **named)
+
+    def _renew_inertia(self) -> None:
+        """Let bodies in maximal coordinates, alone in the world as yet, take up their inertia.
+
+        Their inertia in W is renewed at the end of a step only, so the first step would have that of their shapes: they take
+        one at rest, weightless and without touching each other.
+        """
+        for _, number in self.bases:
+            self.port.call("setCollisionFilterGroupMask", number, -1, 0, 0)
+            self.port.call("resetBaseVelocity", number, [0.0] * 3, [0.0] * 3)
+        if self.bases:
+            self.port.call("stepSimulation")
+        for place, number in self.bases:
+            body = self.scene.bodies[place]
+            # btBroadphaseProxy: DefaultFilter meets AllFilter.
+            self.port.call("setCollisionFilterGroupMask", number, -1, 1, -1)
+            self.port.call("resetBasePositionAndOrientation", number, body.p_WB, _xyzw(self._q_WI(place)))
+            self.port.call("resetBaseVelocity", number, body.v_WB, body.w_WB)
+
+    def _resolved(self) -> Settings:
+        """What Bullet says of itself, and what was told to it where it keeps silent."""
+        said = self.port.call("getPhysicsEngineParameters")
+        substeps = self.settings.substeps or 1
+        if abs(said["fixedTimeStep"] * substeps - self.settings.dt) > 1e-12 * self.settings.dt:
+            raise SettingsError(f"settings: dt {self.settings.dt} s, but Bullet steps by {said['fixedTimeStep'] * substeps} s")
+        return replace(
+            self.settings,
+            dt=said["fixedTimeStep"] * substeps,
+            substeps=substeps,
+            iterations=said["numSolverIterations"],
+            integrator="semi_implicit_euler",
+            solver=self.settings.solver or "si",
+            tolerance=1e-7 if self.settings.tolerance is None else self.settings.tolerance,
+            options=dict(self.options),
+        )
+
+    def _placed(self, place: int, p_LI: Vector3) -> list[tuple[Shape, Vector3, Quaternion]]:
+        """The body's shapes at their poses in the link frame L, which is turned like I and has I's origin at p_LI."""
+        if not self.solid:
+            return []
+        q_IB = _conjugate(self.principal[place][1])
+        return [
+            (placed.shape, _plus(p_LI, rotate(q_IB, placed.p_BS)), multiply(q_IB, placed.q_BS))
+            for placed in self.scene.bodies[place].collision
+        ]
+
+    def _q_WI(self, place: int) -> Quaternion:
+        return multiply(self.scene.bodies[place].q_WB, self.principal[place][1])
+
+    def _static(self, place: int) -> None:
+        """A body that never moves; without contact it is nothing at all."""
+        shape = _collision_shape(self.port, self._placed(place, (0.0, 0.0, 0.0)))
+        if shape < 0:
+            return
+        # One multibody makes the contact one of multibodies, so what stands still follows what moves.
+        maximal = bool(self.loose)
+        number = self.port.call(
+            "createMultiBody",
+            baseMass=0.0,
+            baseCollisionShapeIndex=shape,
+            basePosition=self.scene.bodies[place].p_WB,
+            baseOrientation=_xyzw(self._q_WI(place)),
+            useMaximalCoordinates=int(maximal),
+        )
+        self.address[number, -1] = place
+        self._dynamics(number, -1, place, maximal)
+
+    def _maximal(self, place: int) -> bool:
+        """Is this body without joints put in maximal coordinates? As the option prefers, unless an effect decides."""
+        body = self.scene.bodies[place]
+        law = self.law.get((body.material, body.movable), _Coefficients())
+        swept = Effect.CONTINUOUS_COLLISION in self.effects
+        needed = "damping" if self._damping(body) is not None else "continuous collision" if swept and body.movable else ""
+        braked = body.movable and (law.rolling > 0 or law.torsional > 0)
+        if needed and braked:
+            raise Unsupported(
+                f"{needed} with rolling or torsional friction on body '{body.name}'",
+                "Bullet has the one in maximal coordinates alone, where it brakes at one contact of each pair only",
+            )
+        return bool(needed) or body.motion == "kinematic" or (self.options["coordinates"] == "maximal" and not braked)
+
+    def _damping(self, body: Body) -> dict[str, float] | None:
+        """Bullet's coefficients b = 1 - exp(-c) in maximal coordinates: v (1 - b)^dt = v exp(-c dt). None: no damping."""
+        wanted = {}
+        for effect, name, key in (
+            (Effect.LINEAR_DAMPING, "linear_damping", "linearDamping"),
+            (Effect.ANGULAR_DAMPING, "angular_damping", "angularDamping"),
+        ):
+            rate = getattr(body, name)
+            if body.movable and effect in self.effects and rate > 0:
+                wanted[key] = -math.expm1(-rate)
+        return wanted or None
+
+    def _free(self, place: int, maximal: bool) -> None:
+        """A body without joints."""
+        body = self.scene.bodies[place]
+        number = self.port.call(
+            "createMultiBody",
+            baseMass=self._mass(place),
+            baseCollisionShapeIndex=_collision_shape(self.port, self._placed(place, (0.0, 0.0, 0.0))),
+            basePosition=body.p_WB,
+            baseOrientation=_xyzw(self._q_WI(place)),
+            useMaximalCoordinates=int(maximal),
+        )
+        self._base(number, place, maximal)
+
+    def _base(self, number: int, place: int, maximal: bool) -> None:
+        body = self.scene.bodies[place]
+        self.bases.append((place, number))
+        self.address[number, -1] = place
+        self._dynamics(number, -1, place, maximal)
+        self._whole(number, place, maximal)
+        self.port.call("resetBaseVelocity", number, body.v_WB, body.w_WB)
+        if body.motion == "kinematic":
+            self.prescribed.append((place, number))
+
+    def _mass(self, place: int) -> float:
+        body = self.scene.bodies[place]
+        return {"dynamic": body.mass, "static": 0.0, "kinematic": KINEMATIC_RATIO * self.greatest}[body.motion]
+
+    def _dynamics(self, number: int, link: int, place: int, maximal: bool) -> None:
+        """Mass, inertia, coefficients, damping and limits of a body."""
+        body, options = self.scene.bodies[place], self.options
+        named: dict[str, Any] = {}
+        if body.motion == "dynamic":
+            # In maximal coordinates the inertia alone would make NaN: both go in one call.
+            named |= {"mass": body.mass, "localInertiaDiagonal": self.principal[place][0]}
+        elif body.motion == "kinematic":
+            named |= {"mass": self._mass(place), "localInertiaDiagonal": [self._mass(place)] * 3}
+        law = self.law.get((body.material, body.movable), _Coefficients())
+        named |= {"lateralFriction": law.friction, "restitution": law.restitution}
+        named |= {"rollingFriction": law.rolling, "spinningFriction": law.torsional}
+        if link >= 0 and options["damping"] == "scene":
+            named["jointDamping"] = 0.0
+        if self._touching:
+            named["contactProcessingThreshold"] = 0.0
+        if maximal and body.movable and (law.rolling or law.torsional):
+            raise Unsupported(
+                "rolling or torsional friction", "in maximal coordinates Bullet brakes at one contact of each pair alone"
+            )
+        if maximal and body.movable and self.solid and Effect.CONTINUOUS_COLLISION in self.effects and body.collision:
+            named["ccdSweptSphereRadius"] = 0.8 * _inner_radius(body)
+        self.port.call("changeDynamics", number, link, **named)
+        if self.solid and "margin" in self.settings.options and _padded(body):
+            if link < 0:
+                self.port.call("changeDynamics", number, -1, collisionMargin=options["margin"])
+            else:
+                self.notices.append(
+                    f"body '{body.name}': its hull keeps the vendor's margin of 1 mm, which cannot be set on a link"
+                )
+
+    def _whole(self, number: int, place: int | None, maximal: bool) -> None:
+        """What belongs to a whole multibody: damping, the clamp on velocities, sleeping.
+
+        In calls without anything else: the binding turns a call with one of these to the base, whatever link it names.
+        """
+        body = None if place is None else self.scene.bodies[place]
+        prescribed = body is not None and body.motion == "kinematic"
+        if self.options["damping"] == "scene" or prescribed:
+            self.port.call("changeDynamics", number, -1, linearDamping=0.0, angularDamping=0.0)
+        if maximal and body is not None:
+            self.port.call("changeDynamics", number, -1, activationState=self.port.bullet.ACTIVATION_STATE_DISABLE_SLEEPING)
+            damping = self._damping(body)
+            if damping is not None:
+                self.port.call("changeDynamics", number, -1, **damping)
+        elif "velocity_limit" in self.settings.options or prescribed:
+            limit = LIFTED if prescribed else self.options["velocity_limit"]
+            self.port.call("changeDynamics", number, -1, maxJointVelocity=limit)
+
+    def _multibody(self, tree: _Tree) -> None:
+        """A tree of joints as one multibody: link frames lie at the anchors, turned like the child's I."""
+        scene, bullet = self.scene, self.port.bullet
+        if Effect.CONTINUOUS_COLLISION in self.effects and self.solid:
+            raise Unsupported("continuous collision of joined bodies", "Bullet sweeps bodies in maximal coordinates alone")
+        origins: list[tuple[Vector3, Quaternion]] = []
+        columns: dict[str, list[Any]] = {name: [] for name in _LINK_COLUMNS}
+        base = ((0.0, 0.0, 0.0), IDENTITY) if tree.base is None else (scene.bodies[tree.base].p_WB, self._q_WI(tree.base))
+        for link in tree.links:
+            body, joint, q_WI = scene.bodies[link.place], link.joint, self._q_WI(link.place)
+            if self._damping(body) is not None:
+                raise Unsupported(f"damping of body '{body.name}'", "a multibody's damping in Bullet is c v (1 + |v|)")
+            p_WL = getattr(joint, "anchor_W", body.p_WB)
+            p_WP, q_WP = base if link.parent < 0 else origins[link.parent]
+            origins.append((p_WL, q_WI))
+            p_LI = rotate(_conjugate(q_WI), _minus(body.p_WB, p_WL))
+            axis = rotate(_conjugate(q_WI), _axis(joint, scene.bodies[link.place].name))
+            kind = {
+                "fixed": "JOINT_FIXED",
+                "ball": "JOINT_SPHERICAL",
+                "revolute": "JOINT_REVOLUTE",
+                "prismatic": "JOINT_PRISMATIC",
+            }
+            row = (
+                body.mass,
+                _collision_shape(self.port, self._placed(link.place, p_LI)),
+                -1,
+                rotate(_conjugate(q_WP), _minus(p_WL, p_WP)),
+                _xyzw(multiply(_conjugate(q_WP), q_WI)),
+                p_LI,
+                _xyzw(IDENTITY),
+                link.parent + 1,
+                getattr(bullet, kind[joint.type]),
+                axis,
+            )
+            for column, value in zip(columns.values(), row, strict=True):
+                column.append(value)
+        shapes = [] if tree.base is None else self._placed(tree.base, (0.0, 0.0, 0.0))
+        number = self.port.call(
+            "createMultiBody",
+            baseMass=0.0 if tree.base is None else self._mass(tree.base),
+            baseCollisionShapeIndex=_collision_shape(self.port, shapes),
+            basePosition=base[0],
+            baseOrientation=_xyzw(base[1]),
+            flags=bullet.URDF_USE_SELF_COLLISION | bullet.URDF_USE_SELF_COLLISION_INCLUDE_PARENT,
+            **columns,
+        )
+        if number < 0:
+            raise Unsupported(f"a tree of {len(tree.links)} joints", "pybullet could not make a multibody of it")
+        if tree.base is not None:
+            if self._damping(scene.bodies[tree.base]) is not None:
+                raise Unsupported(
+                    f"damping of body '{scene.bodies[tree.base].name}'", "a multibody's damping in Bullet is c v (1 + |v|)"
+                )
+            self._base(number, tree.base, maximal=False)
+        else:
+            self._whole(number, None, maximal=False)
+        if tree.links:
+            self.linked[number] = tuple(link.place for link in tree.links)
+        for k, link in enumerate(tree.links):
+            self.address[number, k] = link.place
+            self._dynamics(number, k, link.place, maximal=False)
+            self._joint(number, k, link, tree)
+        actuators = self._actuated(tree)
+        if actuators:
+            self.actuators[number] = actuators
+        for joint in tree.closures:
+            self._closure(joint)
+
+    def _joint(self, number: int, k: int, link: _Link, tree: _Tree) -> None:
+        """Motor off, limits on, and the rate that the bodies' velocities mean."""
+        bullet, joint = self.port.bullet, link.joint
+        child = self.scene.bodies[link.place]
+        above = tree.base if link.parent < 0 else tree.links[link.parent].place
+        parent = None if above is None else self.scene.bodies[above]
+        v_P, w_P, p_P = ((0.0,) * 3, (0.0,) * 3, child.p_WB) if parent is None else (parent.v_WB, parent.w_WB, parent.p_WB)
+        w_rel = np.subtract(child.w_WB, w_P)
+        axis = np.asarray(_axis(joint, child.name))
+        match joint:
+            case Revolute() | Prismatic():
+                rate = float(axis @ w_rel)
+                if isinstance(joint, Prismatic):
+                    carried = np.asarray(v_P) + np.cross(w_P, np.subtract(child.p_WB, p_P))
+                    rate = float(axis @ (np.asarray(child.v_WB) - carried))
+                self.port.call("setJointMotorControl2", number, k, bullet.VELOCITY_CONTROL, force=0.0)
+                self.port.call("resetJointState", number, k, 0.0, rate)
+                if joint.limits is not None:
+                    lower = -1e12 if joint.limits.lower is None else joint.limits.lower - joint.position
+                    upper = 1e12 if joint.limits.upper is None else joint.limits.upper - joint.position
+                    self.port.call(
+                        "changeDynamics", number, k, jointLowerLimit=lower, jointUpperLimit=upper, jointLimitForce=LIFTED
+                    )
+            case Ball():
+                still = {"targetPosition": [0.0, 0.0, 0.0, 1.0], "targetVelocity": [0.0] * 3, "force": [0.0] * 3}
+                self.port.call(
+                    "setJointMotorControlMultiDof",
+                    number,
+                    k,
+                    bullet.POSITION_CONTROL,
+                    positionGain=0.0,
+                    velocityGain=0.0,
+                    **still,
+                )
+                rate_L = rotate(_conjugate(self._q_WI(link.place)), tuple(w_rel.tolist()))
+                self.port.call("resetJointStateMultiDof", number, k, [0.0, 0.0, 0.0, 1.0], rate_L)
+            case Fixed() | Distance():
+                pass
+            case _:
+                assert_never(joint)
+
+    def _actuated(self, tree: _Tree) -> tuple[_Actuator, ...]:
+        """The springs and drives of a tree."""
+        made = []
+        for k, link in enumerate(tree.links):
+            if isinstance(link.joint, Revolute | Prismatic):
+                joint = link.joint
+                drive = joint.drive if Effect.DRIVES in self.effects else None
+                if joint.spring is not None or drive is not None:
+                    target = 0.0 if drive is None else drive.target
+                    made.append(_Actuator(joint.name, k, joint.position, joint.spring, drive, target))
+        return tuple(made)
+
+    def _closure(self, joint: Joint) -> None:
+        """A joint that closes a loop, as constraints between points of the two bodies."""
+        bullet = self.port.bullet
+        if _loaded(joint) or not isinstance(joint, Ball | Fixed | Revolute):
+            raise Unsupported(
+                f"joint '{joint.name}'", "as the closing joint of a loop Bullet makes ball, fixed and plain revolute ones"
+            )
+        child, parent = (self._end(name) for name in (joint.child, joint.parent))
+        if child is None:
+            child, parent = parent, None
+        assert child is not None
+        points = [getattr(joint, "anchor_W", self.scene.body(joint.child).p_WB)]
+        kind = bullet.JOINT_FIXED if isinstance(joint, Fixed) else bullet.JOINT_POINT2POINT
+        if isinstance(joint, Revolute):
+            # Two common points on the axis leave nothing but the rotation about it; far apart, as the bodies are big.
+            reach = max(math.dist(points[0], self.scene.body(joint.child).p_WB), 0.05)
+            points = [tuple(a + s * reach * c for a, c in zip(points[0], joint.axis_W, strict=True)) for s in (-1, 1)]
+        for point in points:
+            frames = [self._frame(end, point) for end in (child, parent)]
+            made = self.port.call(
+                "createConstraint",
+                child[0],
+                child[1],
+                -1 if parent is None else parent[0],
+                -1 if parent is None else parent[1],
+                kind,
+                [0.0, 0.0, 0.0],
+                frames[0][0],
+                frames[1][0],
+                frames[0][1],
+                frames[1][1],
+            )
+            self.port.call("changeConstraint", made, maxForce=LIFTED)
+
+    def _end(self, name: str) -> tuple[int, int, int] | None:
+        """(number, link, place) of a body that moves; None for what stands still."""
+        for (number, link), place in self.address.items():
+            if self.scene.bodies[place].name == name and self.scene.bodies[place].motion != "static":
+                return number, link, place
+        return None
+
+    def _frame(self, end: tuple[int, int, int] | None, point: Vector3) -> tuple[Vector3, list[float]]:
+        """A point of W, and W's axes, in the frame I of a body (or in W)."""
+        if end is None:
+            return point, _xyzw(IDENTITY)
+        back = _conjugate(self._q_WI(end[2]))
+        return rotate(back, _minus(point, self.scene.bodies[end[2]].p_WB)), _xyzw(back)
+
+    def _filter(self) -> None:
+        """Keep joined bodies, and prescribed bodies and what stands still, from colliding."""
+        if not self.solid:
+            return
+        by_name = {self.scene.bodies[place].name: key for key, place in self.address.items()}
+        apart = {tuple(sorted(pair)) for pair in self.scene.joined() if WORLD not in pair}
+        fixed = [b.name for b in self.scene.bodies if b.motion != "dynamic"]
+        apart |= {
+            tuple(sorted((a, b)))
+            for a in fixed
+            for b in fixed
+            if a < b and self.scene.body(a).motion != self.scene.body(b).motion
+        }
+        apart |= {(a, b) for a in fixed for b in fixed if a < b and self.scene.body(a).motion == "kinematic"}
+        for a, b in sorted(apart):
+            if a in by_name and b in by_name:
+                (first, i), (second, j) = by_name[a], by_name[b]
+                self.port.call("setCollisionFilterPair", first, second, i, j, 0)
+
+    def _surplus(self) -> None:
+        """Name what is computed although the scene does not call for it."""
+        movable = [k for k, body in enumerate(self.scene.bodies) if body.movable]
+        uneven = any(max(self.principal[k][0]) > min(self.principal[k][0]) * (1 + 1e-12) for k in movable)
+        if Effect.GYROSCOPIC not in self.effects and uneven:
+            self.notices.append("surplus: gyroscopic (pybullet offers no switch)")
+        if self.options["damping"] == "vendor":
+            for effect, name in ((Effect.LINEAR_DAMPING, "linear_damping"), (Effect.ANGULAR_DAMPING, "angular_damping")):
+                if effect not in self.effects and movable:
+                    self.notices.append(f"surplus: {name} (the vendor's default of 0.04 on bodies of which the scene says 0)")
+
+    def _verify(self, simulation: _Simulation) -> None:
+        """Do the joint rates give the velocities that the scene says? Raises: Unsupported."""
+        if not self.linked:
+            return
+        got, wanted = State.empty(len(self.scene.bodies)), State.initial(self.scene)
+        simulation.state(got)
+        for name in ("p_WB", "v_WB", "w_WB"):
+            miss = np.abs(getattr(got, name) - getattr(wanted, name)).max(axis=1)
+            worst = int(miss.argmax())
+            if miss[worst] > 1e-7 * (1 + np.abs(getattr(wanted, name)).max()):
+                raise Unsupported(
+                    f"{name} of body '{self.scene.bodies[worst].name}'",
+                    f"misses what its joints allow by {miss[worst]:.3g}; Bullet's multibodies have no other motion",
+                )
+
+
+_LINK_COLUMNS = (
+    "linkMasses",
+    "linkCollisionShapeIndices",
+    "linkVisualShapeIndices",
+    "linkPositions",
+    "linkOrientations",
+    "linkInertialFramePositions",
+    "linkInertialFrameOrientations",
+    "linkParentIndices",
+    "linkJointTypes",
+    "linkJointAxis",
+)
+
+
+def _axis(joint: Joint, child: str) -> Vector3:
+    """The axis in W, reversed where the tree runs from the joint's child to its parent: so its coordinate keeps its sign."""
+    x, y, z = getattr(joint, "axis_W", (0.0, 0.0, 1.0))
+    return (x, y, z) if joint.child == child else (-x, -y, -z)
+
+
+# --- the adapter ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class BulletAdapter(Adapter):
+    """Bullet through pybullet."""
+
+    def version(self) -> str:
+        """The installed version. Raises: Unavailable."""
+        try:
+            return importlib.metadata.version(self.distribution)
+        except importlib.metadata.PackageNotFoundError as error:
+            raise Unavailable("pybullet is not installed; it publishes wheels for Python 3.10 and 3.11 only") from error
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        """Exactly this scene in a private world. Raises: Unsupported, Unavailable, SettingsError."""
+        options = _checked(settings)
+        bullet = _bullet()
+        port = _Port(bullet, bullet.connect(bullet.DIRECT))
+        try:
+            return _Builder(port, scene, settings, options).build()
+        except BaseException:
+            port.call("disconnect")
+            raise
+
+
+_DAMPED = "vendor default: a multibody loses 0.04 (1 + |v|) v a second, linear and angular, also where the scene says 0"
+_CLAMPED = "vendor default: a multibody's velocities are damped by 0.04 (1 + |v|) v and clamped to 100 m/s and 100 rad/s"
+_GRAZING = (
+    "Bullet's ray test (subsimplex convex cast) stops millimetres off at grazing incidence and edges, whatever the settings"
+)
+_CAUGHT = (
+    "vendor default: a body that comes within the contact margin is braked to just touch, which takes up to all of its rebound"
+)
+
+ADAPTER = BulletAdapter(
+    name="bullet",
+    title="Bullet",
+    distribution="pybullet",
+    features=~(Feature.DISTANCE | Feature.PAIR_FRICTION | Feature.STATIC_FRICTION | Feature.SAVE | Feature.NATIVE_STEPS),
+    tracks={
+        "default": Settings(source="pybullet 3.2.7 as installed"),
+        "tuned": Settings(
+            iterations=200,
+            tolerance=0.0,
+            options={
+                "coordinates": "maximal",
+                "damping": "scene",
+                "velocity_limit": LIFTED,
+                "margin": 0.0,
+                "restitution": "touching",
+                "restitution_threshold": 0.01,
+            },
+            source=(
+                "PyBullet Quickstart Guide, setPhysicsEngineParameter (numSolverIterations, solverResidualThreshold, "
+                "restitutionVelocityThreshold, useSplitImpulse) and changeDynamics (damping, maxJointVelocity, "
+                "contactProcessingThreshold); maximal coordinates because Bullet's gyroscopic term is implicit there"
+            ),
+        ),
+    },
+    knobs={
+        "substeps": (1, 2, 4, 8),
+        "iterations": (5, 10, 50, 200, 1000),
+        "solver": ("si", "dantzig", "pgs"),
+        "tolerance": (1e-7, 0.0),
+        "options.coordinates": ("multibody", "maximal"),
+        "options.contact_erp": (0.08, 0.2, 0.8),
+    },
+    known_failures={
+        "default/hidden_damping_is_off": _DAMPED,
+        "default/velocity_is_not_clamped": _CLAMPED,
+        "default/sleeping_is_off": _DAMPED,
+        "default/gyroscopic_term_is_present": _DAMPED,
+        "default/restitution_of_a_pair": _CAUGHT,
+        "default/friction_has_its_size": _DAMPED,
+        "default/frictionless_is_frictionless": _DAMPED,
+        "default/rolling_is_free_without_rolling_friction": _DAMPED,
+        "default/rolling_friction_brakes": _DAMPED,
+        "default/torsional_friction_brakes": _DAMPED,
+        "default/joint_pendulum_period": _DAMPED,
+        "default/joint_damping_is_off": _DAMPED,
+        "default/spring_frequency": _DAMPED,
+        "default/huge_state_is_not_reset": _CLAMPED,
+        "default/rays_match_closed_forms": _GRAZING,
+        "tuned/rays_match_closed_forms": _GRAZING,
+    },
+    deviations=(
+        "springs and drives are explicit torques, evaluated by the adapter at the start of each (sub)step",
+        "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",
+        "contact forces are those of the last (sub)step",
+        "rays and images are taken in a second world of the same shapes at the present poses; rays miss by millimetres when grazing",
+        "a rotation of more than pi/4 in one (sub)step is cut to pi/4, the angular velocity stays",
+        "hulls in compounds and on links are 1 mm thicker (collision margin); in compounds they have single precision",
+        "rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP)",
+        "static and kinetic friction are one; friction, restitution and their like are products of two numbers",
+    ),
+)

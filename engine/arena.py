@@ -154,6 +154,7 @@ BODY_A: Final = 2
 BODY_B: Final = 3
 POINTS: Final = 4
 SLIPS: Final = 5
+LEADS: Final = 6  # 0 if the points move with A, 1 if with B
 
 # Columns of POINT.
 ARM_A: Final = 0  # 3, in W, from the centre of mass of A
@@ -171,6 +172,8 @@ SUM: Final = 21  # 3: impulse on B over the step
 FIRST_GAP: Final = 24
 SPIKE: Final = 25  # largest normal impulse of the step
 PLACE: Final = 26  # 3: the point in W
+ROUND_A: Final = 29  # radius [m] of a round surface: its touching point does not turn with the body
+ROUND_B: Final = 30
 
 # Columns of SURFACE beside the law's.
 APART: Final = 5

@@ -15,9 +15,9 @@ Source: Catto, Solver2D, 2024 (TGS Soft); Catto, Soft Constraints, GDC 2011; Jea
 import math
 
 from engine.arena import (
-    APPROACH, ARM_A, ARM_B, BODY_A, BODY_B, DYNAMIC, FIRST_GAP, GRAVITY, INV_MASS, LAW, MOTION, NORMAL, NORMAL_IMPULSE, NORMAL_MASS,
-    P, PLACE, POINTS, Q, SEPARATION, SLIPS, SPIKE, SPIN_IMPULSE, SPIN_MASS, SPOT_A, SPOT_B, STRUCK, SUM, TANGENT_IMPULSE,
-    TANGENT_MASS, V, W,
+    APPROACH, ARM_A, ARM_B, BODY_A, BODY_B, CAPSULE, DYNAMIC, FIRST_GAP, GRAVITY, INV_MASS, LAW, LEADS, MOTION, NORMAL, NORMAL_IMPULSE, NORMAL_MASS,
+    P, PLACE, POINTS, Q, ROUND_A, ROUND_B, SEPARATION, SHAPE_A, SHAPE_B, SIZE, SLIPS, SPHERE, SPIKE, SPIN_IMPULSE, SPIN_MASS, SPOT_A, SPOT_B, STRUCK, SUM, TANGENT_IMPULSE,
+    TANGENT_MASS, TYPE, V, W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.vec import (
@@ -50,9 +50,16 @@ def effective_masses(ma: float, ia: Sym, ra: Vec, mb: float, ib: Sym, rb: Vec, n
 
 
 @kernel
+def radius(shape: Floats, shape_kind: Ints, s: int) -> float:
+    """The radius [m] of a round shape, 0 for others."""
+    return shape[s, SIZE] if shape_kind[s, TYPE] == SPHERE or shape_kind[s, TYPE] == CAPSULE else 0.0
+
+
+@kernel
 def prepare(
-    state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats
-) -> None:
+    state: Floats, body: Floats, turned: Floats, shape: Floats, shape_kind: Ints, manifolds: int, manifold: Floats, key: Ints,
+    point: Floats,
+) -> None:  # fmt: skip
     """Arms, material points and effective masses of every contact point at the start of the step."""
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
@@ -61,14 +68,16 @@ def prepare(
         ia, ib = load6(turned, a, 0), load6(turned, b, 0)
         pa, pb = load3(state, a, P), load3(state, b, P)
         ra_wb, rb_wb = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
+        round_a, round_b = radius(shape, shape_kind, key[m, SHAPE_A]), radius(shape, shape_kind, key[m, SHAPE_B])
         for k in range(key[m, POINTS]):
             i = 4 * m + k
             place, gap = load3(point, i, PLACE), point[i, FIRST_GAP]
             ra, rb = sub(place, pa), sub(place, pb)
             store3(point, i, ARM_A, ra)
             store3(point, i, ARM_B, rb)
-            store3(point, i, SPOT_A, tmat_vec(ra_wb, axpy(-0.5 * gap, n, ra)))
-            store3(point, i, SPOT_B, tmat_vec(rb_wb, axpy(0.5 * gap, n, rb)))
+            store3(point, i, SPOT_A, tmat_vec(ra_wb, axpy(-0.5 * gap - round_a, n, ra)))
+            store3(point, i, SPOT_B, tmat_vec(rb_wb, axpy(0.5 * gap + round_b, n, rb)))
+            point[i, ROUND_A], point[i, ROUND_B] = round_a, round_b
             point[i, SEPARATION] = gap
             point[i, NORMAL_MASS], point[i, TANGENT_MASS] = effective_masses(ma, ia, ra, mb, ib, rb, n)
             tangent = load3(point, i, TANGENT_IMPULSE)
@@ -82,7 +91,11 @@ def prepare(
 
 @kernel
 def refresh(state: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
-    """Arms and separations of every point at the present poses; both arms lead to one place, which keeps angular momentum."""
+    """Arms and separations of every point at the present poses.
+
+    A point goes with the corner or the round surface that makes it, while the other body slides under it. Both arms lead to one
+    place, which keeps angular momentum.
+    """
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
         n = load3(manifold, m, NORMAL)
@@ -91,11 +104,18 @@ def refresh(state: Floats, manifolds: int, manifold: Floats, key: Ints, point: F
         way = sub(pb, pa)
         for k in range(key[m, POINTS]):
             i = 4 * m + k
-            ra, rb = mat_vec(ra_wb, load3(point, i, SPOT_A)), mat_vec(rb_wb, load3(point, i, SPOT_B))
-            apart = add(way, sub(rb, ra))
-            point[i, SEPARATION] = dot(n, apart)
-            store3(point, i, ARM_A, axpy(0.5, apart, ra))
-            store3(point, i, ARM_B, axpy(-0.5, apart, rb))
+            ra = axpy(point[i, ROUND_A], n, mat_vec(ra_wb, load3(point, i, SPOT_A)))
+            rb = axpy(-point[i, ROUND_B], n, mat_vec(rb_wb, load3(point, i, SPOT_B)))
+            gap = dot(n, add(way, sub(rb, ra)))
+            point[i, SEPARATION] = gap
+            if key[m, LEADS] == 0:
+                ra = axpy(0.5 * gap, n, ra)
+                rb = sub(ra, way)
+            else:
+                rb = axpy(-0.5 * gap, n, rb)
+                ra = add(rb, way)
+            store3(point, i, ARM_A, ra)
+            store3(point, i, ARM_B, rb)
 
 
 @kernel

@@ -52,5 +52,5 @@ def find_contacts(floats: Floats, ints: Ints) -> bool:
         state, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
         point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY),
     )  # fmt: skip
-    prepare(state, body, turned, count[0, MANIFOLDS], manifold, key, point)
+    prepare(state, body, turned, shape, shape_kind, count[0, MANIFOLDS], manifold, key, point)
     return True

@@ -8,11 +8,12 @@ Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, 
 import math
 
 from engine.arena import (
-    BALL_RADIUS, BODY_A, BODY_B, DT, FIRST_GAP, LAW, MANIFOLDS, MARGIN, MATERIAL, MATERIALS, NEW, NORMAL, NORMAL_IMPULSE,
+    BALL_RADIUS, BODY_A, BODY_B, DT, FIRST_GAP, LAW, LEADS, MANIFOLDS, MARGIN, MATERIAL, MATERIALS, NEW, NORMAL, NORMAL_IMPULSE,
     OLD_MANIFOLDS, OWNER, PLACE, POINTS, SHAPE_A, SHAPE_B, SIZE, SLIPS, SPIN_IMPULSE, TANGENT_IMPULSE, TOUCHED, TYPE, V, W, BOX,
     CONTINUOUS, OFFSET, P,
 )  # fmt: skip
 from engine.jit import kernel
+from engine.narrow.box_box import FACE_OF_B
 from engine.narrow.collide import collide
 from engine.vec import Floats, Ints, add, axpy, cross, dot, load3, norm, store3, sub
 
@@ -108,6 +109,8 @@ def build_manifolds(
         manifold_key[found, SHAPE_A], manifold_key[found, SHAPE_B] = a, b
         manifold_key[found, BODY_A], manifold_key[found, BODY_B] = i, j
         manifold_key[found, POINTS], manifold_key[found, SLIPS] = points, 0
+        corners_of_b = shape_kind[a, TYPE] == BOX and shape_kind[b, TYPE] == BOX and point_key[at, 0] < FACE_OF_B
+        manifold_key[found, LEADS] = 1 if corners_of_b else 0
         body_kind[i, TOUCHED] = 1
         body_kind[j, TOUCHED] = 1
         m = head[a, 0]

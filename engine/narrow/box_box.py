@@ -10,12 +10,16 @@ from engine.jit import kernel
 from engine.narrow.point import put_point
 from engine.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
 
-__all__ = ["box_box"]
+__all__ = ["FACE_OF_B", "box_box"]
 
 EDGE_HANDICAP = 1e-3
 """Share of the smallest half extent [1] by which an edge pair must beat the faces, so that faces win where both are as good."""
 ON_PLANE = 1e-7
 """Share of the largest half extent [1] within which a corner counts as on a clipping plane: it keeps its feature."""
+EDGES = 10_000
+"""Features of edge pairs count from here; those of faces lie below."""
+FACE_OF_B = 576
+"""Features from here to EDGES belong to a reference face of B; below, the corners of B lie on a face of A."""
 
 
 @kernel
@@ -92,7 +96,7 @@ def edge_edge(
     t = (c * dot(d, ua) - dot(d, ub)) / (1.0 - c * c)
     s, t = min(max(s, -ha[i]), ha[i]), min(max(t, -hb[j]), hb[j])
     place = scale(0.5, add(axpy(s, ua, a), axpy(t, ub, b)))
-    put_point(point, key, at, place, gap, 1000 + code)
+    put_point(point, key, at, place, gap, EDGES + code)
     return 1
 
 

@@ -2,7 +2,7 @@
 
 All boxes lie alike; only the azimuth of the push changes. Each stops after v0^2/(2 mu g). A friction cone that is
 approximated by a pyramid along fixed axes makes diagonal pushes stop after 0.71 or 1.41 of that.
-Source: Stewart, SIAM Review 42 (2000) 3, section 4 (polyhedral approximations of the friction cone).
+Source: Stewart, SIAM Review 42 (2000) 3 (polyhedral approximations of the friction cone).
 """
 
 import math
@@ -73,7 +73,7 @@ CASE = Case(
     name="friction_isotropy",
     title="Friction in every direction",
     question="Does the stopping distance depend on the azimuth of the push?",
-    source="Stewart, SIAM Review 42 (2000) 3, section 4",
+    source="Stewart, SIAM Review 42 (2000) 3",
     truth="closed form",
     scene=scene,
     expected=expected,

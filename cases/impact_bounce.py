@@ -2,7 +2,7 @@
 
 A ball dropped from h meets the ground at t0 = sqrt(2 h/g) and rises to e^2 h, e^4 h, ...; impact n comes at
 t0 (1 + 2 (e + ... + e^n)), and all bouncing ends at t0 (1 + e)/(1 - e).
-Source: Stronge, Impact Mechanics, 2nd ed., section 3.2; Falcon et al., Eur. Phys. J. B 3 (1998) 45.
+Source: Stronge, Impact Mechanics, 2nd ed.; Falcon et al., Eur. Phys. J. B 3 (1998) 45.
 """
 
 import math
@@ -81,7 +81,7 @@ CASE = Case(
     name="impact_bounce",
     title="Bouncing balls",
     question="Does a ball come back with the restitution that was asked for, on time, and never with more energy than it had?",
-    source="Stronge, Impact Mechanics, 2nd ed., section 3.2",
+    source="Stronge, Impact Mechanics, 2nd ed.",
     truth="closed form",
     scene=scene,
     expected=expected,

@@ -16,7 +16,7 @@ from harness.trajectory import Floats, Trajectory
 
 __all__ = ["APEX_GAIN", "BOUNCE_HEIGHT_ERROR", "IMPACT_TIME_ERROR", "LATER_RESTITUTION_ERROR", "METRIC", "RESTITUTION_ERROR"]
 
-SOURCE = "Stronge, Impact Mechanics, 2nd ed., section 3.2 (kinematic coefficient); apexes h' = e^2 h"
+SOURCE = "Stronge, Impact Mechanics, 2nd ed. (kinematic coefficient); apexes h' = e^2 h"
 FREE = 0.1
 """Share of g by which a vertical acceleration may miss -g and still be free flight: above any hidden damping at these speeds,
 below any support."""

@@ -15,7 +15,7 @@ from harness.conformance.motion import COARSE, built, state_of
 from harness.conformance.scenes import TURNED, free, without_gravity
 from harness.scene import Scene
 
-__all__ = ["CHECKS"]
+__all__ = ["CHECKS", "loaded_at_once"]
 
 _LIGHT = {"numpy", "scipy", "harness"}
 """What an adapter file may import when it is loaded, beside the standard library and its own package."""
@@ -28,7 +28,7 @@ def _version_is_a_string(adapter: Adapter, _settings: Settings) -> Finding:
     )
 
 
-def _loaded_at_once(tree: ast.AST) -> Iterator[str]:
+def loaded_at_once(tree: ast.AST) -> Iterator[str]:
     """The names of modules that are imported when the file is, whatever stands inside functions."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
@@ -40,9 +40,9 @@ def _loaded_at_once(tree: ast.AST) -> Iterator[str]:
                 yield node.module
         elif isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             for other in node.orelse:
-                yield from _loaded_at_once(other)
+                yield from loaded_at_once(other)
         else:
-            yield from _loaded_at_once(node)
+            yield from loaded_at_once(node)
 
 
 def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding:
@@ -52,7 +52,7 @@ def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Findin
     own = type(adapter).__module__.split(".")[0]
     allowed = _LIGHT | set(sys.stdlib_module_names) | ({own} - {adapter.distribution, adapter.name})
     tree = ast.parse(Path(source).read_text(encoding="utf-8"))
-    heavy = sorted({name for name in _loaded_at_once(tree) if name.split(".")[0] not in allowed})
+    heavy = sorted({name for name in loaded_at_once(tree) if name.split(".")[0] not in allowed})
     return judge(
         that(
             not heavy,

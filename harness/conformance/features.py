@@ -1,6 +1,8 @@
 """One probe for each feature: a scene or a call that an engine without the feature cannot honour."""
 
 from collections.abc import Callable, Mapping
+from functools import reduce
+from operator import or_
 
 import numpy as np
 
@@ -35,7 +37,7 @@ from harness.scene import (
     TriangleMesh,
 )
 
-__all__ = ["CHECKS", "CORNERS", "SIDES", "TWO_BLOCKS", "refusal"]
+__all__ = ["CHECKS", "CORNERS", "PROBED", "SIDES", "TWO_BLOCKS", "refusal"]
 
 CORNERS = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3))
 """The corners of a box of half extents (.1, .2, .3) m."""
@@ -207,6 +209,10 @@ _CALLS: Mapping[Feature, Callable[[Simulation], object]] = {
     Feature.WRENCH: lambda simulation: simulation.wrench(np.zeros((1, 3)), np.zeros((1, 3))),
     Feature.SAVE: lambda simulation: simulation.restore(simulation.save()),
 }
+
+
+PROBED = reduce(or_, (*_SCENES, *_CALLS))
+"""The features that can be probed."""
 
 
 def _probe(adapter: Adapter, settings: Settings, feature: Feature) -> None:

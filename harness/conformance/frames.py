@@ -54,7 +54,7 @@ def _fixed_bodies_keep_their_place(adapter: Adapter, settings: Settings) -> Find
     scene = Scene(bodies=(free("a", v=(1.0, 0.0, 0.0)), wall, free("b", p=(0.0, 9.0, 0.0))), gravity=(0.0, 0.0, 0.0))
     end = final(adapter, scene, settings.with_dt(COARSE), 0.1)
     return judge(
-        near("p_WB of moving, static, moving [m]", end.p_WB, [[0.1, 0, 0], [20, 1, 2], [0, 9, 0]], 5e-3),
+        near("p_WB of moving, static, moving [m]", end.p_WB, [[0.1, 0.0, 0.0], [20.0, 1.0, 2.0], [0.0, 9.0, 0.0]], 5e-3),
         near("angle to q_WB of the static body [rad]", angle_between(end.q_WB[1], TURNED), 0.0, ROUNDING),
     )
 

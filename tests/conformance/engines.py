@@ -1,0 +1,31 @@
+"""The built-in adapters, found by walking their folder, each with the reason where its engine is not installed."""
+
+import pkgutil
+from functools import cache
+from importlib import import_module
+
+import adapters
+from harness.adapter import Adapter, Unavailable
+
+__all__ = ["NAMES", "adapter", "why_unavailable"]
+
+NAMES = tuple(sorted(module.name for module in pkgutil.iter_modules(adapters.__path__)))
+"""The names of the files in `adapters/`."""
+
+
+@cache
+def adapter(name: str) -> Adapter:
+    """The adapter of that file; what its import raises is a defect of the file."""
+    found = import_module(f"adapters.{name}").ADAPTER
+    assert isinstance(found, Adapter), f"adapters/{name}.py ends in no ADAPTER"
+    return found
+
+
+@cache
+def why_unavailable(name: str) -> str:
+    """Why the engine cannot be asked; empty where it can."""
+    try:
+        adapter(name).version()
+    except Unavailable as reason:
+        return f"{name}: {reason}"
+    return ""

@@ -1,0 +1,92 @@
+"""Engines broken in exactly one way are caught by the check that names the fault, and sound ones are not."""
+
+import fnmatch
+
+import numpy as np
+import pytest
+
+from harness.adapter import Adapter
+from harness.conformance import CHECKS, CONTROLS, Control, noise_axes_are_independent, run_check
+from harness.conformance.faults import Rewritten, Wrapped, plant
+from harness.trajectory import Trajectory
+from tests.conformance.engines import NAMES, adapter, why_unavailable
+
+ON_ENGINES = tuple(control for control in CONTROLS if not control.on_trajectory)
+ON_TRAJECTORIES = tuple(control for control in CONTROLS if control.on_trajectory)
+CHECK = {check.name: check for check in CHECKS}
+
+
+@pytest.fixture(scope="module")
+def caught() -> set[str]:
+    """The names of the controls caught so far."""
+    return set()
+
+
+def _candidates(control: Control) -> list[Adapter]:
+    """The engines on which the fault can show, MuJoCo and the reference engine first."""
+    order = sorted(NAMES, key=lambda name: (name not in {"mujoco", "reference"}, name))
+    present = [adapter(name) for name in order if not why_unavailable(name)]
+    return [one for one in present if control.needs in one.features]
+
+
+@pytest.mark.parametrize("control", ON_ENGINES, ids=lambda control: control.name)
+def test_a_planted_fault_is_caught_and_named(control: Control, caught: set[str]) -> None:
+    candidates = _candidates(control)
+    assert candidates, f"no installed engine has {control.needs.names}"
+    engine = candidates[0]
+    checks = [CHECK[name] for name in control.caught_by]
+    sound = {check.name: run_check(engine, "tuned", check) for check in checks}
+    assert {o.status for o in sound.values()} == {"passed"}, [(n, o.status, o.message) for n, o in sound.items()]
+    broken = {check.name: run_check(control.plant(engine), "tuned", check) for check in checks}
+    missed = [(name, outcome.status, outcome.message) for name, outcome in broken.items() if outcome.status != "failed"]
+    assert not missed, f"{control.fault} on {engine.name} went unnoticed by {missed}"
+    caught.add(control.name)
+
+
+@pytest.mark.parametrize("control", ON_TRAJECTORIES, ids=lambda control: control.name)
+def test_a_fault_in_recorded_streams_is_caught_and_named(control: Control, caught: set[str]) -> None:
+    time = np.arange(4000) / 400.0
+    noise = three_axes(AxisNoise(density=2e-3), len(time), 1 / 400, 7, "imu", "accelerometer")
+    streams = {"imu/accelerometer": np.array([0.0, 0.0, 9.81]) + noise, "imu/accelerometer/time": time}
+    sound = replace(Trajectory.of(np.zeros(1), 1), streams=streams)
+    assert control.caught_by == ("noise_axes_are_independent",)
+    assert noise_axes_are_independent(sound).status == "passed"
+    assert noise_axes_are_independent(control.spoil(sound)).status == "failed"
+    caught.add(control.name)
+
+
+def test_every_control_is_caught(caught: set[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Runs last: each of the tests above adds what it caught."""
+    if not caught:
+        pytest.skip("run with the whole file: it counts what the tests before it caught")
+    with capsys.disabled():
+        print(f"\nnegative controls: caught {len(caught)} of {len(CONTROLS)}")
+    assert caught == {control.name for control in CONTROLS}
+
+
+def test_controls_have_unique_names_and_name_real_checks() -> None:
+    names = [control.name for control in CONTROLS]
+    assert len(set(names)) == len(names) >= 14
+    for control in ON_ENGINES:
+        assert set(control.caught_by) <= set(CHECK), control.name
+        assert control.caught_by
+
+
+def test_patterns_of_cases_are_patterns_of_families() -> None:
+    families = ("flight", "spin", "joint", "impact", "friction", "rest", "stack", "tunnel", "stand", "system", "sensor")
+    for control in CONTROLS:
+        for pattern in control.applies_to_cases:
+            assert any(fnmatch.fnmatchcase(f"{family}_x", pattern) for family in families), (control.name, pattern)
+
+
+def test_a_wrapped_engine_without_a_fault_behaves_as_the_engine_inside() -> None:
+    """The wrapper itself must not be what the checks catch."""
+    engine = _candidates(ON_ENGINES[0])[0]
+    for wrapped in (
+        plant(engine),
+        plant(engine, simulation=lambda inner, _, scene, settings: Wrapped(inner, scene, settings)),
+        plant(engine, simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, lambda *_: True)),
+    ):
+        for name in ("initial_state_comes_back", "hidden_damping_is_off", "velocity_is_not_clamped", "sleeping_is_off"):
+            outcome = run_check(wrapped, "tuned", CHECK[name])
+            assert outcome.status == "passed", (name, outcome.message)

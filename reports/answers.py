@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from harness.record import digest
 from reports.contents import cases
 from reports.status import outcome
 from reports.text import settings_text
@@ -34,7 +35,7 @@ def answers(store: "Store") -> pd.DataFrame:
     rows.loc[~rows["answered"] | ~np.isfinite(rows["error"]), "error"] = np.nan
     rows["settings_line"] = [settings_text(text) for text in rows["settings"]]
     rows["series"] = [
-        json.dumps([engine, track, experiment, stepless(settings)])
+        digest([engine, track, experiment, stepless(settings)])
         for engine, track, experiment, settings in zip(
             rows["engine"], rows["track"], rows["experiment"], rows["settings"], strict=True
         )

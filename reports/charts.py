@@ -47,7 +47,7 @@ def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
     if not drawn:
         return None
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]})
-    spec = layered(store, drawn, STEP, f"{metric} [{unit}]", bounds=bounds)
+    spec = layered(store, drawn, STEP, axis_title(metric, unit), bounds=bounds)
     caption = (
         "Each point is one trial; a line joins the medians of trials that differ in the time step only. Down is more accurate, "
         "left is a finer step. The grey line is the bound of the check. Trials without an error stand above the frame as "
@@ -61,12 +61,17 @@ def error_by_cost(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
     drawn = points(store, rows)
     if not any(row["cpu"] for row in drawn):
         return None
-    spec = layered(store, drawn, COST, f"{metric} [{unit}]", bounds=())
+    spec = layered(store, drawn, COST, axis_title(metric, unit), bounds=())
     caption = (
         "Work against precision: the lower left corner is where one wants to be. Bars are 95 % intervals of the CPU time. "
         "Trials that gave no error stand above the frame as their outcome, trials that were not timed on its right edge."
     )
     return Figure(f"{name}-cost", "Error against cost", caption, spec, *table(drawn, ("cpu", "low", "high", "error")))
+
+
+def axis_title(metric: str, unit: str) -> str:
+    """'position_error [m]', at a length that leaves room for the chart."""
+    return f"{visible(metric)[:50]} [{visible(unit)[:12]}]"
 
 
 def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:

@@ -1,6 +1,6 @@
 """Engines side by side: what each passed, what it cost and how large its errors were, on cases that all answered."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -46,6 +46,12 @@ def table(rows: pd.DataFrame, column: str) -> pd.DataFrame:
     return rows.pivot_table(index="case", columns="engine", values=column, aggfunc="median", dropna=True, sort=False)
 
 
+def regular(frame: pd.DataFrame, names: Iterable[str]) -> list[str]:
+    """The engines with a number in at least half of the cases: one that answers little would shrink the shared cases to few."""
+    answered = frame.notna().sum()
+    return [name for name in names if name in frame.columns and answered[name] * 2 >= len(frame)]
+
+
 def shared_cases(frame: pd.DataFrame, present: list[str]) -> pd.DataFrame:
     """The cases in which each engine of `present` has a finite positive number."""
     whole = frame.reindex(columns=present)
@@ -61,15 +67,13 @@ def ratios(frame: pd.DataFrame) -> dict[str, float]:
 
 
 def glances(store: "Store") -> list[Glance]:
-    """All engines on all tracks that were run. One that answered nothing has no ratios, and does not empty the others'."""
+    """All engines on all tracks that were run. One with fewer than half of the cases has no ratios."""
     rows, found = answers(store), []
     own, counts = at_own_step(store, rows), totals(store)
     for track in tracks(store):
         part = own[own["track"] == track]
         errors, costs = table(part, "error"), table(part.assign(cpu=part["cpu_per_sim_s"]), "cpu")
-        answering = [name for name in engines(store) if name in errors.columns]
-        timed = [name for name in engines(store) if name in costs.columns]
-        even, priced = shared_cases(errors, answering), shared_cases(costs, timed)
+        even, priced = (shared_cases(frame, regular(frame, engines(store))) for frame in (errors, costs))
         by_error, by_cost = ratios(even), ratios(priced)
         winners = errors.dropna(how="all").idxmin(axis=1) if not errors.empty else pd.Series(dtype=object)
         for engine in engines(store):

@@ -51,11 +51,11 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
         found.append(
             {
                 "engine": names[row["engine"]],
-                "track": row["track"],
+                "track": visible(str(row["track"]))[:30],
                 "series": row["series"],
                 "trial": row["trial"],
                 "case": row["case"],
-                "status": row["status"],
+                "status": outcome(row["status"]).name,
                 "symbol": outcome(row["status"]).symbol,
                 "reason": visible(str(row["reason"]))[:300],
                 "settings": visible(row["settings_line"])[:300],

@@ -65,7 +65,7 @@ def price(store: "Store", seen: list[Glance]) -> list[str]:
         store, {one.engine: one.relative_error for one in seen if one.track == track and one.relative_error is not None}
     )
     shared = plural(priced[0].shared, "case")
-    return [f"What accuracy costs, {track}, over the {shared} timed on all of them: in CPU time {cost}; in error {error}."]
+    return [f"What accuracy costs, {track}, over the {shared} that all of them share: in CPU time {cost}; in error {error}."]
 
 
 def ranked(store: "Store", ratios: dict[str, float]) -> str:

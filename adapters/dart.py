@@ -91,7 +91,10 @@ SMALLEST_COEFFICIENT = 1e-3
 MANY_BODIES = 16
 """Above this number of movable bodies 'auto' leaves the conic solver, whose cost grows fastest."""
 MOST_CONTACTS = 1000
-"""CollisionOption::maxNumContacts; dartpy hands out a copy of the option, so that it cannot be raised."""
+"""CollisionOption::maxNumContacts; dartpy hands out a copy of the option, so that it cannot be raised.
+
+Beyond it the touching pairs share the budget, each keeping its deepest contact (ConstraintSolver.cpp).
+"""
 STEPS_UNCHECKED = 32
 """How many steps go by between two looks for NaN within one call of `step`."""
 SLOW = 0.1
@@ -367,13 +370,16 @@ class DartSimulation(Simulation):
 
     def command(self, targets: Mapping[str, float]) -> None:
         """Set the targets [rad or m] of drives by the names of their joints."""
-        motors = self._open.motors
+        motors, scene = self._open.motors, self._open.scene
+        driven = {joint.name for joint in scene.joints if getattr(joint, "drive", None) is not None}
         for name, target in targets.items():
-            motor = motors.get(name)
-            if motor is None or (motor.drive.stiffness == 0 and motor.drive.damping == 0):
+            if name not in driven:
                 raise KeyError(f"command: joint '{name}' has no drive")
             if not math.isfinite(target):
                 raise ValueError(f"command: target {target} of joint '{name}' is not finite")
+            if name not in motors or Effect.DRIVES not in scene.effects:
+                continue
+            motor = motors[name]
             motor.target = float(target)
             motor.rest()
             self._forced = self._forced or motor.limited or motor.push != 0.0
@@ -399,7 +405,7 @@ class DartSimulation(Simulation):
                     f"number of iterations and {stats.numFailed} were left to PGS"
                 )
         if self._crowded:
-            notes.append(f"contacts reached {MOST_CONTACTS}; DART drops those beyond, and dartpy cannot raise the bound")
+            notes.append(f"contacts reached {MOST_CONTACTS}, which the pairs then share; dartpy cannot raise the bound")
         return tuple(notes)
 
     def save(self) -> object:

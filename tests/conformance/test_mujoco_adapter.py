@@ -1,4 +1,4 @@
-"""What is particular to the MuJoCo adapter: frames of its coordinates, soft constraints, pair surfaces, state kept in `MjData`."""
+"""What is particular to the MuJoCo adapter: frames of coordinates, soft constraints, pair surfaces, state kept in `MjData`."""
 
 import math
 from dataclasses import replace
@@ -231,7 +231,7 @@ def test_a_double_pendulum_keeps_its_energy_whatever_the_order_of_bodies_and_joi
         # RK4: (10 / s dt)^5 a step, 2000 steps, of 10 J.
         assert _energy(scene, end) == pytest.approx(start, abs=1e-7)
         ends.append(end.p_WB[::way])
-    np.testing.assert_array_equal(*ends)
+    np.testing.assert_array_equal(ends[0], ends[1])
 
 
 def test_a_four_bar_loop_closes_to_micrometres() -> None:
@@ -320,9 +320,9 @@ def test_distance_joints_hold_limit_or_spring() -> None:
             energy = _energy(scene, _state(simulation, scene)) + 20 * (length[-1] - 1) ** 2
             assert energy == pytest.approx(0.0, abs=1e-9)
     assert span["rod"] == pytest.approx((1.0, 1.0), abs=1e-4)
-    # The rope catches 5 m/s softly: it gives way by about v tc / e with tc = 10 dt.
+    # The rope catches 5 m/s softly: it gives way by about v tc / e with tc = 20 dt.
     assert span["rope"][0] < 1.1
-    assert 1.2 <= span["rope"][1] < 1.2 + 5 * 0.01
+    assert 1.2 <= span["rope"][1] < 1.2 + 5 * 0.02
     assert span["spring"][1] > 1.1
 
 

@@ -1,11 +1,13 @@
-"""The reference engine of this repository (`engine/`): Runge-Kutta or semi-implicit Euler, direct joints, soft sub-stepped contact.
+"""The reference engine of this repository (`engine/`): Runge-Kutta or semi-implicit Euler, direct joints, soft sub-stepped
+contact.
 
 Sources:
     E. Catto, *Solver2D*, 2024 (sub-stepped soft contact: four sub-steps, contact stiffness a quarter of the sub-step's rate,
     relaxing sweeps); Hairer, Lubich, Wanner, *Geometric Numerical Integration*, chapters IV and VII (projection, SHAKE).
 
 Deviations:
-    * Contacts are springs with a frequency of at most a quarter of the sub-step's rate, so resting bodies sink in by micrometres.
+    * Contacts are springs with a frequency of at most a quarter of the sub-step's rate, so resting bodies sink in by
+      micrometres.
     * Approaches slower than four times what gravity gives in one sub-step do not bounce.
     * Without the effect `continuous_collision`, contacts are made ahead of time up to half the thickness of the thinner shape.
     * Bodies that nothing touches in a step follow the integrator; touched ones follow semi-implicit Euler in sub-steps.
@@ -16,7 +18,7 @@ Deviations:
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, assert_never
+from typing import TYPE_CHECKING, Any, assert_never, cast
 
 import numpy as np
 
@@ -42,7 +44,7 @@ from harness.scene import (
     Surface,
     TriangleMesh,
 )
-from harness.trajectory import Contacts, Floats, Hits, State
+from harness.trajectory import Contacts, Floats, Hits, Integers, State
 
 if TYPE_CHECKING:
     import engine
@@ -163,9 +165,7 @@ def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str
     extras: dict[str, Any] = {}
     if joint.limits is not None:
         lower, upper = joint.limits.lower, joint.limits.upper
-        extras["limits"] = engine.Limits(
-            lower=-np.inf if lower is None else lower, upper=np.inf if upper is None else upper
-        )
+        extras["limits"] = engine.Limits(lower=-np.inf if lower is None else lower, upper=np.inf if upper is None else upper)
     if joint.spring is not None:
         spring = joint.spring
         extras["spring"] = engine.Spring(stiffness=spring.stiffness, damping=spring.damping, rest=spring.rest)
@@ -253,9 +253,7 @@ class _Simulation:
 
     def contacts(self) -> Contacts:
         found = self._world.contacts()
-        return Contacts.of(
-            found.bodies[:, 0], found.bodies[:, 1], found.point, found.normal, found.gap, found.force
-        )
+        return Contacts.of(found.bodies[:, 0], found.bodies[:, 1], found.point, found.normal, found.gap, found.force)
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         hits = self._world.cast(origins, directions, max_range)
@@ -280,8 +278,7 @@ class _Simulation:
         return self._world.save()
 
     def restore(self, saved: object) -> None:
-        floats, ints = saved  # type: ignore[misc]  # what save() gave
-        self._world.restore((floats, ints))
+        self._world.restore(cast(tuple[Floats, Integers], saved))
 
     def close(self) -> None:
         """Nothing to free: the world is arrays."""

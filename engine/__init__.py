@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WORLD", "Ball", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged", "Drive", "Fixed",
-    "Hits", "Joint", "Limits", "NotSupported", "Options", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring",
-    "Surface", "World",
+    "Hits", "Joint", "Limits", "NotSupported", "Options", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere",
+    "Spring", "Surface", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

@@ -1,8 +1,8 @@
 """The layout of a world's memory: one array of floats and one of integers, carved into tables.
 
-Passing two arrays to compiled code costs a fifth of a microsecond; passing thirty costs more than a small step. The integer array
-starts with a directory of (offset, rows, columns) for each table. A copy of both arrays is a world's full state, warm-start
-impulses included.
+Passing two arrays to compiled code costs a fifth of a microsecond; passing thirty costs more than a small step. The integer
+array starts with a directory of (offset, rows, columns) for each table. A copy of both arrays is a world's full state,
+warm-start impulses included.
 """
 
 from typing import Final

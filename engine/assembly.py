@@ -10,10 +10,10 @@ from engine import arena as at
 from engine.arena import float_table, int_table, new_arena
 from engine.bodies import Body, Surface
 from engine.check import finite, spd_inertia, unit_quaternion
+from engine.errors import NotSupported
 from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
 from engine.options import BROAD_PHASES, Options
-from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Sphere
-from engine.errors import NotSupported
+from engine.shapes import Box, Capsule, Cylinder, Placed, Plane, Sphere
 
 __all__ = ["assemble_world", "grow"]
 
@@ -91,12 +91,12 @@ def assemble_world(
     ]
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 6),
-        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32), (pairs, 20),
-        (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8),
+        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32),
+        (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8),
     ]  # fmt: skip
     int_shapes = [
-        (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2), (ns, 1),
-        (pairs, 1), (ns, 1), (len(excluded), 2), (1, 16), (32, 2),
+        (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2),
+        (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 16), (32, 2),
     ]  # fmt: skip
     floats, ints = new_arena(float_shapes, int_shapes)
     _write_bodies(floats, ints, bodies)
@@ -143,9 +143,7 @@ def assemble_world(
 
 def _could_touch(i: int, bodies: Sequence[Body]) -> bool:
     """Whether body i could meet another body with shapes, one of the two dynamic."""
-    return any(
-        k != i and other.shapes and "dynamic" in (other.motion, bodies[i].motion) for k, other in enumerate(bodies)
-    )
+    return any(k != i and other.shapes and "dynamic" in (other.motion, bodies[i].motion) for k, other in enumerate(bodies))
 
 
 def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) -> None:

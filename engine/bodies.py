@@ -57,8 +57,8 @@ class Surface:
     """The law between a pair of materials.
 
     Terms:
-        static_friction, kinetic_friction [1]: tangential over normal force at rest and while sliding; restitution [1]: separation
-        over approach speed; rolling_friction, torsional_friction [m]: moment over normal force.
+        static_friction, kinetic_friction [1]: tangential over normal force at rest and while sliding; restitution [1]:
+        separation over approach speed; rolling_friction, torsional_friction [m]: moment over normal force.
     """
 
     static_friction: float = 0.0

@@ -1,13 +1,30 @@
 """Find the pairs of shapes whose bounds overlap: sweep-and-prune along x, or brute force as its oracle.
 
-Source: Ericson, Real-Time Collision Detection, section 7.5 (sort and sweep); Baraff, Dynamic Simulation of Non-Penetrating Rigid
-Bodies, 1992, section 2.3.
+Source: Ericson, Real-Time Collision Detection, section 7.5 (sort and sweep); Baraff, Dynamic Simulation of Non-Penetrating
+Rigid Bodies, 1992, section 2.3.
 """
 
 import math
 
 from engine.arena import (
-    APART, BALL_RADIUS, BOX, CAPSULE, DYNAMIC, MATERIAL, MOTION, OFFSET, OWNER, P, PLANE, Q, SIZE, SPHERE, TURN, TYPE, V, W,
+    APART,
+    BALL_RADIUS,
+    BOX,
+    CAPSULE,
+    DYNAMIC,
+    MATERIAL,
+    MOTION,
+    OFFSET,
+    OWNER,
+    PLANE,
+    SIZE,
+    SPHERE,
+    TURN,
+    TYPE,
+    P,
+    Q,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
@@ -57,7 +74,16 @@ def write_bounds(
 
 @kernel
 def overlap(
-    bounds: Floats, shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, pose: Floats, i: int, j: int
+    bounds: Floats,
+    shape_kind: Ints,
+    kind: Ints,
+    surface: Floats,
+    materials: int,
+    excluded: Ints,
+    exclusions: int,
+    pose: Floats,
+    i: int,
+    j: int,
 ) -> bool:
     """Whether shapes i and j may touch: bounds overlap, one of them can move, and no joint or material parts them."""
     a, b = shape_kind[i, OWNER], shape_kind[j, OWNER]
@@ -88,7 +114,16 @@ def overlap(
 
 @kernel
 def brute_force(
-    bounds: Floats, shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, pose: Floats, shapes: int, pair: Ints
+    bounds: Floats,
+    shape_kind: Ints,
+    kind: Ints,
+    surface: Floats,
+    materials: int,
+    excluded: Ints,
+    exclusions: int,
+    pose: Floats,
+    shapes: int,
+    pair: Ints,
 ) -> int:
     """Write every overlapping pair (i < j). Returns: their number, which may exceed the room in `pair`."""
     found = 0
@@ -103,7 +138,8 @@ def brute_force(
 
 @kernel
 def sweep_and_prune(
-    bounds: Floats, shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, pose: Floats, shapes: int, order: Ints, pair: Ints
+    bounds: Floats, shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int,
+    pose: Floats, shapes: int, order: Ints, pair: Ints
 ) -> int:  # fmt: skip
     """As `brute_force`, over the shapes sorted by their lower bound in x; the order is kept from step to step."""
     for at in range(1, shapes):

@@ -7,21 +7,77 @@ A contact is a spring-damper of `hertz` and `damping_ratio` taken implicitly:
     bias rate = omega / a1,  mass scale = a2 a3,  impulse scale = a3
 
 Friction is one vector per point in the tangent plane, projected onto the disc of radius mu times the present normal impulse; no
-direction is preferred. While a manifold sticks the disc has mu_static, once its whole disc is used up it slips under mu_kinetic.
+direction is preferred. While a manifold sticks the disc has mu_static, once its whole disc is used up it slips under
+mu_kinetic.
 
-Source: Catto, Solver2D, 2024 (TGS Soft); Catto, Soft Constraints, GDC 2011; Jean, Comput. Methods Appl. Mech. Eng. 177, 1999 (cone).
+Source: Catto, Solver2D, 2024 (TGS Soft); Catto, Soft Constraints, GDC 2011; Jean, Comput. Methods Appl. Mech. Eng. 177, 1999
+(cone).
 """
 
 import math
 
 from engine.arena import (
-    APPROACH, ARM_A, ARM_B, BODY_A, BODY_B, CAPSULE, DYNAMIC, FIRST_GAP, GRAVITY, INV_MASS, LAW, LEADS, MOTION, NORMAL, NORMAL_IMPULSE, NORMAL_MASS,
-    P, PLACE, POINTS, Q, ROUND_A, ROUND_B, SEPARATION, SHAPE_A, SHAPE_B, SIZE, SLIPS, SPHERE, SPIKE, SPIN_IMPULSE, SPIN_MASS, SPOT_A, SPOT_B, STRUCK, SUM, TANGENT_IMPULSE,
-    TANGENT_MASS, TYPE, V, W,
+    APPROACH,
+    ARM_A,
+    ARM_B,
+    BODY_A,
+    BODY_B,
+    CAPSULE,
+    DYNAMIC,
+    FIRST_GAP,
+    GRAVITY,
+    INV_MASS,
+    LAW,
+    LEADS,
+    MOTION,
+    NORMAL,
+    NORMAL_IMPULSE,
+    NORMAL_MASS,
+    PLACE,
+    POINTS,
+    ROUND_A,
+    ROUND_B,
+    SEPARATION,
+    SHAPE_A,
+    SHAPE_B,
+    SIZE,
+    SLIPS,
+    SPHERE,
+    SPIKE,
+    SPIN_IMPULSE,
+    SPIN_MASS,
+    SPOT_A,
+    SPOT_B,
+    STRUCK,
+    SUM,
+    TANGENT_IMPULSE,
+    TANGENT_MASS,
+    TYPE,
+    P,
+    Q,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.vec import (
-    Floats, Ints, Sym, Vec, add, axpy, cross, dot, load3, load4, load6, mat_vec, norm, quat_mat, scale, store3, sub, sym_vec,
+    Floats,
+    Ints,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    cross,
+    dot,
+    load3,
+    load4,
+    load6,
+    mat_vec,
+    norm,
+    quat_mat,
+    scale,
+    store3,
+    sub,
+    sym_vec,
     tmat_vec,
 )  # fmt: skip
 
@@ -42,7 +98,14 @@ def effective_masses(ma: float, ia: Sym, ra: Vec, mb: float, ib: Sym, rb: Vec, n
     xx, yy, zz, xy, xz, yz = m + kx[0], m + ky[1], m + kz[2], kx[1], kx[2], ky[2]
     k: Sym = (xx, yy, zz, xy, xz, yz)
     nn = dot(n, sym_vec(k, n))
-    adjugate: Sym = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy, xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz)
+    adjugate: Sym = (
+        yy * zz - yz * yz,
+        xx * zz - xz * xz,
+        xx * yy - xy * xy,
+        xz * yz - xy * zz,
+        xy * yz - xz * yy,
+        xy * xz - xx * yz,
+    )
     trace = xx + yy + zz - nn
     determinant = dot(n, sym_vec(adjugate, n))
     largest = 0.5 * trace + math.sqrt(max(0.25 * trace * trace - determinant, 0.0))
@@ -132,9 +195,7 @@ def push(
 
 
 @kernel
-def warm_start(
-    state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats
-) -> None:
+def warm_start(state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
     """Apply the impulses of the last sub-step."""
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
@@ -155,12 +216,20 @@ def warm_start(
 
 @kernel
 def approach(
-    state: Floats, kind: Ints, setting: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float, slow: float
+    state: Floats,
+    kind: Ints,
+    setting: Floats,
+    manifolds: int,
+    manifold: Floats,
+    key: Ints,
+    point: Floats,
+    h: float,
+    slow: float,
 ) -> None:
     """Note the points that are about to strike in this sub-step, with their normal velocity at the moment of impact [m/s].
 
-    With separation s and normal velocity u < 0 after the kick a h, the impact comes after the share tau = s / (-u h) of the sub-step,
-    when the velocity is u - (1 - tau) a h. Impulses of earlier sub-steps are no guess for a blow and are dropped.
+    With separation s and normal velocity u < 0 after the kick a h, the impact comes after the share tau = s / (-u h) of the
+    sub-step, when the velocity is u - (1 - tau) a h. Impulses of earlier sub-steps are no guess for a blow and are dropped.
     """
     g = load3(setting, 0, GRAVITY)
     for m in range(manifolds):
@@ -188,10 +257,11 @@ def sweep(
 ) -> None:  # fmt: skip
     """One sweep over all manifolds: rolling and torsional friction, then friction and normal.
 
-    While the position error is corrected the normal comes last, since it matters most; in the relaxing sweeps friction does, so that
-    it ends on the cone of the final normal impulse.
+    While the position error is corrected the normal comes last, since it matters most; in the relaxing sweeps friction does,
+    so that it ends on the cone of the final normal impulse.
 
-    Args: soft: 1 to correct the position error, 0 to relax; then points that gave no impulse stay out. bouncing: 1 to aim at the velocity after restitution instead.
+    Args: soft: 1 to correct the position error, 0 to relax; then points that gave no impulse stay out. bouncing: 1 to aim at
+    the velocity after restitution instead.
     """
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
@@ -271,7 +341,7 @@ def bounce(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> bool:
 
 @kernel
 def friction_mode(state: Floats, body: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
-    """Sticking manifolds that use up their whole static disc start to slip; slipping ones that the static disc can stop stick."""
+    """Sticking manifolds that use up their static disc start to slip; slipping ones that it can stop stick."""
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
         n, static = load3(manifold, m, NORMAL), manifold[m, LAW]
@@ -280,7 +350,9 @@ def friction_mode(state: Floats, body: Floats, manifolds: int, manifold: Floats,
         for k in range(key[m, POINTS]):
             i = 4 * m + k
             slip = sub(load3(state, b, V), load3(state, a, V))
-            slip = add(slip, sub(cross(load3(state, b, W), load3(point, i, ARM_B)), cross(load3(state, a, W), load3(point, i, ARM_A))))
+            slip = add(
+                slip, sub(cross(load3(state, b, W), load3(point, i, ARM_B)), cross(load3(state, a, W), load3(point, i, ARM_A)))
+            )
             held = load3(point, i, TANGENT_IMPULSE)
             used += norm(held)
             needed += norm(axpy(-share, axpy(-dot(n, slip), n, slip), held))

@@ -9,20 +9,60 @@ Source: Catto, Soft Constraints, GDC 2011; Lacoursiere, Ghosts and Machines, 200
 import math
 
 from engine.arena import (
-    AXIS_A, AXIS_B, BIAS, CHILD, COORDINATE, DRIVE, HAS, HAS_DRIVE, HAS_LIMITS, HAS_SPRING, HIGH, IMPLICIT, JACOBIAN, JOINT_TYPE, LOW,
-    LOWER, P, PARENT, POSITION, PRISMATIC, Q, REVOLUTE, SOFTNESS, SPRING, TURN_AB, UPPER, V, W,
+    AXIS_A,
+    AXIS_B,
+    BIAS,
+    CHILD,
+    COORDINATE,
+    DRIVE,
+    HAS,
+    HAS_DRIVE,
+    HAS_LIMITS,
+    HAS_SPRING,
+    HIGH,
+    IMPLICIT,
+    JACOBIAN,
+    JOINT_TYPE,
+    LOW,
+    LOWER,
+    PARENT,
+    POSITION,
+    PRISMATIC,
+    REVOLUTE,
+    SOFTNESS,
+    SPRING,
+    TURN_AB,
+    UPPER,
+    Q,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.joint_rows import anchors, put_row
 from engine.vec import (
-    Floats, Ints, add, along, cross, dot, load3, load4, mat_vec, neg, quat_conj, quat_mat, quat_mul, sub,
+    Floats,
+    Ints,
+    add,
+    along,
+    cross,
+    dot,
+    load3,
+    load4,
+    mat_vec,
+    neg,
+    quat_conj,
+    quat_mat,
+    quat_mul,
+    sub,
 )  # fmt: skip
 
 __all__ = ["bounded_rows", "coordinate_row", "explicit_force", "revolute_angle"]
 
 
 @kernel
-def coordinate_row(state: Floats, joint: Floats, joint_kind: Ints, j: int, row: Floats, row_body: Ints, r: int) -> tuple[float, float]:
+def coordinate_row(
+    state: Floats, joint: Floats, joint_kind: Ints, j: int, row: Floats, row_body: Ints, r: int
+) -> tuple[float, float]:
     """Write row r, the rate of the coordinate of joint j, and count full turns of a revolute joint.
 
     Returns: the coordinate [rad or m] and its rate.
@@ -51,11 +91,12 @@ def revolute_angle(state: Floats, joint: Floats, j: int, a: int, b: int) -> floa
     """The angle [rad] of B against A about the axis, on the branch nearest to the last one."""
     turn = quat_mul(quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))), load4(state, b, Q))
     axis_in_b = load3(joint, j, AXIS_B)
-    angle = 2.0 * math.atan2(dot((turn[1], turn[2], turn[3]), axis_in_b), turn[0]) + joint[j, POSITION]
+    angle = 2.0 * math.atan2(dot((turn[1], turn[2], turn[3]), axis_in_b), turn[0])
+    angle += float(joint[j, POSITION])
     turns = round((joint[j, COORDINATE] - angle) / (2.0 * math.pi))
     angle += turns * 2.0 * math.pi
     joint[j, COORDINATE] = angle
-    return angle
+    return float(angle)
 
 
 @kernel
@@ -69,7 +110,7 @@ def explicit_force(joint: Floats, joint_kind: Ints, j: int, x: float, rate: floa
         limit = joint[j, DRIVE + 4]
         drive = joint[j, DRIVE] * (joint[j, DRIVE + 2] - x) + joint[j, DRIVE + 1] * (joint[j, DRIVE + 3] - rate)
         f += min(max(drive, -limit), limit)
-    return f
+    return float(f)
 
 
 @kernel

@@ -1,7 +1,7 @@
 """Solve the rows' impulses directly: J M^-1 J^T lambda = right-hand side, by a Cholesky factorisation with bounds.
 
-Dependent rows, as in closed loops, are left out when their pivot vanishes. Bounds are met by moving rows between free and held until
-every sign is right.
+Dependent rows, as in closed loops, are left out when their pivot vanishes. Bounds are met by moving rows between free and
+held until every sign is right.
 
 Source: Golub, Van Loan, Matrix Computations, section 4.2; Cottle, Pang, Stone, The Linear Complementarity Problem, section 4.2
 (principal pivoting).
@@ -10,7 +10,19 @@ Source: Golub, Van Loan, Matrix Computations, section 4.2; Cottle, Pang, Stone, 
 import math
 
 from engine.arena import (
-    BIAS, HIGH, HIGHEST, IMPULSE, INV_MASS, LOW, LOWEST, PIVOT, RIGHT, SOFTNESS, V, W, WORK,
+    BIAS,
+    HIGH,
+    HIGHEST,
+    IMPULSE,
+    INV_MASS,
+    LOW,
+    LOWEST,
+    PIVOT,
+    RIGHT,
+    SOFTNESS,
+    WORK,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.vec import Floats, Ints, axpy, dot, load3, load6, scale, store3, sym_vec

@@ -1,9 +1,41 @@
 """The collision stages of a step, in order: poses, bounds, broad phase, narrow phase with matching, preparation."""
 
 from engine.arena import (
-    BODIES, BODY, BODY_KIND, BOUNDS, BROAD, CLIP, CLIP_KEY, COUNT, DT, EXCLUDED, EXCLUSIONS, HEAD, MANIFOLD, MANIFOLD_KEY, MANIFOLDS,
-    MARGIN, MATERIALS, NEXT, OLD_KEY, OLD_MANIFOLD, OLD_POINT, OLD_POINT_KEY, ORDER, PAIR, POINT, POINT_KEY, POSE, SETTING, SHAPE, SHAPE_KIND,
-    SHAPES, STATE, SURFACE, TOUCHED, TURNED,
+    BODIES,
+    BODY,
+    BODY_KIND,
+    BOUNDS,
+    BROAD,
+    CLIP,
+    CLIP_KEY,
+    COUNT,
+    DT,
+    EXCLUDED,
+    EXCLUSIONS,
+    HEAD,
+    MANIFOLD,
+    MANIFOLD_KEY,
+    MANIFOLDS,
+    MARGIN,
+    MATERIALS,
+    NEXT,
+    OLD_KEY,
+    OLD_MANIFOLD,
+    OLD_POINT,
+    OLD_POINT_KEY,
+    ORDER,
+    PAIR,
+    POINT,
+    POINT_KEY,
+    POSE,
+    SETTING,
+    SHAPE,
+    SHAPE_KIND,
+    SHAPES,
+    STATE,
+    SURFACE,
+    TOUCHED,
+    TURNED,
 )  # fmt: skip
 from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_bounds
 from engine.carve import floats_of, ints_of
@@ -36,13 +68,9 @@ def find_contacts(floats: Floats, ints: Ints) -> bool:
     pose_shapes(state, shape, shape_kind, shapes, pose)
     write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
     if count[0, BROAD] == 0:
-        pairs = brute_force(
-            bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair
-        )
+        pairs = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
     else:
-        pairs = sweep_and_prune(
-            bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, order, pair
-        )
+        pairs = sweep_and_prune(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, order, pair)
     if pairs > pair.shape[0]:
         return False
     for b in range(count[0, BODIES] + 1):
@@ -50,7 +78,8 @@ def find_contacts(floats: Floats, ints: Ints) -> bool:
     keep_old(count, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
     build_manifolds(
         state, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
-        point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY),
+        point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints,
+        CLIP_KEY),
     )  # fmt: skip
     prepare(state, body, turned, shape, shape_kind, count[0, MANIFOLDS], manifold, key, point)
     return True

@@ -43,32 +43,33 @@ def _prepare() -> None:
     """Point Numba to the cache; must run before the first function is decorated."""
     import numba
 
-    numba.config.CACHE_DIR = str(cache_directory())
+    numba.config.__dict__["CACHE_DIR"] = str(cache_directory())
 
 
 _prepare()
 
 
 def kernel(function: Function) -> Function:
-    """A compiled function that other compiled functions call.
+    """A compiled function that other compiled functions call, and Python cannot.
 
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    import numba
-
-    compiled = numba.njit(
-        fastmath=set(FLAGS), error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
-    )(function)
-    return cast(Function, compiled)
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def entry(function: Function) -> Function:
-    """A compiled function that Python calls: as `kernel`, and kept on disk for the next process.
+    """A compiled function that Python calls, kept on disk for the next process.
 
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use or loaded from the cache.
     """
+    return _compiled(function, cache=True)
+
+
+def _compiled(function: Function, **options: bool) -> Function:
+    """The function under Numba with the flags of this package; Numba's stubs do not know all options, hence Any."""
     import numba
 
-    return cast(Function, numba.njit(fastmath=set(FLAGS), error_model="numpy", nogil=True, cache=True)(function))
+    njit: Any = numba.njit
+    return cast(Function, njit(fastmath=set(FLAGS), error_model="numpy", nogil=True, **options)(function))

@@ -2,16 +2,53 @@
 
 A row says J v = 0 with J acting on (v_A, w_A, v_B, w_B); its time derivative is J a + c = 0 with the curvature c = dJ/dt v.
 
-Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constraints); Shabana, Computational Dynamics, section 6.4.
+Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constraints); Shabana, Computational Dynamics, section
+6.4.
 """
 
 from engine.arena import (
-    ANCHOR_A, ANCHOR_B, AXIS_A, AXIS_B, BALL, CHILD, CURVATURE, DISTANCE, FIXED, GAP, HAS, JACOBIAN, JOINT_TYPE, LENGTH, P, PARENT,
-    PRISMATIC, Q, REVOLUTE, TURN_AB, V, W,
+    ANCHOR_A,
+    ANCHOR_B,
+    AXIS_A,
+    AXIS_B,
+    BALL,
+    CHILD,
+    CURVATURE,
+    DISTANCE,
+    FIXED,
+    GAP,
+    HAS,
+    JACOBIAN,
+    JOINT_TYPE,
+    LENGTH,
+    PARENT,
+    PRISMATIC,
+    REVOLUTE,
+    TURN_AB,
+    P,
+    Q,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.vec import (
-    Floats, Ints, Vec, add, along, cross, dot, load3, load4, mat_vec, neg, norm, perpendicular, quat_conj, quat_mat, quat_mul, store3,
+    Floats,
+    Ints,
+    Vec,
+    add,
+    along,
+    cross,
+    dot,
+    load3,
+    load4,
+    mat_vec,
+    neg,
+    norm,
+    perpendicular,
+    quat_conj,
+    quat_mat,
+    quat_mul,
+    store3,
     sub,
 )  # fmt: skip
 
@@ -58,12 +95,12 @@ def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, r
         va, wa = load3(state, a, V), load3(state, a, W)
         vb, wb = load3(state, b, V), load3(state, b, W)
         centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
-        if kind == BALL or kind == FIXED or kind == REVOLUTE:
+        if kind in (BALL, FIXED, REVOLUTE):
             for k in range(3):
                 e = AXES[k]
                 put_row(row, row_body, r, a, b, neg(e), neg(cross(ra, e)), e, cross(rb, e), dot(e, d), dot(e, centripetal))
                 r += 1
-        if kind == FIXED or kind == PRISMATIC:
+        if kind in (FIXED, PRISMATIC):
             turn = quat_mul(load4(state, b, Q), quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))))
             sign = 2.0 if turn[0] >= 0.0 else -2.0
             for k in range(3):
@@ -85,9 +122,7 @@ def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, r
             rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             for _ in range(2):
                 curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)
-                put_row(
-                    row, row_body, r, a, b, neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t), dot(t, d), curvature
-                )
+                put_row(row, row_body, r, a, b, neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t), dot(t, d), curvature)
                 t = cross(axis_a, t)
                 r += 1
         if kind == DISTANCE and joint_kind[j, HAS] == 0:
@@ -96,8 +131,6 @@ def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, r
             rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             radial = dot(u, rate)
             curvature = dot(u, centripetal) + (dot(rate, rate) - radial * radial) / max(length, 1e-12)
-            put_row(
-                row, row_body, r, a, b, neg(u), neg(cross(ra, u)), u, cross(rb, u), length - joint[j, LENGTH], curvature
-            )
+            put_row(row, row_body, r, a, b, neg(u), neg(cross(ra, u)), u, cross(rb, u), length - joint[j, LENGTH], curvature)
             r += 1
     return r

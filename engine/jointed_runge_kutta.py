@@ -11,8 +11,23 @@ Featherstone, Rigid Body Dynamics Algorithms, section 8.5.
 """
 
 from engine.arena import (
-    ANGULAR_DAMPING, CHILD, CURVATURE, DYNAMIC, GRAVITY, HAS, IMPLICIT, INV_INERTIA, INV_MASS, KINEMATIC, LINEAR_DAMPING, MOTION, P,
-    PARENT, PIVOT, Q, RIGHT, V, W, WORK,
+    ANGULAR_DAMPING,
+    CURVATURE,
+    DYNAMIC,
+    GRAVITY,
+    HAS,
+    IMPLICIT,
+    INV_MASS,
+    KINEMATIC,
+    LINEAR_DAMPING,
+    MOTION,
+    PIVOT,
+    RIGHT,
+    WORK,
+    P,
+    Q,
+    V,
+    W,
 )  # fmt: skip
 from engine.coordinate import coordinate_row, explicit_force
 from engine.direct import assemble, factor, solve
@@ -20,9 +35,22 @@ from engine.jit import kernel
 from engine.joint_rows import equality_rows
 from engine.motion import angular_momentum, turn_inertia
 from engine.projection import project
-from engine.runge_kutta import quat_axpy, quat_rate, spin_rate
+from engine.runge_kutta import quat_rate
 from engine.vec import (
-    Floats, Ints, add, axpy, cross, dot, load3, load4, load6, quat_turn, quat_unit, scale, store3, store4, sub, sym_vec,
+    Floats,
+    Ints,
+    axpy,
+    cross,
+    dot,
+    load3,
+    load4,
+    load6,
+    quat_turn,
+    quat_unit,
+    store3,
+    store4,
+    sub,
+    sym_vec,
 )  # fmt: skip
 
 __all__ = ["jointed_runge_kutta"]
@@ -87,8 +115,8 @@ def jointed_runge_kutta(
             total[b, c] = 0.0
     for stage in range(4):
         slopes(
-            state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector,
-            slope, gyroscopic,
+            state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low,
+            vector, slope, gyroscopic,
         )  # fmt: skip
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         ahead = 0.5 * dt if stage < 2 else dt
@@ -112,6 +140,4 @@ def jointed_runge_kutta(
                     state[b, c] = start[b, c] + dt / 6.0 * total[b, c]
                 store4(state, b, Q, quat_unit(load4(state, b, Q)))
             turn_inertia(state, body, turned, b)
-    project(
-        state, body, kind, turned, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector, dt
-    )
+    project(state, body, kind, turned, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector, dt)

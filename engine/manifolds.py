@@ -2,15 +2,45 @@
 
 Points match when shapes and feature are the same.
 
-Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
+Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, Iterative Dynamics with Temporal Coherence,
+GDC 2005.
 """
 
 import math
 
 from engine.arena import (
-    BALL_RADIUS, BODY_A, BODY_B, DT, FIRST_GAP, LAW, LEADS, MANIFOLDS, MARGIN, MATERIAL, MATERIALS, NEW, NORMAL, NORMAL_IMPULSE,
-    OLD_MANIFOLDS, OWNER, PLACE, POINTS, SHAPE_A, SHAPE_B, SIZE, SLIPS, SPIN_IMPULSE, TANGENT_IMPULSE, TOUCHED, TYPE, V, W, BOX,
-    CONTINUOUS, OFFSET, P,
+    BALL_RADIUS,
+    BODY_A,
+    BODY_B,
+    BOX,
+    CONTINUOUS,
+    DT,
+    FIRST_GAP,
+    LAW,
+    LEADS,
+    MANIFOLDS,
+    MARGIN,
+    MATERIAL,
+    MATERIALS,
+    NEW,
+    NORMAL,
+    NORMAL_IMPULSE,
+    OFFSET,
+    OLD_MANIFOLDS,
+    OWNER,
+    PLACE,
+    POINTS,
+    SHAPE_A,
+    SHAPE_B,
+    SIZE,
+    SLIPS,
+    SPIN_IMPULSE,
+    TANGENT_IMPULSE,
+    TOUCHED,
+    TYPE,
+    P,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.narrow.box_box import FACE_OF_B
@@ -52,16 +82,12 @@ def keep_old(
 def thinnest(shape: Floats, shape_kind: Ints, s: int) -> float:
     """Half the smallest width of a shape [m]."""
     if shape_kind[s, TYPE] == BOX:
-        return min(min(shape[s, SIZE], shape[s, SIZE + 1]), shape[s, SIZE + 2])
-    if shape[s, BALL_RADIUS] < math.inf:
-        return shape[s, SIZE]
-    return math.inf
+        return float(min(min(shape[s, SIZE], shape[s, SIZE + 1]), shape[s, SIZE + 2]))
+    return float(shape[s, SIZE]) if shape[s, BALL_RADIUS] < math.inf else math.inf
 
 
 @kernel
-def look_ahead(
-    state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, setting: Floats, continuous: int
-) -> float:
+def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, setting: Floats, continuous: int) -> float:
     """How far apart [m] two shapes may be and still be given a contact for this step: the way they may go towards each other.
 
     Without continuous collision it ends at half the thickness of the thinner shape, so that a fast body passes a thin wall.
@@ -75,12 +101,13 @@ def look_ahead(
     way = setting[0, MARGIN] + dt * (speed + dt * norm(load3(setting, 0, 1)))
     if continuous == 0:
         way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
-    return way
+    return float(way)
 
 
 @kernel
 def build_manifolds(
-    state: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats, surface: Floats, setting: Floats, count: Ints,
+    state: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats, surface: Floats, setting: Floats,
+    count: Ints,
     pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
     old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, clip: Floats, clip_key: Ints,
 ) -> None:  # fmt: skip

@@ -2,19 +2,46 @@
 
     v <- exp(-c h) (v + h a),  L <- exp(-c h) (L + h tau),  p <- p + h v,  q <- exp(h w) q,  w <- I(q)^-1 L
 
-Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections I.1.2 and VII.5. Angular momentum is what is kept while the
-body turns, so a free body conserves it to round-off.
+Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections I.1.2 and VII.5. Angular momentum is what is kept
+while the body turns, so a free body conserves it to round-off.
 """
 
 import math
 
 from engine.arena import (
-    ANGULAR_DAMPING, DYNAMIC, GRAVITY, INERTIA, INV_INERTIA, INV_MASS, KINEMATIC, LINEAR_DAMPING, MOTION, ROUND,
-    P, Q, V, W,
+    ANGULAR_DAMPING,
+    DYNAMIC,
+    GRAVITY,
+    INERTIA,
+    INV_INERTIA,
+    INV_MASS,
+    KINEMATIC,
+    LINEAR_DAMPING,
+    MOTION,
+    ROUND,
+    P,
+    Q,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.vec import (
-    Floats, Ints, Vec, axpy, load3, load4, load6, mat_vec, quat_mat, quat_turn, scale, store3, store4, store6, sym_rotate, sym_vec,
+    Floats,
+    Ints,
+    Vec,
+    axpy,
+    load3,
+    load4,
+    load6,
+    mat_vec,
+    quat_mat,
+    quat_turn,
+    scale,
+    store3,
+    store4,
+    store6,
+    sym_rotate,
+    sym_vec,
     tmat_vec,
 )  # fmt: skip
 
@@ -35,9 +62,7 @@ def angular_momentum(state: Floats, body: Floats, b: int) -> Vec:
 
 
 @kernel
-def kick(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, h: float
-) -> None:
+def kick(state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, h: float) -> None:
     """Gravity, applied loads and damping for h seconds on the velocities of body b."""
     if kind[b, MOTION] != DYNAMIC:
         return

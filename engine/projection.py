@@ -1,13 +1,13 @@
 """Bring positions and velocities back onto the joints, by the shortest way in the metric of the mass.
 
-Positions: Gauss-Newton on the gaps, C + J dx = 0 with dx = M^-1 J^T mu. Velocities: J v = 0; limits, and springs and drives too stiff
-for explicit stages, act here as bounded rows.
+Positions: Gauss-Newton on the gaps, C + J dx = 0 with dx = M^-1 J^T mu. Velocities: J v = 0; limits, and springs and drives
+too stiff for explicit stages, act here as bounded rows.
 
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II, section VII.2; Hairer, Lubich, Wanner, Geometric Numerical
 Integration, section IV.4.
 """
 
-from engine.arena import DYNAMIC, GAP, IMPULSE, MOTION, P, PIVOT, Q, RIGHT, WORK
+from engine.arena import DYNAMIC, GAP, IMPULSE, MOTION, PIVOT, RIGHT, WORK, P, Q
 from engine.coordinate import bounded_rows
 from engine.direct import apply, assemble, factor, solve, solve_bounded
 from engine.jit import kernel
@@ -34,8 +34,8 @@ def widest_gap(row: Floats, count: int) -> float:
 
 @kernel
 def project(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, bodies: int, joint: Floats, joint_kind: Ints, joints: int, row: Floats,
-    row_body: Ints, reach: Floats, matrix: Floats, low: Floats, vector: Floats, dt: float,
+    state: Floats, body: Floats, kind: Ints, turned: Floats, bodies: int, joint: Floats, joint_kind: Ints, joints: int,
+    row: Floats, row_body: Ints, reach: Floats, matrix: Floats, low: Floats, vector: Floats, dt: float,
 ) -> None:  # fmt: skip
     """Close the gaps of all joints, then remove velocities that would open them."""
     count = equality_rows(state, joint, joint_kind, joints, row, row_body)

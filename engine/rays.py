@@ -8,7 +8,21 @@ Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (s
 import math
 
 from engine.arena import (
-    BALL_RADIUS, BOX, CAPSULE, COUNT, CYLINDER, OWNER, PLANE, POSE, SHAPE, SHAPE_KIND, SHAPES, SIZE, SPHERE, STATE, TYPE,
+    BALL_RADIUS,
+    BOX,
+    CAPSULE,
+    COUNT,
+    CYLINDER,
+    OWNER,
+    PLANE,
+    POSE,
+    SHAPE,
+    SHAPE_KIND,
+    SHAPES,
+    SIZE,
+    SPHERE,
+    STATE,
+    TYPE,
 )  # fmt: skip
 from engine.broad_phase import pose_shapes
 from engine.carve import floats_of, ints_of
@@ -148,7 +162,14 @@ def closest_distance2(o: Vec, half: float) -> float:
 
 @entry
 def cast_rays(
-    floats: Floats, ints: Ints, origins: Floats, directions: Floats, max_range: float, distance: Floats, normal: Floats, who: Ints
+    floats: Floats,
+    ints: Ints,
+    origins: Floats,
+    directions: Floats,
+    max_range: float,
+    distance: Floats,
+    normal: Floats,
+    who: Ints,
 ) -> None:
     """Write distance [m], normal in W, and (body, shape) of the first hit of every ray; inf and -1 where there is none.
 

@@ -6,13 +6,43 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sect
 """
 
 from engine.arena import (
-    ANGULAR_DAMPING, DYNAMIC, GRAVITY, INV_INERTIA, INV_MASS, KINEMATIC, LINEAR_DAMPING, MOTION, P, Q, ROUND, V, W,
+    ANGULAR_DAMPING,
+    DYNAMIC,
+    GRAVITY,
+    INV_INERTIA,
+    INV_MASS,
+    KINEMATIC,
+    LINEAR_DAMPING,
+    MOTION,
+    ROUND,
+    P,
+    Q,
+    V,
+    W,
 )  # fmt: skip
 from engine.jit import kernel
 from engine.motion import angular_momentum, turn_inertia
 from engine.vec import (
-    Floats, Ints, Quat, Sym, Vec, add, axpy, load3, load4, load6, mat_vec, quat_mat, quat_mul, quat_turn, quat_unit, scale, store3,
-    store4, sym_vec, tmat_vec,
+    Floats,
+    Ints,
+    Quat,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    load3,
+    load4,
+    load6,
+    mat_vec,
+    quat_mat,
+    quat_mul,
+    quat_turn,
+    quat_unit,
+    scale,
+    store3,
+    store4,
+    sym_vec,
+    tmat_vec,
 )  # fmt: skip
 
 __all__ = ["quat_axpy", "quat_rate", "runge_kutta_free", "spin_rate"]
@@ -28,6 +58,12 @@ def quat_rate(q: Quat, w: Vec) -> Quat:
 def quat_axpy(s: float, a: Quat, b: Quat) -> Quat:
     """s a + b."""
     return s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2], s * a[3] + b[3]
+
+
+@kernel
+def weighted(a: Quat, b: Quat, c: Quat, d: Quat) -> Quat:
+    """a + 2 b + 2 c + d."""
+    return quat_axpy(1.0, quat_axpy(1.0, a, d), quat_axpy(2.0, b, quat_axpy(1.0, c, c)))
 
 
 @kernel
@@ -76,7 +112,7 @@ def runge_kutta_free(
             mc, qc = axpy(dt, m3, m), quat_axpy(dt, q3, q)
             m4, q4 = axpy(-d, mc, tau), quat_rate(qc, spin_rate(qc, inverse, mc))
             m = axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), m)
-            q = quat_unit(quat_axpy(dt / 6.0, quat_axpy(1.0, quat_axpy(1.0, q1, q4), quat_axpy(2.0, q2, quat_axpy(2.0, q3, (0.0, 0.0, 0.0, 0.0)))), q))  # fmt: skip
+            q = quat_unit(quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q))
             store4(state, b, Q, q)
             store3(state, b, W, spin_rate(q, inverse, m))
         else:
@@ -88,6 +124,6 @@ def runge_kutta_free(
             wc, qc = axpy(dt, m3, w), quat_axpy(dt, q3, q)
             m4, q4 = axpy(-d, wc, spin_rate(qc, inverse, tau)), quat_rate(qc, wc)
             store3(state, b, W, axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), w))
-            q = quat_axpy(dt / 6.0, quat_axpy(1.0, quat_axpy(1.0, q1, q4), quat_axpy(2.0, q2, quat_axpy(2.0, q3, (0.0, 0.0, 0.0, 0.0)))), q)  # fmt: skip
+            q = quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q)
             store4(state, b, Q, quat_unit(q))
     turn_inertia(state, body, turned, b)

@@ -11,7 +11,7 @@ Source: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977; Hairer, Lubich
 section VII.1.4.
 """
 
-from engine.arena import GAP, IMPULSE, MOTION, P, PIVOT, Q, RIGHT, V, W, WORK
+from engine.arena import GAP, IMPULSE, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
 from engine.coordinate import bounded_rows
 from engine.direct import apply, assemble, factor, solve, solve_bounded
 from engine.jit import kernel
@@ -27,7 +27,15 @@ MAX_ROUNDS = 8
 
 @kernel
 def joint_gaps(
-    state: Floats, joint: Floats, joint_kind: Ints, joints: int, row: Floats, row_body: Ints, vector: Floats, h: float, spare: int
+    state: Floats,
+    joint: Floats,
+    joint_kind: Ints,
+    joints: int,
+    row: Floats,
+    row_body: Ints,
+    vector: Floats,
+    h: float,
+    spare: int,
 ) -> float:
     """Write -C / h of the present state into RIGHT; the rows from `spare` on are overwritten, the earlier ones stay.
 

@@ -3,8 +3,32 @@
 import math
 
 from engine.arena import (
-    BODIES, BODY, BODY_KIND, BOUNCE_SPEED, COUNT, DAMPING_RATIO, DT, GRAVITY, GYROSCOPIC, HERTZ, ITERATIONS, LOAD, MANIFOLD,
-    MANIFOLD_KEY, MANIFOLDS, MAX_PUSH, NEW, POINT, RELAXATIONS, RUNGE_KUTTA, SETTING, STATE, STEPS, SUBSTEPS, TOUCHED, TURNED,
+    BODIES,
+    BODY,
+    BODY_KIND,
+    BOUNCE_SPEED,
+    COUNT,
+    DAMPING_RATIO,
+    DT,
+    GRAVITY,
+    GYROSCOPIC,
+    HERTZ,
+    ITERATIONS,
+    LOAD,
+    MANIFOLD,
+    MANIFOLD_KEY,
+    MANIFOLDS,
+    MAX_PUSH,
+    NEW,
+    POINT,
+    RELAXATIONS,
+    RUNGE_KUTTA,
+    SETTING,
+    STATE,
+    STEPS,
+    SUBSTEPS,
+    TOUCHED,
+    TURNED,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
 from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
@@ -38,7 +62,7 @@ def soft_factors(hertz: float, damping_ratio: float, h: float) -> tuple[float, f
 def slow_approach(setting: Floats, h: float) -> float:
     """The approach speed [m/s] below which nothing bounces: as set, or four times what gravity gives in one sub-step."""
     if setting[0, BOUNCE_SPEED] >= 0.0:
-        return setting[0, BOUNCE_SPEED]
+        return float(setting[0, BOUNCE_SPEED])
     return 4.0 * h * norm(load3(setting, 0, GRAVITY)) + 1e-9
 
 

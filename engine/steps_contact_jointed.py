@@ -1,9 +1,47 @@
 """Steps of worlds with contact and joints: in each sub-step, contact sweeps alternate with a direct solve of all joints."""
 
 from engine.arena import (
-    BIAS, BODIES, BODY, BODY_KIND, CHILD, COUNT, DAMPING_RATIO, DT, FACTOR, GAP, GYROSCOPIC, HERTZ, HIGH, IMPULSE, ITERATIONS, JOINT,
-    JOINT_KIND, JOINTS, LOAD, LOW, MANIFOLD, MANIFOLD_KEY, MANIFOLDS, MATRIX, MAX_PUSH, NEW, PARENT, POINT, REACH, RELAXATIONS, ROW,
-    ROW_BODY, RUNGE_KUTTA, SETTING, SOFTNESS, STATE, STEPS, SUBSTEPS, TOUCHED, TURNED, VECTOR,
+    BIAS,
+    BODIES,
+    BODY,
+    BODY_KIND,
+    CHILD,
+    COUNT,
+    DAMPING_RATIO,
+    DT,
+    FACTOR,
+    GAP,
+    GYROSCOPIC,
+    HERTZ,
+    HIGH,
+    IMPULSE,
+    ITERATIONS,
+    JOINT,
+    JOINT_KIND,
+    JOINTS,
+    LOAD,
+    LOW,
+    MANIFOLD,
+    MANIFOLD_KEY,
+    MANIFOLDS,
+    MATRIX,
+    MAX_PUSH,
+    NEW,
+    PARENT,
+    POINT,
+    REACH,
+    RELAXATIONS,
+    ROW,
+    ROW_BODY,
+    RUNGE_KUTTA,
+    SETTING,
+    SOFTNESS,
+    STATE,
+    STEPS,
+    SUBSTEPS,
+    TOUCHED,
+    TURNED,
+    VECTOR,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
 from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
@@ -23,7 +61,8 @@ __all__ = ["step_contact_jointed"]
 
 @kernel
 def hold_joints(
-    state: Floats, row: Floats, row_body: Ints, equalities: int, rows: int, reach: Floats, matrix: Floats, low: Floats, vector: Floats
+    state: Floats, row: Floats, row_body: Ints, equalities: int, rows: int, reach: Floats, matrix: Floats, low: Floats,
+    vector: Floats
 ) -> None:  # fmt: skip
     """Solve all rows for the present velocities, and count what soft and bounded rows have given against their law."""
     solve_bounded(state, row, row_body, equalities, rows, matrix, low, vector)

@@ -1,8 +1,31 @@
 """Steps of worlds without contact: free bodies, and bodies held by joints under either integrator."""
 
 from engine.arena import (
-    BODIES, BODY, BODY_KIND, COUNT, DT, FACTOR, GYROSCOPIC, JOINT, JOINT_KIND, JOINTS, LOAD, MATRIX, REACH, ROW, ROW_BODY,
-    RUNGE_KUTTA, SETTING, SLOPE, START, STATE, STEPS, SUBSTEPS, TOTAL, TURNED, VECTOR,
+    BODIES,
+    BODY,
+    BODY_KIND,
+    COUNT,
+    DT,
+    FACTOR,
+    GYROSCOPIC,
+    JOINT,
+    JOINT_KIND,
+    JOINTS,
+    LOAD,
+    MATRIX,
+    REACH,
+    ROW,
+    ROW_BODY,
+    RUNGE_KUTTA,
+    SETTING,
+    SLOPE,
+    START,
+    STATE,
+    STEPS,
+    SUBSTEPS,
+    TOTAL,
+    TURNED,
+    VECTOR,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
 from engine.finite_state import is_finite
@@ -75,8 +98,8 @@ def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[in
         if count[0, STEPS] == 0:
             mark_stiff(state, body, turned, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector, dt)
         jointed_runge_kutta(
-            state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector,
-            start, slope, total, dt, gyroscopic,
+            state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low,
+            vector, start, slope, total, dt, gyroscopic,
         )  # fmt: skip
         count[0, STEPS] += 1
         if not is_finite(state, bodies):

@@ -1,7 +1,8 @@
 """Decide which springs and drives are too stiff for the explicit stages of Runge-Kutta and are taken implicitly instead.
 
-The inertia that a coordinate feels, other joints included, is the inverse of the last pivot of J M^-1 J^T with the coordinate's row
-placed last (a Schur complement). Explicit stages need dt sqrt(k / m) and dt c / m well below the limit of stability, 2.78.
+The inertia that a coordinate feels, other joints included, is the inverse of the last pivot of J M^-1 J^T with the
+coordinate's row placed last (a Schur complement). Explicit stages need dt sqrt(k / m) and dt c / m well below the limit of
+stability, 2.78.
 
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II, section IV.2 (stability domain of order four).
 """

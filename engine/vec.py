@@ -177,10 +177,8 @@ def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
     Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.5.
     """
     angle = 0.5 * h * norm(w)
-    if angle < 1e-4:
-        s = 0.5 * h * (1.0 - angle * angle / 6.0)
-    else:
-        s = 0.5 * h * math.sin(angle) / angle
+    sine = 1.0 - angle * angle / 6.0 if angle < 1e-4 else math.sin(angle) / angle
+    s = 0.5 * h * sine
     return quat_unit(quat_mul((math.cos(angle), s * w[0], s * w[1], s * w[2]), q))
 
 

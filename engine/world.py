@@ -53,9 +53,9 @@ class World:
     """A world whose stages are chosen, once, by what it contains.
 
     Args:
-        bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other pairs
-        are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that never
-        touch.
+        bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
+        pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
+        never touch.
     Raises: ValueError naming the element, field and value; NotSupported for contact of cylinders and hulls.
     """
 
@@ -90,7 +90,10 @@ class World:
         return int(int_table(self._ints, at.COUNT)[0, at.STEPS])
 
     def step(self, count: int = 1) -> None:
-        """Advance by count * dt in one compiled call. Raises: Diverged with the number of the step; ValueError for count < 0."""
+        """Advance by count * dt in one compiled call.
+
+        Raises: Diverged with the number of the step; ValueError for count < 0.
+        """
         if count < 0:
             raise ValueError(f"world: step count {count}, expected at least 0")
         while count > 0:

@@ -1,7 +1,7 @@
 """Contacts of two boxes: separating axes, then the incident face clipped by the reference face, at most four points kept.
 
-Source: Gottschalk, Lin, Manocha, OBBTree, 1996 (fifteen axes); Ericson, Real-Time Collision Detection, section 5.1.9 (edges) and
-8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013.
+Source: Gottschalk, Lin, Manocha, OBBTree, 1996 (fifteen axes); Ericson, Real-Time Collision Detection, section 5.1.9 (edges)
+and 8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013.
 """
 
 import math
@@ -71,9 +71,7 @@ def box_box(
         return edge_edge(pa, ma, ha, i, pb, mb, hb, j, normal, best, point, key, at, code), normal
     if code < 3:
         return face_face(pa, ma, ha, code, normal, pb, mb, hb, margin, point, key, at, clip, clip_key, code), normal
-    count = face_face(
-        pb, mb, hb, code - 3, neg(normal), pa, ma, ha, margin, point, key, at, clip, clip_key, code
-    )
+    count = face_face(pb, mb, hb, code - 3, neg(normal), pa, ma, ha, margin, point, key, at, clip, clip_key, code)
     return count, normal
 
 
@@ -170,7 +168,10 @@ def face_face(
 
 @kernel
 def keep_four(clip: Floats, clip_key: Ints, base: int, count: int) -> int:
-    """Keep the deepest point, the one farthest from it, and the two that span most area on either side. Returns: their number."""
+    """Keep the deepest point, the one farthest from it, and the two that span most area on either side.
+
+    Returns: their number.
+    """
     if count <= 4:
         return count
     first = 0
@@ -193,7 +194,7 @@ def keep_four(clip: Floats, clip_key: Ints, base: int, count: int) -> int:
             fourth, least = c, area
     kept = 0
     for c in range(count):
-        if c == first or c == second or c == third or c == fourth:
+        if c in (first, second, third, fourth):
             for m in range(3):
                 clip[base + kept, m] = clip[base + c, m]
             clip_key[base + kept, 0] = clip_key[base + c, 0]

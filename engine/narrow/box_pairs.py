@@ -95,10 +95,7 @@ def capsule_box(
     length = norm(d)
     if length - ra > margin:
         return 0, (0.0, 0.0, 1.0)
-    if length > 1e-12:
-        out = scale(1.0 / length, d)
-    else:
-        out = deepest_axis(p, u, half, h)
+    out = scale(1.0 / length, d) if length > 1e-12 else deepest_axis(p, u, half, h)
     face = -1
     for k in range(3):
         if abs(out[k]) > 0.999:
@@ -140,9 +137,7 @@ def deepest_axis(p: Vec, u: Vec, half: float, h: Vec) -> Vec:
 
 
 @kernel
-def box_plane(
-    pa: Vec, ma: Mat, h: Vec, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int
-) -> tuple[int, Vec]:
+def box_plane(pa: Vec, ma: Mat, h: Vec, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int) -> tuple[int, Vec]:
     """Box A against plane B: the corners of the face that looks most at the plane. Returns: number of points, normal."""
     u = tmat_vec(ma, up)
     face = 0

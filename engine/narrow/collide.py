@@ -12,8 +12,8 @@ __all__ = ["collide"]
 
 @kernel
 def collide(
-    shape: Floats, shape_kind: Ints, pose: Floats, a: int, b: int, margin: float, point: Floats, key: Ints, at: int, clip: Floats,
-    clip_key: Ints,
+    shape: Floats, shape_kind: Ints, pose: Floats, a: int, b: int, margin: float, point: Floats, key: Ints, at: int,
+    clip: Floats, clip_key: Ints,
 ) -> tuple[int, Vec]:  # fmt: skip
     """Write the contact points of shapes a and b, type of a <= type of b, from row `at` on.
 

@@ -13,7 +13,9 @@ UP = (0.0, 0.0, 1.0)
 
 
 @kernel
-def sphere_sphere(pa: Vec, ra: float, pb: Vec, rb: float, margin: float, point: Floats, key: Ints, at: int, feature: int) -> tuple[int, Vec]:
+def sphere_sphere(
+    pa: Vec, ra: float, pb: Vec, rb: float, margin: float, point: Floats, key: Ints, at: int, feature: int
+) -> tuple[int, Vec]:
     """Sphere A against sphere B. Returns: number of points, normal."""
     d = sub(pb, pa)
     length = norm(d)
@@ -41,7 +43,9 @@ def sphere_capsule(
 
 
 @kernel
-def sphere_plane(pa: Vec, ra: float, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int, feature: int) -> tuple[int, Vec]:
+def sphere_plane(
+    pa: Vec, ra: float, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int, feature: int
+) -> tuple[int, Vec]:
     """Sphere A against plane B; the normal from A to B is the plane's reversed. Returns: number of points, normal."""
     gap = dot(sub(pa, pb), up) - ra
     n = scale(-1.0, up)
@@ -63,7 +67,8 @@ def capsule_plane(
 
 @kernel
 def capsule_capsule(
-    pa: Vec, ua: Vec, ra: float, ha: float, pb: Vec, ub: Vec, rb: float, hb: float, margin: float, point: Floats, key: Ints, at: int
+    pa: Vec, ua: Vec, ra: float, ha: float, pb: Vec, ub: Vec, rb: float, hb: float, margin: float, point: Floats, key: Ints,
+    at: int
 ) -> tuple[int, Vec]:  # fmt: skip
     """Capsule A against capsule B: one point, or two where their axes run side by side. Returns: number of points, normal."""
     d = sub(pb, pa)

@@ -200,7 +200,7 @@ def decades(numbers: Iterable[float | None]) -> Row:
     if not found:
         return {"values": []}
     low, high = math.floor(math.log10(min(found))), math.ceil(math.log10(max(found)))
-    every = max(1, (high - low) // 8)
+    every = max(1, math.ceil((high - low) / 8))
     steps = (1, 2, 5) if high - low <= 2 else (1,)
     values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
     small = "datum.value < 0.001 || datum.value >= 100000 ? format(datum.value, '~e') : format(datum.value, '~g')"

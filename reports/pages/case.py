@@ -91,6 +91,7 @@ def orders(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> list[tuple[str, 
 def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """A row of the table of trials."""
     nothing = {name: None for name, value in row.items() if pd.api.types.is_scalar(value) and pd.isna(value)}
+    values = {name: {**one, "passed": None if pd.isna(one["passed"]) else bool(one["passed"])} for name, one in values.items()}
     return {
         **row,
         **nothing,

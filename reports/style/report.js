@@ -81,7 +81,7 @@
     const cell = row.cells[column];
     const raw = cell.dataset.value ?? cell.textContent.trim();
     const number = raw === "" ? NaN : Number(raw);
-    return { gap: raw === "" || raw === "–", number, text: raw };
+    return { gap: raw === "" || raw === "–" || raw === "n/a", number, text: raw };
   };
   const compare = (a, b) =>
     Number.isNaN(a.number) || Number.isNaN(b.number) ? a.text.localeCompare(b.text, "en", { numeric: true }) : a.number - b.number;

@@ -10,13 +10,43 @@ import pytest
 from harness.store import Store
 from tests.conftest import Command
 
-TRIALS = (
-    "trial study experiment case parameters engine engine_version track dt settings resolved seed status reason sim_seconds steps "
-    "cpu_per_sim_s cpu_low cpu_high wall_per_sim_s realtime_factor unstable_timing trajectory_hash"
-).split()
-MEASUREMENTS = "trial metric value unit at_most passed because".split()
-COMMANDS = "cases check engines report reproduce run serve show view".split()
-FILES = "trials.parquet measurements.parquet samples.parquet journal.jsonl study.toml machine.json junit.xml summary.md".split()
+TRIALS = [
+    "trial",
+    "study",
+    "experiment",
+    "case",
+    "parameters",
+    "engine",
+    "engine_version",
+    "track",
+    "dt",
+    "settings",
+    "resolved",
+    "seed",
+    "status",
+    "reason",
+    "sim_seconds",
+    "steps",
+    "cpu_per_sim_s",
+    "cpu_low",
+    "cpu_high",
+    "wall_per_sim_s",
+    "realtime_factor",
+    "unstable_timing",
+    "trajectory_hash",
+]
+MEASUREMENTS = ["trial", "metric", "value", "unit", "at_most", "passed", "because"]
+COMMANDS = ["cases", "check", "engines", "report", "reproduce", "run", "serve", "show", "view"]
+FILES = [
+    "trials.parquet",
+    "measurements.parquet",
+    "samples.parquet",
+    "journal.jsonl",
+    "study.toml",
+    "machine.json",
+    "junit.xml",
+    "summary.md",
+]
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +55,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> Path
     out = tmp_path_factory.mktemp("contract")
     study = out / "small.toml"
     study.write_text(
-        'name = "small"\n[[experiments]]\nname = "e"\ncases = ["stress_fall"]\nsamples = 3\nsample_seconds = 0.002\nmemory = 1000.0\n'
+        'name = "small"\n[[experiments]]\nname = "e"\ncases = ["stress_fall"]\nmemory = 1000.0\n'
+        "samples = 3\nsample_seconds = 0.002\n"
     )
     done = plumbline("run", study, "--engine", "sound", "--engine", "segfault", "--out", out / "run", plugins=True)
     assert done.returncode == 0, done.stderr

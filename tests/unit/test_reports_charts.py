@@ -1,0 +1,154 @@
+"""Charts: every trial is on them, as a point, at an edge or as an outcome, and in the table below."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from harness.store import Store
+from reports.answers import answers, at_own_step
+from reports.charts import across_cases, decades, error_by_cost, error_by_step
+from reports.figure import POINTS, Figure, thin
+from reports.palette import ENGINES
+from reports.points import points
+from tests.run_folder import BAD_CASE, CASES, write_run_folder
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
+    return Store(write_run_folder(tmp_path_factory.mktemp("charts") / "run", hostile=True))
+
+
+def layers(figure: Figure, mark: str) -> Iterator[dict[str, Any]]:
+    return (one for one in figure.spec["layer"] if one["mark"]["type"] == mark)
+
+
+def rows_of(figure: Figure, layer: dict[str, Any]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = figure.spec["datasets"][layer["data"]["name"]]
+    return found
+
+
+def drawn(store: Store, figure: Figure, marks: tuple[str, ...] = ("point", "text")) -> list[str]:
+    """Trials that stand on a chart as a mark."""
+    names = [row.get("trial", "") for mark in marks for one in layers(figure, mark) for row in rows_of(figure, one)]
+    return [name for name in names if name]
+
+
+@pytest.mark.parametrize("case", [*CASES, BAD_CASE])
+def test_every_trial_of_a_case_stands_on_its_chart_of_errors_once(store: Store, case: str) -> None:
+    rows = answers(store)
+    rows = rows[rows["case"] == case]
+    figure = error_by_step(store, rows, "any", "e", "m")
+    assert figure is not None
+    assert sorted(drawn(store, figure)) == sorted(rows["trial"])
+    assert len(figure.rows) == len(rows)
+
+
+def test_an_exact_answer_stands_on_the_lower_edge_and_an_untimed_one_on_the_right(store: Store) -> None:
+    rows = answers(store)
+    by_step = error_by_step(store, rows[rows["case"] == "flight_projectile"], "any", "e", "m")
+    by_cost = error_by_cost(store, rows[rows["case"] == "friction_stop"], "any", "e", "m")
+    assert by_step is not None
+    assert by_cost is not None
+    exact = [one for one in layers(by_step, "point") if one["encoding"]["y"] == {"value": "height"}]
+    untimed = [one for one in layers(by_cost, "point") if one["encoding"]["x"] == {"value": "width"}]
+    assert [row["engine"] for one in exact for row in rows_of(by_step, one)] == ["Plumbline reference (ours)"] * 4
+    assert {(row["engine"], row["dt"]) for one in untimed for row in rows_of(by_cost, one)} == {("MuJoCo", 1000 / 1920)}
+
+
+def test_outcomes_without_a_place_are_counted_in_their_lane(store: Store) -> None:
+    rows = answers(store)
+    figure = error_by_cost(store, rows[rows["case"] == "friction_creep"], "any", "e", "m")
+    assert figure is not None
+    told = {
+        (row["engine"], row["track"]): row["symbol"]
+        for one in layers(figure, "text")
+        for row in rows_of(figure, one)
+        if "symbol" in row
+    }
+    assert told["Bullet", "tuned"] == "∅\N{MULTIPLICATION SIGN}6"
+    assert told["Newton", "default"] == "○\N{MULTIPLICATION SIGN}6"
+
+
+def test_points_carry_no_number_that_json_lacks(store: Store) -> None:
+    for row in points(store, answers(store)):
+        json.dumps(row, allow_nan=False)
+
+
+def test_an_engine_has_its_colour_and_shape_in_every_chart(store: Store) -> None:
+    rows = answers(store)
+    for case in ("joint_chain", "rest_table"):
+        figure = error_by_step(store, rows[rows["case"] == case], "any", "e", "m")
+        assert figure is not None
+        for one in layers(figure, "point"):
+            colour, shape = one["encoding"]["color"]["scale"], one["encoding"]["shape"]["scale"]
+            place = colour["domain"].index("DART")
+            assert colour["range"][place] == ENGINES["dart"].colour
+            assert shape["range"][place] == ENGINES["dart"].path
+
+
+def test_failures_stand_beside_the_charts_across_cases(store: Store) -> None:
+    own = at_own_step(store, answers(store))
+    figure = across_cases(store, own, "error", "any", "e", "c")
+    assert figure is not None
+    beside = [row for one in layers(figure, "text") for row in rows_of(figure, one)]
+    assert ("Box resting on an incline", "Bullet", "∅") in {(row["case"], row["engine"], row["symbol"]) for row in beside}
+    newton = [row for row in beside if row["engine"] == "Newton"]
+    assert len(newton) == 2 * len(CASES)
+
+
+def test_no_chart_is_drawn_of_nothing(store: Store) -> None:
+    rows = answers(store)
+    assert error_by_step(store, rows.iloc[:0], "any", "e", "m") is None
+    assert error_by_cost(store, rows[rows["engine"] == "newton"], "any", "e", "m") is None
+
+
+def test_the_static_picture_is_whole_xml_without_a_script(store: Store) -> None:
+    rows = answers(store)
+    figure = error_by_step(store, rows[rows["case"] == BAD_CASE], "any", "</svg><script>", "m")
+    assert figure is not None
+    tree = ElementTree.fromstring(figure.svg)
+    names = {node.tag.rpartition("}")[2].lower() for node in tree.iter()}
+    assert "path" in names
+    assert not names & {"script", "foreignobject", "a", "image", "iframe"}
+    assert not [key for node in tree.iter() for key in node.attrib if key.lower().startswith("on")]
+
+
+def test_thinning_keeps_the_extremes_and_the_limit() -> None:
+    rows = [{"x": float(k), "y": float(k % 97)} for k in range(10_000)]
+    rows[5_000]["y"] = 1e9
+    rows[7_000]["y"] = -1e9
+    kept = thin(rows, "x", "y")
+    assert len(kept) <= POINTS
+    assert rows[5_000] in kept
+    assert rows[7_000] in kept
+    assert [row["x"] for row in kept] == sorted(row["x"] for row in kept)
+
+
+def test_a_short_series_is_not_thinned() -> None:
+    rows = [{"x": float(k), "y": 1.0} for k in range(POINTS)]
+    assert thin(rows, "x", "y") == rows
+
+
+@pytest.mark.parametrize(
+    ("numbers", "first", "last"), [([0.3], 0.1, 5.0), ([1e-12, 1.0], 1e-12, 1.0), ([2e-3, 8e-3], 1e-3, 5e-2)]
+)
+def test_ticks_stand_at_round_numbers_around_the_values(numbers: list[float], first: float, last: float) -> None:
+    values = decades(numbers)["values"]
+    assert min(values) == pytest.approx(first)
+    assert max(values) == pytest.approx(last)
+    assert len(values) <= 12
+
+
+def test_the_text_of_a_figure_is_the_same_in_two_builds(store: Store, tmp_path: Path) -> None:
+    again = Store(write_run_folder(tmp_path / "run", hostile=True))
+    texts = []
+    for one in (store, again):
+        rows = answers(one)
+        figure = error_by_cost(one, rows[rows["case"] == "stack_tower"], "any", "e", "m")
+        assert figure is not None
+        texts.append(json.dumps(figure.spec))
+    assert texts[0] == texts[1]

@@ -1,0 +1,145 @@
+"""The builder: what it writes, what it refuses, and that no string of a store becomes markup."""
+
+import csv
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+import reports
+from harness.store import Store, StoreError
+from reports import html
+from reports.page import Page, pages
+from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
+
+
+class Markup(HTMLParser):
+    """The elements and the attributes of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = write_run_folder(tmp_path_factory.mktemp("html") / "run", hostile=True, only=("joint_pendulum", BAD_CASE))
+    return reports.build(folder).parent
+
+
+def test_the_report_has_a_page_for_each_case_and_every_asset_beside_it(report: Path) -> None:
+    names = {path.relative_to(report).as_posix() for path in report.rglob("*") if path.is_file()}
+    assert {"index.html", "method.html", "case-joint_pendulum.html", "trials/joint_pendulum.csv"} <= names
+    assert {"style/report.css", "style/report.js", "style/vega.js"} <= names
+    assert {"charts/overview-error.svg", "charts/case-joint_pendulum-step.svg"} <= names
+    assert len([name for name in names if name.startswith("case-")]) == 2
+
+
+def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report: Path) -> None:
+    scripts = {None: 0, "application/json": 0}
+    for path in sorted(report.glob("*.html")):
+        for tag, attributes in Markup(path.read_text(encoding="utf-8")).elements:
+            assert tag not in {"iframe", "object", "embed", "base", "form", "textarea"}, path.name
+            assert not [name for name in attributes if name.startswith("on")], path.name
+            assert "style" not in attributes, path.name
+            if tag == "script":
+                scripts[attributes.get("type")] += 1
+                assert attributes.get("src") in {"style/vega.js", "style/report.js", None}
+                assert attributes.get("src") or attributes.get("type") == "application/json"
+            if tag in {"img", "link"}:
+                source = attributes.get("src") or attributes.get("href") or ""
+                assert re.match(r"(charts|style)/[\w-]+\.\w+$|data:,$", source), source
+            if (href := attributes.get("href")) is not None and ":" in href:
+                assert href.startswith(("https://example.org", "data:,")), href
+    assert scripts[None] == 2 * 4  # two on each of four pages
+    assert scripts["application/json"] == 6
+
+
+def test_every_page_carries_a_policy_that_lets_nothing_inline_or_remote_run(report: Path) -> None:
+    for path in report.glob("*.html"):
+        metas = [a for tag, a in Markup(path.read_text(encoding="utf-8")).elements if tag == "meta"]
+        (policy,) = [a["content"] for a in metas if a.get("http-equiv") == "Content-Security-Policy"]
+        assert policy is not None
+        assert "default-src 'none'" in policy
+        assert "unsafe" not in policy
+        assert "http" not in policy
+
+
+def test_no_address_of_a_network_stands_in_what_a_page_loads(report: Path) -> None:
+    for name in ("report.css", "report.js"):
+        text = (report / "style" / name).read_text(encoding="utf-8")
+        assert not re.search(r"https?:|//[a-z]+\.|@import|url\(", text), name
+
+
+def test_direction_marks_and_escapes_reach_no_page(report: Path) -> None:
+    for path in report.rglob("*.*"):
+        if path.suffix in (".html", ".svg"):
+            text = path.read_text(encoding="utf-8")
+            assert "\u202e" not in text, path.name
+            assert "\x1b" not in text, path.name
+
+
+def test_the_csv_holds_every_trial_and_no_formula(report: Path) -> None:
+    (path,) = [path for path in (report / "trials").iterdir() if path.name.startswith("bad")]
+    csv.field_size_limit(10_000_000)
+    rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines(keepends=True)))
+    assert len(rows) == 1 + len(HOSTILE)
+    assert len({len(row) for row in rows}) == 1
+    assert not [cell for row in rows for cell in row if cell.startswith(("=", "+", "@"))]
+
+
+def test_a_second_build_replaces_the_first_and_leaves_no_draft(report: Path) -> None:
+    folder = report.parent
+    (report / "stale.html").write_text("old")
+    before = (report / "index.html").read_bytes()
+    reports.build(folder)
+    assert (report / "index.html").read_bytes() == before
+    assert not (report / "stale.html").exists()
+    assert not [path for path in folder.iterdir() if path.name.startswith(".report")]
+
+
+def test_a_page_that_fails_leaves_the_old_report_untouched(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = (report / "index.html").read_bytes()
+
+    def broken(_: Store) -> dict[str, str]:
+        raise RuntimeError("no page")
+
+    monkeypatch.setattr(html, "pages", lambda: (*pages(), Page(name="x", title="X", order=99, render=broken)))
+    with pytest.raises(RuntimeError, match="no page"):
+        reports.build(report.parent)
+    assert (report / "index.html").read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["../index.html", "/etc/passwd", "a/b/c.html", "x.exe", "index.html", ".hidden.html"])
+def test_a_page_cannot_write_outside_the_report_nor_over_another(
+    report: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    page = Page(
+        name="x", title="X", order=-1, render=lambda _: {"index.html": "", name: ""} if name != "index.html" else {name: ""}
+    )
+    monkeypatch.setattr(html, "pages", lambda: (page, *[one for one in pages() if one.name == "index"]))
+    with pytest.raises(ValueError, match=r"expected a plain name|written twice"):
+        html.rendered(Store(report.parent))
+
+
+def test_pages_are_found_by_walking_the_folder_and_stand_in_their_order() -> None:
+    folder = Path(reports.__file__).parent / "pages"
+    assert {page.name for page in pages()} >= {path.stem for path in folder.glob("[!_]*.py")}
+    assert [page.order for page in pages()] == sorted(page.order for page in pages())
+
+
+def test_a_folder_without_a_run_is_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match=re.escape(str(tmp_path))):
+        reports.build(tmp_path)
+
+
+def test_importing_reports_loads_no_chart_library() -> None:
+    code = "import reports, sys; sys.exit(any(m in sys.modules for m in ('altair', 'vl_convert', 'jinja2', 'pandas')))"
+    assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path(reports.__file__).parents[1]).returncode == 0

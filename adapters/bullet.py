@@ -85,7 +85,7 @@ PLANE_WIDTH = 1000.0
 """Side [m] of the square that stands for a plane in images."""
 NEAR, FAR = 0.05, 100.0
 """The range [m] of depth images: TinyRenderer's buffer is single precision, so a wider one would cost resolution."""
-LIFTED = 1e10
+LIFTED = 1e30
 """A velocity limit [m/s, rad/s] and a force limit [N] that nothing reaches."""
 OPTIONS: Mapping[str, tuple[type, ...]] = {
     "coordinates": (str,),
@@ -1566,7 +1566,7 @@ ADAPTER = BulletAdapter(
         "springs and drives are explicit torques, evaluated by the adapter at the start of each (sub)step",
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",
         "contact forces are those of the last (sub)step",
-        "rays and images are taken in a second world of the same shapes at the present poses; rays miss by millimetres when grazing",
+        "rays and images are taken in a second world of the same shapes at the present poses; grazing rays miss by millimetres",
         "a rotation of more than pi/4 in one (sub)step is cut to pi/4, the angular velocity stays",
         "hulls in compounds and on links are 1 mm thicker (collision margin); in compounds they have single precision",
         "rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP)",

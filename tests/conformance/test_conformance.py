@@ -1,6 +1,7 @@
 """Every built-in adapter keeps the contract, and the kit itself serves a third party's engine."""
 
 import ast
+import re
 from collections import Counter
 from dataclasses import replace
 

@@ -1,6 +1,7 @@
 """Engines broken in exactly one way are caught by the check that names the fault, and sound ones are not."""
 
 import fnmatch
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from harness.adapter import Adapter
 from harness.conformance import CHECKS, CONTROLS, Control, noise_axes_are_independent, run_check
 from harness.conformance.faults import Rewritten, Wrapped, plant
+from harness.scene import AxisNoise
+from harness.sensors.imu_noise import three_axes
 from harness.trajectory import Trajectory
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 

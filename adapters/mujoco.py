@@ -16,7 +16,7 @@ Deviations:
   that family (about .03) is `Unsupported`; e = 0 keeps the usual contact, which does not rebound. The law is exact for one
   point between a free body and a fixed one, and approximate where several contacts share a body.
 * Friction with restitution needs the elliptic cone, whatever the track: a pyramid mixes the rebound into the friction. On
-  the cone a slip still bends the rebound, by up to 18 % where the slip is fast; the friction itself stays mu times the normal force.
+  the cone a slip still bends the rebound, by up to 18 % where the slip is fast; friction stays mu times the normal force.
 * Sliding, torsional and rolling friction share one cone, so that each takes from the others; a coefficient below 1e-5 counts as
   1e-5 where another one is above zero.
 * The gyroscopic term is part of the bias force and cannot be switched off.
@@ -1264,15 +1264,15 @@ ADAPTER = MujocoAdapter(
                 "cone": "elliptic",
                 "impratio": 10.0,
                 "contact_steps": 20.0,
-                "contact_damping_ratio": 2.0,
+                "contact_damping_ratio": 1.2,
                 "contact_impedance": 0.999,
                 "loop_steps": 2.0,
                 "loop_impedance": 0.999,
             },
             source=(
-                "MuJoCo documentation: 'Modeling', preventing slip (elliptic cone, impratio above 1) and solver parameters (time "
-                "constant at least twice the time step; 20 steps at damping ratio 2 measured here: stiffer contacts lift what "
-                "slides, less damped ones rebound); 'Computation', numerical integration (RK4 for smooth scenes, implicitfast "
+                "MuJoCo documentation: 'Modeling', preventing slip (elliptic cone, impratio above 1) and solver parameters "
+                "(time constant at least twice the time step; measured here: below 20 steps contacts lift what slides, below "
+                "damping ratio 1.2 they rebound); 'Computation', numerical integration (RK4 for smooth scenes, implicitfast "
                 "otherwise); change log of 4.0.1 (sparse factor of 4.0.0: dense Jacobian)"
             ),
         ),

@@ -587,13 +587,18 @@ def test_only_the_effects_called_for_are_on_and_the_rest_is_named() -> None:
     assert _state(simulation, slippery).v_WB[1, 0] == pytest.approx(1.0, abs=1e-12)
 
 
-def test_by_scene_takes_rk4_for_smooth_scenes_and_an_implicit_one_for_contacts_and_stiff_drives() -> None:
+def test_by_scene_the_integrator_follows_contacts_and_stiffness() -> None:
     body = Body(name="b", inertia=principal_inertia(0.1, 0.1, 0.1))
-    assert _build(Scene(bodies=(body,)), TUNED).resolved.integrator == "rk4"
-    assert _build(_stack(1), TUNED).resolved.integrator == "implicitfast"
     stiff = Scene(bodies=(body,), joints=(_hinge("j", WORLD, "b", (0, 0, 0), drive=Drive(stiffness=1e5)),))
+    box = _shaped("b", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.1))
+    for e, name in ((0.0, "discrete"), (0.5, "implicitfast")):
+        assert _build(replace(_on_ground(box, e=e), joints=stiff.joints), TUNED).resolved.integrator == name
+    assert _build(Scene(bodies=(body,)), TUNED).resolved.integrator == "rk4"
+    assert _build(_stack(1), TUNED).resolved.integrator == "euler"
     assert _build(stiff, TUNED).resolved.integrator == "implicitfast"
     assert _build(stiff, DEFAULT).resolved.integrator == "euler"
+    with pytest.raises(Unsupported, match="discrete integrator"):
+        _build(_on_ground(box, e=0.5), replace(TUNED, integrator="discrete"))
 
 
 def test_settings_out_of_range_name_field_value_and_expectation() -> None:

@@ -81,6 +81,8 @@ RAY_BATCH = 16_000
 """Rays in one call; beyond 16383 the binding drops rays in silence."""
 GREATEST_FRICTION = 10.0
 """btManifoldResult clamps every combined coefficient to this."""
+MOST_COORDINATES = 128
+"""Of one multibody, base included (MAX_DEGREE_OF_FREEDOM of SharedMemoryCommands.h); beyond, states are cut in silence."""
 PLANE_WIDTH = 1000.0
 """Side [m] of the square that stands for a plane in images."""
 NEAR, FAR = 0.05, 100.0
@@ -446,6 +448,14 @@ class _Port:
         return getattr(self.bullet, name)(*arguments, **named, physicsClientId=self.client)
 
 
+def _connected(bullet: Any) -> _Port:
+    """A new private world. Raises: Unavailable."""
+    client = bullet.connect(bullet.DIRECT)
+    if client < 0:
+        raise Unavailable("pybullet has no room for another world (1024 in one process); close some simulations")
+    return _Port(bullet, client)
+
+
 def _write_mesh(path: Path, vertices: Iterable[Vector3], faces: Iterable[Sequence[int]]) -> str:
     """An OBJ file of a mesh; returns its name."""
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices]
@@ -689,15 +699,15 @@ class _Assembly:
     """What the builder made: Bullet's numbers of the bodies by their places in the scene.
 
     Terms:
-        bases: (place, number) of bodies that are bases. linked: number -> places of links. fixed_bases: numbers of multibodies
-        held by the world. actuators: number -> springs and drives. prescribed: (place, number) of kinematic bodies.
+        bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
+        drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
         address: (number, link) -> place. q_IB (n, 4): turns I against B.
     """
 
     bases: tuple[tuple[int, int], ...]
     linked: Mapping[int, tuple[int, ...]]
     actuators: Mapping[int, tuple[_Actuator, ...]]
-    prescribed: tuple[tuple[int, int], ...]
+    prescribed: tuple[tuple[int, int, Vector3], ...]
     address: Mapping[tuple[int, int], int]
     q_IB: Floats
 
@@ -739,14 +749,11 @@ class _Simulation:
     def _act(self) -> None:
         """Prescribe velocities, apply springs, drives and wrenches for the coming (sub)step."""
         p, client = self._port.bullet, self._port.client
-        gravity = self._gravity()
-        for place, number in self._made.prescribed:
+        for place, number, weight in self._made.prescribed:
             body = self._scene.bodies[place]
             position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
             p.resetBaseVelocity(number, body.v_WB, body.w_WB, physicsClientId=client)
-            weight = p.getDynamicsInfo(number, -1, physicsClientId=client)[0]
-            lift = [-weight * g for g in gravity]
-            p.applyExternalForce(number, -1, lift, position, p.WORLD_FRAME, physicsClientId=client)
+            p.applyExternalForce(number, -1, weight, position, p.WORLD_FRAME, physicsClientId=client)
         for number, actuators in self._made.actuators.items():
             links = [a.link for a in actuators]
             states = p.getJointStates(number, links, physicsClientId=client)
@@ -759,9 +766,6 @@ class _Simulation:
                 position = p.getLinkState(number, link, computeForwardKinematics=1, physicsClientId=client)[0]
             p.applyExternalForce(number, link, force, position, p.WORLD_FRAME, physicsClientId=client)
             p.applyExternalTorque(number, link, torque, p.WORLD_FRAME, physicsClientId=client)
-
-    def _gravity(self) -> Vector3:
-        return self._scene.gravity if Effect.GRAVITY in self._scene.effects else (0.0, 0.0, 0.0)
 
     def _check(self) -> None:
         """Are all velocities finite? Bullet never says so itself."""
@@ -890,7 +894,7 @@ class _Twin:
     @classmethod
     def of(cls, bullet: Any, scene: Scene, margin: float) -> "_Twin":
         """All bodies of the scene at their initial poses."""
-        port = _Port(bullet, bullet.connect(bullet.DIRECT))
+        port = _connected(bullet)
         parts: list[tuple[int, int, Vector3, Quaternion]] = []
         for place, body in enumerate(scene.bodies):
             solids = [(placed, _single_shape(port, placed.shape, (0.0, 0.0, 0.0), IDENTITY), -1) for placed in body.collision]
@@ -1013,7 +1017,8 @@ class _Builder:
         self.bases: list[tuple[int, int]] = []
         self.linked: dict[int, tuple[int, ...]] = {}
         self.actuators: dict[int, tuple[_Actuator, ...]] = {}
-        self.prescribed: list[tuple[int, int]] = []
+        self.prescribed: list[tuple[int, int, Vector3]] = []
+        self.gravity: Vector3 = scene.gravity if Effect.GRAVITY in self.effects else (0.0, 0.0, 0.0)
         self.address: dict[tuple[int, int], int] = {}
         self.notices: list[str] = []
         self.loose: list[int] = []
@@ -1042,8 +1047,7 @@ class _Builder:
         for tree in trees:
             if tree.links or tree.closures:
                 self._multibody(tree)
-        if Effect.GRAVITY in self.effects:
-            self.port.call("setGravity", *self.scene.gravity)
+        self.port.call("setGravity", *self.gravity)
         self._filter()
         self._surplus()
         q_IB = np.array([_conjugate(q) for _, q in self.principal])
@@ -1185,7 +1189,8 @@ class _Builder:
         self._whole(number, place, maximal)
         self.port.call("resetBaseVelocity", number, body.v_WB, body.w_WB)
         if body.motion == "kinematic":
-            self.prescribed.append((place, number))
+            x, y, z = (-self._mass(place) * g for g in self.gravity)
+            self.prescribed.append((place, number, (x, y, z)))
 
     def _mass(self, place: int) -> float:
         body = self.scene.bodies[place]
@@ -1245,6 +1250,11 @@ class _Builder:
         scene, bullet = self.scene, self.port.bullet
         if Effect.CONTINUOUS_COLLISION in self.effects and self.solid:
             raise Unsupported("continuous collision of joined bodies", "Bullet sweeps bodies in maximal coordinates alone")
+        coordinates = 7 + sum({"fixed": 0, "ball": 4}.get(link.joint.type, 1) for link in tree.links)
+        if coordinates > MOST_COORDINATES:
+            raise Unsupported(
+                f"a tree of {len(tree.links)} joints", f"pybullet keeps {MOST_COORDINATES} coordinates of a multibody"
+            )
         origins: list[tuple[Vector3, Quaternion]] = []
         columns: dict[str, list[Any]] = {name: [] for name in _LINK_COLUMNS}
         base = ((0.0, 0.0, 0.0), IDENTITY) if tree.base is None else (scene.bodies[tree.base].p_WB, self._q_WI(tree.base))
@@ -1416,14 +1426,9 @@ class _Builder:
             return
         by_name = {self.scene.bodies[place].name: key for key, place in self.address.items()}
         apart = {tuple(sorted(pair)) for pair in self.scene.joined() if WORLD not in pair}
-        fixed = [b.name for b in self.scene.bodies if b.motion != "dynamic"]
-        apart |= {
-            tuple(sorted((a, b)))
-            for a in fixed
-            for b in fixed
-            if a < b and self.scene.body(a).motion != self.scene.body(b).motion
-        }
-        apart |= {(a, b) for a in fixed for b in fixed if a < b and self.scene.body(a).motion == "kinematic"}
+        still = [b.name for b in self.scene.bodies if b.motion != "dynamic"]
+        prescribed = [b.name for b in self.scene.bodies if b.motion == "kinematic"]
+        apart |= {tuple(sorted((a, b))) for a in prescribed for b in still if a != b}
         for a, b in sorted(apart):
             if a in by_name and b in by_name:
                 (first, i), (second, j) = by_name[a], by_name[b]
@@ -1494,7 +1499,7 @@ class BulletAdapter(Adapter):
         """Exactly this scene in a private world. Raises: Unsupported, Unavailable, SettingsError."""
         options = _checked(settings)
         bullet = _bullet()
-        port = _Port(bullet, bullet.connect(bullet.DIRECT))
+        port = _connected(bullet)
         try:
             return _Builder(port, scene, settings, options).build()
         except BaseException:

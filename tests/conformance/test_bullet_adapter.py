@@ -76,6 +76,11 @@ def state_of(simulation: Simulation, scene: Scene) -> State:
     return state
 
 
+def vector(numbers: Any) -> tuple[float, float, float]:
+    x, y, z = (float(c) for c in numbers)
+    return (x, y, z)
+
+
 def tensor(*moments: float) -> Any:
     """A tensor with these principal moments about axes that no axis of B lies along: all products count."""
     R = rotation(axis_angle((3.0, 1.0, 2.0), 0.8))
@@ -162,22 +167,20 @@ def chain(reverse: bool) -> Scene:
             mass=1.0 + k / 4,
             inertia=tensor(0.3, 0.5, 0.6),
             q_WB=axis_angle((1.0, k, 2.0), 0.4 * k),
-            p_WB=at[name],
-            v_WB=v,
-            w_WB=w,
+            p_WB=vector(at[name]),
+            v_WB=vector(v),
+            w_WB=vector(w),
         )
         for k, (name, (v, w)) in enumerate(motion.items())
     }
 
-    def ends(a: str, b: str) -> dict[str, str]:
-        return {"parent": b, "child": a} if reverse else {"parent": a, "child": b}
-
-    joints = (
-        Revolute(name="pin", **ends("A", "B"), anchor_W=pin, axis_W=(0.0, 0.6, 0.8)),
-        Ball(name="cup", **ends("B", "C"), anchor_W=cup),
-        Prismatic(name="slide", **ends("C", "D"), anchor_W=(1.7, 0.3, 0.5), axis_W=axis),
-        Fixed(name="weld", **ends("D", "E")),
+    forwards: tuple[Joint, ...] = (
+        Revolute(name="pin", parent="A", child="B", anchor_W=vector(pin), axis_W=(0.0, 0.6, 0.8)),
+        Ball(name="cup", parent="B", child="C", anchor_W=vector(cup)),
+        Prismatic(name="slide", parent="C", child="D", anchor_W=(1.7, 0.3, 0.5), axis_W=vector(axis)),
+        Fixed(name="weld", parent="D", child="E"),
     )
+    joints = tuple(replace(j, parent=j.child, child=j.parent) for j in forwards) if reverse else forwards
     return Scene(bodies=tuple(bodies[name] for name in "CAEDB"), joints=joints, gravity=NOWHERE)
 
 
@@ -238,6 +241,28 @@ def test_a_pendulum_keeps_its_energy_on_tuned(kind: str) -> None:
     assert np.abs(energies).max() < 0.1
     # A damping of 0.04 1/s would take more than 4 J in these 5 s.
     assert np.mean(energies[-20:]) > -0.1
+
+
+@pytest.mark.parametrize("ends", [("a", "c"), ("a", "b")], ids=["unjoined links", "joined links that may collide"])
+def test_links_of_one_tree_collide_unless_their_joint_forbids_it(ends: tuple[str, str]) -> None:
+    """Two overlapping balls in a tree: they are pushed apart exactly if the scene lets them touch."""
+    names, places = ("a", "b", "c"), {"a": 0.0, "b": 5.0, "c": 5.0} | dict(zip(ends, (0.0, 0.15), strict=True))
+    bodies = tuple(ball(name=name, p_WB=(places[name], 0.0, 0.0)) for name in names)
+    for collide in (True, False):
+        joints = tuple(
+            Prismatic(
+                name=p + c, parent=p, child=c, anchor_W=NOWHERE, axis_W=(1.0, 0.0, 0.0), collide=collide and (p, c) == ends
+            )
+            for p, c in (("a", "b"), ("b", "c"))
+        )
+        scene = Scene(bodies=bodies, joints=joints, surfaces=(law(pair=("solid", "solid")),), gravity=NOWHERE)
+        with built(scene, TUNED) as simulation:
+            simulation.step(120)
+            got = state_of(simulation, scene).p_WB[:, 0]
+        gap = abs(got[names.index(ends[0])] - got[names.index(ends[1])])
+        touching = collide or ends == ("a", "c")
+        # What pushes them apart may leave them flying.
+        assert gap > 0.199 if touching else gap == pytest.approx(0.15, abs=1e-12)
 
 
 def test_a_four_bar_loop_stays_closed_and_keeps_its_energy() -> None:
@@ -416,13 +441,13 @@ def test_products_of_numbers_give_each_pair_its_value_or_the_pair_is_named() -> 
     a, b = boxes[0], replace(boxes[1], material="rubber")
     pairs = {("ground", "solid"): 0.3, ("ground", "rubber"): 0.9, ("rubber", "solid"): 0.6}
     scene = Scene(bodies=(GROUND, a, b), surfaces=tuple(law(mu, pair=pair) for pair, mu in pairs.items()))
-    # Three unknowns, three pairs: solvable. A self-pair of ice on top has no number left.
+    # Three unknowns, three pairs: solvable. A fourth pair of no friction asks for a zero where none may be.
     ADAPTER.build(scene, TUNED).close()
     twin = replace(a, name="twin", p_WB=(3.0, 0.0, 0.05))
     with pytest.raises(Unsupported, match=r"surface .* multiplies the friction"):
         ADAPTER.build(Scene(bodies=(*scene.bodies, twin), surfaces=(*scene.surfaces, law(0.0, pair=("solid", "solid")))), TUNED)
+    sticky = Surface(between=("ground", "solid"), static_friction=0.6, kinetic_friction=0.4)
     with pytest.raises(Unsupported, match="static and kinetic"):
-        sticky = Surface(between=("ground", "solid"), static_friction=0.6, kinetic_friction=0.4)
         ADAPTER.build(Scene(bodies=(GROUND, a), surfaces=(sticky,)), TUNED)
     with pytest.raises(Unsupported, match="clamps friction"):
         ADAPTER.build(Scene(bodies=(GROUND, a), surfaces=(law(20.0),)), TUNED)
@@ -602,7 +627,8 @@ def test_options_are_checked_and_resolved_settings_are_complete() -> None:
             ADAPTER.build(scene, with_options(TUNED, **options))
     with built(scene, replace(DEFAULT, substeps=4, dt=0.01)) as simulation:
         resolved = simulation.resolved
-    assert (resolved.dt, resolved.substeps, resolved.iterations) == (pytest.approx(0.01, rel=1e-12), 4, 50)
+    assert resolved.dt == pytest.approx(0.01, rel=1e-12)
+    assert (resolved.substeps, resolved.iterations) == (4, 50)
     assert resolved.options["restitution_threshold"] == 0.2
 
 

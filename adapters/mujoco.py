@@ -14,7 +14,8 @@ Deviations:
   for, on the discrete recursion that the engine steps, so that the mean rebound over all phases of the step is e; single
   rebounds scatter by the phase (about .02 at e = .5) and the body sinks in by about 3 v dt. An e > 0 below the least rebound of
   that family (about .03) is `Unsupported`; e = 0 keeps the usual contact, which does not rebound. The law is exact for one
-  point between a free body and a fixed one, and approximate where several contacts share a body.
+  point between a free body and a fixed one, and approximate where several contacts share a body. The discrete integrator
+  damps every rebound: `Unsupported`.
 * Friction with restitution needs the elliptic cone, whatever the track: a pyramid mixes the rebound into the friction. On
   the cone a slip still bends the rebound, by up to 18 % where the slip is fast; friction stays mu times the normal force.
 * Sliding, torsional and rolling friction share one cone, so that each takes from the others; a coefficient below 1e-5 counts as
@@ -1282,7 +1283,7 @@ ADAPTER = MujocoAdapter(
             source=(
                 "MuJoCo documentation: 'Modeling', preventing slip (elliptic cone, impratio above 1) and solver parameters "
                 "(time constant at least twice the time step; measured here: below 20 steps contacts lift what slides, below "
-                "damping ratio 1.2 they rebound); 'Computation', numerical integration (RK4 for smooth scenes, implicit ones for "
+                "damping ratio 1.2 they rebound); 'Computation', numerical integration (RK4 for smooth scenes, implicit for "
                 "stiff drives; measured here: implicitfast jitters in contact where Euler rests); change log of 4.0.1 (sparse "
                 "factor of 4.0.0: dense Jacobian)"
             ),

@@ -99,6 +99,7 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
 def _resolved(settings: Settings, used: "engine.Options") -> Settings:
     """What the engine uses, defaults filled in."""
     filled = {name: getattr(used, name) for name in OPTIONS}
+    filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
     return replace(
         settings,
         substeps=used.substeps,
@@ -340,9 +341,8 @@ ADAPTER = _Reference(
             substeps=8,
             iterations=2,
             integrator="rk4",
-            options={"contact_hertz": 480.0},
-            source="Hairer, Norsett, Wanner I, section II.1 (order four for smooth motion); Catto, Solver2D, 2024 (stiffness a "
-            "quarter of the sub-step's rate)",
+            source="Hairer, Norsett, Wanner I, section II.1 (order four for smooth motion); Catto, Solver2D, 2024 (more "
+            "sub-steps rather than more iterations)",
         ),
     },
     knobs={

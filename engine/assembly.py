@@ -128,7 +128,8 @@ def assemble_world(
     setting = float_table(floats, ints, at.SETTING)[0]
     setting[at.DT] = options.dt
     setting[at.GRAVITY : at.GRAVITY + 3] = finite("world", "gravity", gravity, (3,), "m/s2")
-    setting[at.HERTZ], setting[at.DAMPING_RATIO] = options.contact_hertz, options.contact_damping_ratio
+    hertz = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
+    setting[at.HERTZ], setting[at.DAMPING_RATIO] = hertz, options.contact_damping_ratio
     setting[at.MAX_PUSH], setting[at.MARGIN] = options.max_push, options.margin
     setting[at.BOUNCE_SPEED] = -1.0 if options.bounce_speed is None else options.bounce_speed
     count = int_table(ints, at.COUNT)[0]

@@ -17,8 +17,8 @@ class Options:
 
     Terms:
         dt [s]; substeps per dt of contacts and of semi-implicit Euler; iterations: sweeps with the position error; relaxations:
-        sweeps without it; integrator: of bodies that no contact touches; contact_hertz [Hz] and contact_damping_ratio of the
-        soft contact; max_push [m/s]: fastest correction of penetration; bounce_speed [m/s]: slower approaches do not bounce
+        sweeps without it; integrator: of bodies that no contact touches; contact_hertz [Hz] (None: as stiff as
+        a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest correction of penetration; bounce_speed [m/s]: slower approaches do not bounce
         (None: four times what gravity gives in a sub-step); margin [m]: contacts are made at least this far ahead; contacts,
         gyroscopic, continuous: whether these effects are simulated.
     """
@@ -29,8 +29,8 @@ class Options:
     relaxations: int = 1
     integrator: str = "semi_implicit_euler"
     broad_phase: str = "sweep_and_prune"
-    contact_hertz: float = 240.0
-    contact_damping_ratio: float = 5.0
+    contact_hertz: float | None = None
+    contact_damping_ratio: float = 10.0
     max_push: float = 3.0
     bounce_speed: float | None = None
     margin: float = 1e-3
@@ -49,9 +49,15 @@ class Options:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
         if self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
-        positive("options", "contact_hertz", self.contact_hertz, "Hz")
+        if self.contact_hertz is not None:
+            positive("options", "contact_hertz", self.contact_hertz, "Hz")
         not_negative("options", "contact_damping_ratio", self.contact_damping_ratio, "")
         positive("options", "max_push", self.max_push, "m/s")
         not_negative("options", "margin", self.margin, "m")
         if self.bounce_speed is not None and not (math.isfinite(self.bounce_speed) and self.bounce_speed >= 0):
             raise ValueError(f"options: bounce_speed {self.bounce_speed} m/s, expected at least 0")
+
+    @property
+    def stiffest_hertz(self) -> float:
+        """The highest frequency [Hz] of a contact that a sub-step resolves."""
+        return 0.25 * self.substeps / self.dt

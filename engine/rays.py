@@ -204,7 +204,7 @@ def cast_rays(
                 t, n = ray_cylinder(lo, ld, shape[s, SIZE], shape[s, SIZE + 1])
             elif kind == PLANE:
                 t, n = ray_plane(lo, ld)
-            if t <= best and (t < best or hit_shape < 0):
+            if t < MISS and (t < best or (t == best and hit_shape < 0)):
                 best, facing, hit_shape = t, mat_vec(m, n), s
         distance[0, r] = best if hit_shape >= 0 else math.inf
         store3(normal, r, 0, facing if hit_shape >= 0 else (0.0, 0.0, 0.0))

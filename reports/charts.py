@@ -177,8 +177,9 @@ def finished(layers: Sequence[Any], height: int) -> Row:
     spec["config"] = {
         "legend": {
             "orient": "bottom",
-            "columns": 4,
+            "columns": 3,
             "symbolSize": 90,
+            "labelLimit": 240,
             "layout": {"bottom": {"direction": "vertical", "margin": 4}},
         }
     }
@@ -275,7 +276,7 @@ class Marks:
 def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, title: str, caption: str) -> Figure | None:
     """One row a case, one mark an engine: the median of a column of its trials, on a logarithmic axis.
 
-    What has no number stands as its outcome right of the frame.
+    Exact answers stand on the left edge; what has no number stands as its outcome right of the frame.
     """
     import altair as alt
 
@@ -296,6 +297,8 @@ def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, ti
     axis = alt.Axis(grid=True, labelLimit=170, ticks=False)
     y = alt.Y("case:N", title=None, scale=alt.Scale(domain=labelled), axis=axis)
     layers = [chart(merged).mark_point(**POINT).encode(x=x, y=y, **style.channels())]
+    if exact := [row for row in silent if row["edge"] == "exact" and field == "error"]:
+        layers.append(chart(exact).mark_point(**POINT).encode(x=alt.value(0), y=y, **style.channels()))
     shown: Row = {"text": alt.Text("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
     beside = list(grouped((row for row in silent if not answered(row, field)), ("case",)).values())
     for place in range(max(map(len, beside), default=0)):

@@ -8,13 +8,16 @@ import numpy as np
 import pandas as pd
 
 from reports.answers import answers, at_own_step
-from reports.contents import engines, tracks
+from reports.contents import cases, engines, tracks
 from reports.verdict import totals
 
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["Glance", "glances", "shared_cases"]
+__all__ = ["EXACT", "Glance", "glances", "shared_cases"]
+
+EXACT = 1e-6
+"""Share of a case's scale below which an error counts as this share: a ratio of two rounding errors says nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,8 +26,8 @@ class Glance:
 
     Terms:
         counts: status to trials. relative_cost [1]: geometric mean over the shared cases of its CPU time over the cheapest
-        engine's; relative_error [1]: likewise for the headline error. shared: the number of those cases. best: cases in which
-        its headline error is the smallest. None where it cannot be computed.
+        engine's; relative_error [1]: likewise for the headline error, not below `EXACT`. shared: the number of those cases.
+        best: cases in which its headline error is the smallest. None where it cannot be computed.
     """
 
     engine: str
@@ -72,8 +75,10 @@ def glances(store: "Store") -> list[Glance]:
     own, counts = at_own_step(store, rows), totals(store)
     for track in tracks(store):
         part = own[own["track"] == track]
-        errors, costs = table(part, "error"), table(part.assign(cpu=part["cpu_per_sim_s"]), "cpu")
-        even, priced = (shared_cases(frame, regular(frame, engines(store))) for frame in (errors, costs))
+        errors, costs = table(part, "error"), table(part, "cpu_per_sim_s")
+        scales = pd.Series({name: case["scale"] or 1.0 for name, case in cases(store).items()}, dtype=np.float64)
+        notable = errors.div(scales.reindex(errors.index), axis=0).clip(lower=EXACT)
+        even, priced = (shared_cases(frame, regular(frame, engines(store))) for frame in (notable, costs))
         by_error, by_cost = ratios(even), ratios(priced)
         winners = errors.dropna(how="all").idxmin(axis=1) if not errors.empty else pd.Series(dtype=object)
         for engine in engines(store):

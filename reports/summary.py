@@ -85,10 +85,11 @@ def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[s
         gained = sum(bool(d and t and d.worst.name != "passed" and t.worst.name == "passed") for d, t in pairs)
         lost = sum(bool(d and t and d.worst.name == "passed" and t.worst.name != "passed") for d, t in pairs)
         if gained or lost:
-            changed.append(f"{engine['title']} gains {gained}" + (f" and loses {lost}" if lost else ""))
+            told = [f"{verb} {count}" for verb, count in (("gains", gained), ("loses", lost)) if count]
+            changed.append(f"{engine['title']} {' and '.join(told)}")
     if not changed:
         return ["Tuning changes no case from not passed to passed, on any engine."]
-    return [f"Cases that pass in full once an engine is tuned, against its defaults: {join_words(changed)}."]
+    return [f"Cases that pass in full once an engine is tuned, against its defaults: {'; '.join(changed)}."]
 
 
 def extremes(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:

@@ -31,7 +31,7 @@ def render(store: "Store") -> Mapping[str, str]:
     names = list(known)
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
     for place, name in enumerate(names):
-        case, mine = known[name], rows[rows["case"] == name]
+        case, mine = known[name], in_order(rows[rows["case"] == name], sides)
         measured = store.measurements[store.measurements["trial"].isin(mine["trial"])]
         values: dict[str, dict[str, Any]] = {}
         for row in measured.to_dict("records"):
@@ -64,6 +64,16 @@ def render(store: "Store") -> Mapping[str, str]:
             view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
         )
     return files
+
+
+def in_order(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> pd.DataFrame:
+    """Engine by engine, track by track, from coarse to fine."""
+    place = [sides.index(side) for side in zip(rows["engine"], rows["track"], strict=True)]
+    return (
+        rows.assign(place=place)
+        .sort_values(["place", "dt", "seed"], ascending=[True, False, True], kind="stable")
+        .drop(columns="place")
+    )
 
 
 def is_file(path: Any) -> bool:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from reports.answers import answers, at_own_step
 from reports.charts import across_cases
-from reports.contents import cases, families, tracks
+from reports.contents import cases, engines, families, tracks
 from reports.glance import glances
 from reports.page import Page
 from reports.summary import sentences
@@ -19,7 +19,8 @@ __all__ = ["PAGE"]
 
 ERRORS = (
     "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale: "
-    "left is better. Filled is tuned, open the vendor's defaults. Trials without a number stand at the right, as outcomes."
+    "left is better. Filled is tuned, open the vendor's defaults. "
+    "Exact answers stand on the left edge, trials without a number at the right as outcomes."
 )
 COSTS = (
     "CPU time per simulated second at the same trials: left is cheaper; 1 is as fast as the clock on the wall. "
@@ -50,10 +51,19 @@ def render(store: "Store") -> Mapping[str, str]:
         cells=verdicts(store),
         tracks=tracks(store),
         figures=figures,
+        findings={name: by_reason(engine["known_failures"]) for name, engine in engines(store).items()},
         machine=store.machine,
         trials=len(store.trials),
     )
     return {"index.html": page} | {figure.path: figure.svg for figure in figures}
+
+
+def by_reason(known_failures: Mapping[str, str]) -> list[tuple[str, list[str]]]:
+    """Checks that fail for one reason stand together under it."""
+    found: dict[str, list[str]] = {}
+    for check, reason in known_failures.items():
+        found.setdefault(reason, []).append(check)
+    return list(found.items())
 
 
 PAGE = Page(name="index", title="Overview", order=0, render=render)

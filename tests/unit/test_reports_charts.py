@@ -100,6 +100,17 @@ def test_failures_stand_beside_the_charts_across_cases(store: Store) -> None:
     assert len(newton) == 2 * len(CASES)
 
 
+def test_exact_answers_stand_on_the_left_edge_across_cases(store: Store) -> None:
+    rows = answers(store)
+    rows = rows[rows["dt"] == 1 / 1920]
+    figure = across_cases(store, rows, "error", "any", "e", "c")
+    assert figure is not None
+    exact = [one for one in layers(figure, "point") if one["encoding"]["x"] == {"value": 0}]
+    assert {(row["case"], row["engine"]) for one in exact for row in rows_of(figure, one)} == {
+        ("Thrown body", "Plumbline reference (ours)")
+    }
+
+
 def test_no_chart_is_drawn_of_nothing(store: Store) -> None:
     rows = answers(store)
     assert error_by_step(store, rows.iloc[:0], "any", "e", "m") is None

@@ -66,9 +66,21 @@ def _fast_spin_is_not_cut(adapter: Adapter, settings: Settings) -> Finding:
     return judge(near("angle to the exact orientation after ten steps of 1 rad [rad]", behind, 0.0, 1.0, because))
 
 
+def _woken(adapter: Adapter, settings: Settings) -> float:
+    """The speed [m/s] that .05 N give to 1 kg on ice in half a second after it has rested for one."""
+    scene = on_ground(adapter, block(), friction=0.0)
+    push = np.zeros((2, 3))
+    push[1, 0] = 0.05
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        simulation.step(round(1 / COARSE))
+        simulation.wrench(push, np.zeros((2, 3)))
+        simulation.step(round(0.5 / COARSE))
+        return float(state_of(simulation, scene).v_WB[1, 0])
+
+
 def _sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
     """Slow motion in empty space and, where there is ground, slow sliding without friction: both go on for ever."""
-    v, w, t = 0.01, 0.02, 3.0
+    v, w, t = 0.005, 0.02, 3.0
     end = final(adapter, without_gravity(free(v=(v, 0.0, 0.0), w=(0.0, 0.0, w))), settings.with_dt(COARSE), t)
     because = "nothing stops it; an engine that puts slow bodies to sleep does"
     found = [
@@ -80,6 +92,10 @@ def _sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
         scene = on_ground(adapter, block(v=(v, 0.0, 0.0)), friction=0.0)
         slid = final(adapter, scene, settings.with_dt(COARSE), t)
         found.append(near("way of a slow box on ice in 3 s [m]", slid.p_WB[1, 0], v * t, 0.1 * v * t, because))
+    if Feature.BOX | Feature.WRENCH in adapter.features:
+        found.append(
+            near("v_x of a box that rested for 1 s, pushed by .05 N for .5 s [m/s]", _woken(adapter, settings), 0.025, 0.003)
+        )
     return judge(*found)
 
 

@@ -5,7 +5,7 @@ from math import cos, exp, pi, sin, sqrt
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Adapter, Feature, Settings
+from harness.adapter import Adapter, Feature, Settings, Unsupported
 from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
 from harness.conformance.exact import angle_between, rotation
 from harness.conformance.motion import COARSE, FINE, built, final, record, state_of
@@ -203,21 +203,33 @@ def _closed_loop_stays_closed(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
+def _leaves(apart: float, w: float, collide: bool) -> Scene:
+    """Two boxes, one `apart` [m] above the other, on a hinge about y beside their common face; w [rad/s] opens it."""
+    pin_W = (0.4, 0.0, 0.15)
+    below, above = block("below", half=(0.3, 0.1, 0.1), p=_NOWHERE), (0.0, 0.0, 0.2 + apart)
+    turning = _v(np.cross((0.0, w, 0.0), np.subtract(above, pin_W)))
+    leaf = block("above", half=(0.3, 0.1, 0.1), p=above, v=turning, w=(0.0, w, 0.0))
+    pin = Revolute(name="pin", parent="below", child="above", anchor_W=pin_W, axis_W=(0.0, 1.0, 0.0), collide=collide)
+    return Scene(bodies=(below, leaf), joints=(pin,), surfaces=(Surface(between=("block", "block")),), gravity=_NOWHERE)
+
+
 def _joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> Finding:
-    a, b = block("a", half=(0.3, 0.1, 0.1), p=(0.0, 0.0, 0.0)), block("b", half=(0.3, 0.1, 0.1), p=(0.4, 0.0, 0.0))
-    pin = Revolute(name="pin", parent="a", child="b", anchor_W=(0.2, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
-    scene = Scene(bodies=(a, b), joints=(pin,), surfaces=(Surface(between=("block", "block")),), gravity=_NOWHERE)
-    end = final(adapter, scene, settings.with_dt(FINE), 0.1)
+    end = final(adapter, _leaves(-0.005, 0.0, False), settings.with_dt(FINE), 0.1)
+    because = "a joint keeps them from colliding"
     return judge(
-        near(
-            "velocities of two overlapping boxes on one hinge [m/s]",
-            end.v_WB,
-            np.zeros((2, 3)),
-            1e-6,
-            "a joint keeps them from colliding",
-        ),
-        near("their angular velocities [rad/s]", end.w_WB, np.zeros((2, 3)), 1e-6),
+        near("velocities of two overlapping boxes on one hinge [m/s]", end.v_WB, np.zeros((2, 3)), 1e-6, because),
+        near("their angular velocities [rad/s]", end.w_WB, np.zeros((2, 3)), 1e-6, because),
     )
+
+
+def _joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Finding:
+    """The same hinge, closing at .2 rad/s over a gap of 2 mm: the boxes meet and stop, or the engine refuses such a joint."""
+    try:
+        end = final(adapter, _leaves(0.002, -0.2, True), settings.with_dt(FINE), 0.15)
+    except Unsupported as refusal:
+        return Finding("passed", f"refused: {refusal}")
+    rate = float(end.w_WB[1, 1] - end.w_WB[0, 1])
+    return judge(that(rate > -0.05, f"rate of the hinge: got {rate:.4g} rad/s, expected above -.05: the boxes meet and stop"))
 
 
 def _limits_hold(adapter: Adapter, settings: Settings) -> Finding:
@@ -364,6 +376,12 @@ CHECKS = (
         name="joined_bodies_do_not_collide",
         question="Do bodies that a joint keeps from colliding overlap in peace?",
         run=_joined_bodies_do_not_collide,
+        needs=_R | Feature.BOX,
+    ),
+    ConformanceCheck(
+        name="joined_bodies_collide_when_told",
+        question="Do bodies collide whose joint says that they do?",
+        run=_joined_bodies_collide_when_told,
         needs=_R | Feature.BOX,
     ),
     ConformanceCheck(

@@ -9,7 +9,19 @@ import numpy as np
 from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
 from harness.conformance.exact import rotation
 from harness.conformance.faults import Repaired, Rewritten, Wrapped, plant
-from harness.scene import Body, Box, Matrix3, PlacedShape, Prismatic, Revolute, Scene, Sphere, Surface, principal_inertia
+from harness.scene import (
+    Body,
+    Box,
+    Effect,
+    Matrix3,
+    PlacedShape,
+    Prismatic,
+    Revolute,
+    Scene,
+    Sphere,
+    Surface,
+    principal_inertia,
+)
 from harness.trajectory import Contacts, Floats, Hits, State, Trajectory
 
 __all__ = ["CONTROLS", "Control"]
@@ -242,6 +254,102 @@ class _ForgetfulSave(Wrapped):
         """Nowhere."""
 
 
+class _ClosesOnce(Wrapped):
+    """Fails when it is closed a second time."""
+
+    _closed = False
+
+    def close(self) -> None:
+        """As inside, once."""
+        if self._closed:
+            raise RuntimeError("closed twice")
+        self._closed = True
+        self.inner.close()
+
+
+class _Taciturn(Wrapped):
+    """Does not say what the engine uses."""
+
+    @property
+    def resolved(self) -> Settings:
+        """Settings without content."""
+        return Settings()
+
+
+class _NoSpinWritten(Wrapped):
+    """Leaves w as it finds it."""
+
+    def state(self, out: State) -> None:
+        """As inside, without w."""
+        self.inner.state(State(out.p_WB, out.q_WB, out.v_WB, out.w_WB.copy()))
+
+
+class _NanWithoutAWord(Wrapped):
+    """After some steps positions are NaN, and no exception says so."""
+
+    _steps = 0
+
+    def step(self, count: int = 1) -> None:
+        """As inside, counted."""
+        self._steps += count
+        self.inner.step(count)
+
+    def state(self, out: State) -> None:
+        """As inside, NaN after fifty steps."""
+        self.inner.state(out)
+        if self._steps > 50:
+            out.p_WB[:] = np.nan
+
+
+class _OddWarnings(Wrapped):
+    """Declares a surplus that is no effect."""
+
+    def warnings(self) -> tuple[str, ...]:
+        """One odd warning."""
+        return ("surplus: magnetism",)
+
+
+def _unrepeatable(adapter: Adapter) -> Adapter:
+    """Each build starts from another rounding of the same scene."""
+    builds = iter(range(1, 1_000_000_000))
+
+    def nudge(scene: Scene) -> Scene:
+        step = 1e-12 * next(builds)
+        return replace(scene, bodies=tuple(replace(b, p_WB=(b.p_WB[0] + step, *b.p_WB[1:])) for b in scene.bodies))
+
+    return plant(adapter, scene=nudge)
+
+
+def _entangled(adapter: Adapter) -> Adapter:
+    """Stepping one simulation steps all that are open, as one world behind all of them would."""
+    opened: list[Simulation] = []
+
+    class Entangled(Wrapped):
+        def step(self, count: int = 1) -> None:
+            for simulation in opened:
+                simulation.step(count)
+
+        def close(self) -> None:
+            if self.inner in opened:
+                opened.remove(self.inner)
+            self.inner.close()
+
+    def join(inner: Simulation, _: Adapter, scene: Scene, settings: Settings) -> Simulation:
+        opened.append(inner)
+        return Entangled(inner, scene, settings)
+
+    return plant(adapter, simulation=join)
+
+
+def _deaf_to_methods(adapter: Adapter) -> Adapter:
+    """An integrator or solver by an unknown name is replaced by the engine's own without a word."""
+
+    def drop(settings: Settings) -> Settings:
+        return replace(settings, integrator=None, solver=None)
+
+    return plant(adapter, settings=drop)
+
+
 def _damped(inner: Simulation, adapter: Adapter, scene: Scene, settings: Settings) -> Simulation:
     def edit(_: State, after: State, dt: float) -> bool:
         after.v_WB[:] *= 1 - 0.04 * dt
@@ -462,7 +570,7 @@ CONTROLS: tuple[Control, ...] = (
         name="nan_repaired_in_silence",
         fault="a state that is not finite is replaced by the start at rest",
         plant=_with(_repairing),
-        caught_by=("nan_is_reported", "huge_state_is_not_reset"),
+        caught_by=("nan_is_reported",),
     ),
     Control(
         name="body_order_permuted",
@@ -562,6 +670,91 @@ CONTROLS: tuple[Control, ...] = (
         fault="an option that the adapter does not know is ignored",
         plant=_deaf_to_options,
         caught_by=("unknown_option_is_refused",),
+    ),
+    Control(
+        name="unknown_methods_dropped",
+        fault="an integrator or solver that the engine does not have is replaced by its own",
+        plant=_deaf_to_methods,
+        caught_by=("unknown_integrator_is_refused", "unknown_solver_is_refused"),
+    ),
+    Control(
+        name="claims_too_much",
+        fault="every feature is claimed",
+        plant=lambda adapter: replace(plant(adapter), features=~Feature.NONE),
+        caught_by=("claimed_features_build",),
+    ),
+    Control(
+        name="closes_once",
+        fault="closing a second time fails",
+        plant=_wrapped(_ClosesOnce),
+        caught_by=("close_may_be_called_twice",),
+    ),
+    Control(
+        name="resolved_says_nothing",
+        fault="the settings in use are not told",
+        plant=_wrapped(_Taciturn),
+        caught_by=("resolved_settings_are_complete",),
+    ),
+    Control(
+        name="angular_velocity_not_written",
+        fault="the caller's w is left as it was",
+        plant=_wrapped(_NoSpinWritten),
+        caught_by=("state_is_written_into_the_given_arrays", "initial_state_comes_back"),
+    ),
+    Control(
+        name="nan_without_a_word",
+        fault="positions become NaN after fifty steps and nobody says so",
+        plant=_wrapped(_NanWithoutAWord),
+        caught_by=("heavy_on_light_is_finite_or_diverged",),
+        needs=Feature.BOX,
+        applies_to_cases=("*",),
+    ),
+    Control(
+        name="surplus_by_no_name",
+        fault="a surplus is declared that is no effect",
+        plant=_wrapped(_OddWarnings),
+        caught_by=("surplus_names_effects",),
+    ),
+    Control(
+        name="not_repeatable",
+        fault="each build differs by a rounding",
+        plant=_unrepeatable,
+        caught_by=("same_input_same_hash",),
+    ),
+    Control(
+        name="simulations_entangled",
+        fault="stepping one simulation steps the others",
+        plant=_entangled,
+        caught_by=("two_simulations_share_no_state",),
+    ),
+    Control(
+        name="joined_bodies_collide",
+        fault="bodies held by a joint collide all the same",
+        plant=_told(lambda scene: replace(scene, joints=tuple(replace(joint, collide=True) for joint in scene.joints))),
+        caught_by=("joined_bodies_do_not_collide",),
+        needs=Feature.REVOLUTE | Feature.BOX,
+    ),
+    Control(
+        name="joined_bodies_never_collide",
+        fault="bodies held by a joint pass through each other although the joint lets them collide",
+        plant=_told(lambda scene: replace(scene, joints=tuple(replace(joint, collide=False) for joint in scene.joints))),
+        caught_by=("joined_bodies_collide_when_told",),
+        needs=Feature.REVOLUTE | Feature.BOX,
+    ),
+    Control(
+        name="narrowing_ignored",
+        fault="effects that the scene leaves out are simulated all the same, and not declared",
+        plant=_told(lambda scene: replace(scene, narrow=Effect.NONE)),
+        caught_by=("narrowed_gravity_is_left_out", "narrowed_contact_is_left_out"),
+        needs=Feature.SPHERE,
+    ),
+    Control(
+        name="static_friction_dropped",
+        fault="only kinetic friction acts",
+        plant=_surfaces(lambda law: replace(law, static_friction=law.kinetic_friction)),
+        caught_by=("static_friction_above_kinetic",),
+        needs=Feature.BOX | Feature.STATIC_FRICTION,
+        applies_to_cases=("friction_*",),
     ),
     Control(
         name="approximates_in_silence",

@@ -128,6 +128,15 @@ def test_a_declared_failure_is_a_strict_expectation(found: str, excusable: bool,
     assert gate([declared]) is admitted
 
 
+def test_a_version_that_is_no_string_is_caught() -> None:
+    class Numbered(FreeFlight):
+        def version(self) -> str:
+            return 1.0  # type: ignore[return-value]
+
+    numbered = Numbered(**{name: getattr(FREE_FLIGHT, name) for name in FREE_FLIGHT.__dataclass_fields__})
+    assert run_check(numbered, "tuned", _check("version_is_a_string")).status == "failed"
+
+
 def test_the_gate_is_shut_where_nothing_was_asked() -> None:
     assert not gate([])
 

@@ -67,6 +67,20 @@ def test_every_control_is_caught(caught: set[str], capsys: pytest.CaptureFixture
     assert caught == {control.name for control in CONTROLS}
 
 
+@pytest.mark.slow
+def test_every_check_can_fail() -> None:
+    """All checks against all quick controls on one engine: a check that nothing makes fail would prove nothing."""
+    engine = _candidates(ON_ENGINES[0])[0]
+    # Read off the adapter's own file or class, which no wrapper changes; each has a test of its own in test_conformance.
+    elsewhere = {"imports_without_its_vendor", "declarations_are_well_formed", "version_is_a_string", "warnings_are_strings"}
+    waiting = {c.name for c in CHECKS if c.needs in engine.features} - elsewhere
+    for control in ON_ENGINES:
+        if control.needs in engine.features and control.name not in {"hidden_damping", "sleeping"}:
+            broken = control.plant(engine)
+            waiting -= {name for name in waiting if run_check(broken, "tuned", CHECK[name]).status == "failed"}
+    assert not waiting
+
+
 def test_controls_have_unique_names_and_name_real_checks() -> None:
     names = [control.name for control in CONTROLS]
     assert len(set(names)) == len(names) >= 14

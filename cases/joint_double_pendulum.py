@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.case import Axis, Case, Check, Converged
+from harness.case import Case, Check, Converged
 from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_FINAL, ENERGY_MAX, ENERGY_STAGGERED
@@ -85,6 +85,8 @@ def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
         return np.concatenate([y[2:], acceleration(y[:2], y[2:])])
 
     start = [*np.radians([upper, lower]), 0.0, 0.0]
+    if len(time) == 0:
+        return np.zeros((0, 4))
     end = max(float(time[-1]), 1e-9)
     found = solve_ivp(change, (0.0, end), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
     if not found.success:
@@ -110,8 +112,8 @@ def _expected(time: Floats, upper: float = UPPER, lower: float = LOWER) -> Conve
     fine, coarse = (_placed(time, _solve(time, upper, lower, rtol)) for rtol in (1e-13, 1e-11))
     return Converged(
         trajectory=fine,
-        position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max()),
-        velocity_error=float(np.linalg.norm(fine.v_WB - coarse.v_WB, axis=-1).max()),
+        position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
+        velocity_error=float(np.linalg.norm(fine.v_WB - coarse.v_WB, axis=-1).max(initial=0.0)),
     )
 
 
@@ -165,7 +167,6 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"upper": UPPER, "lower": LOWER},
-    hard=Axis(parameter="upper", unit="degrees", easy=20.0, extreme=170.0),
     headline=POSITION_MAX.name,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a double pendulum never diverges"),

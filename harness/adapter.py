@@ -18,6 +18,8 @@ The contract, proven by `harness.conformance`:
   though frames, units, order, finiteness, shapes, and the scene's own material law are right; `tuned` switches off what
   the scene does not ask for and follows the vendor's recommendation for this kind of scene, with the source cited.
 * Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as 'surplus: ...'.
+* Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
+  a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
 """
 

@@ -34,8 +34,8 @@ def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
     """Fit log(error) = log(C) + order log(dt) over the coarse end of the ladder, and a constant floor over the rest.
 
     Where the floor begins is chosen by the Bayesian information criterion among all splits, none included; the line and the
-    floor share one variance of the logarithm. The interval is Student's t on the slope with (points - 2) degrees of
-    freedom. Zeros and numbers that are not finite are left out, since they have no logarithm.
+    floor share one variance of the logarithm, and a floor has two points at least. The interval is Student's t on the slope
+    with (points - 2) degrees of freedom. Zeros and numbers that are not finite are left out, since they have no logarithm.
 
     Args:
         dt: time steps [s], shape (n,), in any order.
@@ -54,7 +54,7 @@ def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
     down = np.argsort(-steps[keep], kind="stable")
     x, y = np.log(steps[keep][down]), np.log(errors[keep][down])
     n = len(x)
-    splits = [k for k in range(FEWEST, n + 1) if len(np.unique(x[:k])) >= FEWEST]
+    splits = [k for k in range(FEWEST, n + 1) if k != n - 1 and len(np.unique(x[:k])) >= FEWEST]  # one point is no floor
     if not splits:
         return None
     best = min(splits, key=lambda k: criterion(x, y, k))

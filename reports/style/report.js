@@ -52,7 +52,7 @@
     const spec = JSON.parse(figure.querySelector("script.spec").textContent);
     const small = figure.clientWidth < 480;
     const own = scheme();
-    spec.config = { ...own, legend: { ...own.legend, ...(spec.config?.legend ?? {}), columns: small ? 2 : 3 } };
+    spec.config = { ...own, legend: { ...own.legend, ...(spec.config?.legend ?? {}), columns: small ? 1 : 3 } };
     figure.classList.add("live");
     try {
       // The interpreter (ast) stands in for compiled expressions, so the policy needs no eval.

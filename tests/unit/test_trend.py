@@ -35,6 +35,15 @@ def test_the_interval_holds_the_true_order_in_about_nineteen_of_twenty_noisy_lad
     assert 340 <= held <= 394
 
 
+def test_one_stray_point_at_the_fine_end_is_no_floor() -> None:
+    errors = [dt**2 for dt in LADDER]
+    errors[-1] /= 5.0
+    fit = fit_order(LADDER, errors)
+    assert fit is not None
+    assert fit.floor is None
+    assert fit.used == len(LADDER)
+
+
 def test_the_order_of_the_points_does_not_matter() -> None:
     errors = [dt**1.5 for dt in LADDER]
     assert fit_order(LADDER[::-1], errors[::-1]) == fit_order(LADDER, errors)

@@ -1,0 +1,9 @@
+"""Recordings: every engine of a case beside the truth in one rerun file, synchronised in time.
+
+This folder is the only place that calls rerun's logging interface.
+"""
+
+from reports.recordings.layout import recording_of
+from reports.recordings.write import write_recordings
+
+__all__ = ["recording_of", "write_recordings"]

@@ -1,0 +1,70 @@
+"""Names in a recording: files, timelines and the paths under which everything is logged."""
+
+import re
+from pathlib import Path
+
+from harness.store import Store, StoreError
+from reports.text import slug
+
+__all__ = [
+    "LOG",
+    "METRICS",
+    "SENSORS",
+    "SIM_TIME",
+    "STAGE",
+    "STEP",
+    "TRUTH",
+    "WORLD",
+    "application_id",
+    "file_name",
+    "part",
+    "recording_of",
+    "run_path",
+]
+
+SIM_TIME = "sim_time"
+"""Timeline of simulated seconds."""
+
+STEP = "step"
+"""Timeline of steps of the time step that a run was made with; truths count in the steps of the runs beside them."""
+
+WORLD, METRICS, SENSORS, LOG = "world", "metrics", "sensors", "log"
+STAGE = f"{WORLD}/scene"
+"""What never moves, logged once for all engines."""
+
+TRUTH = "truth"
+
+
+def part(name: str) -> str:
+    """One part of a path, from any name."""
+    return slug(name)
+
+
+def run_path(engine: str, track: str) -> str:
+    """The part of a path that names a run: engine/track."""
+    return f"{part(engine)}/{part(track)}"
+
+
+def file_name(case: str) -> str:
+    """The name of a case's recording within the folder 'recordings'."""
+    return f"{slug(case)}.rrd"
+
+
+def application_id(case: str) -> str:
+    """One application per case, so that the viewer keeps a layout for each: letters, digits, - _ . only."""
+    return "plumbline." + re.sub(r"[^A-Za-z0-9_.-]", "_", slug(case))
+
+
+def recording_of(folder: Path, case: str) -> Path:
+    """The recording of a case in a run folder.
+
+    Raises:
+        StoreError: no run folder, or no recording of that case; the message names those that exist.
+    """
+    recordings = Store(folder).folder / "recordings"
+    path = recordings / file_name(case)
+    if path.is_file():
+        return path
+    there = sorted(found.stem for found in recordings.glob("*.rrd")) if recordings.is_dir() else []
+    listed = f"there are: {', '.join(there)}" if there else "the folder has none; run the study again with recordings = true"
+    raise StoreError(f"{path}: no recording of case '{case}'; {listed}")

@@ -1,0 +1,141 @@
+"""Shapes of a scene as rerun draws them, gathered into batches that share one pose column."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from reports.recordings.layout import part
+from reports.recordings.rotation import Floats, rotate
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+__all__ = ["Batch", "batches", "drawn"]
+
+CROWD = 24
+"""With more bodies than this, bodies of one kind of shape share a path: a viewer lists and draws hundreds of paths slowly."""
+
+MESHES = ("convex_hull", "triangle_mesh")
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Shapes of one kind that are logged together.
+
+    Terms:
+        path: below the run. kind: of the shapes. bodies (n,): places in the scene. names: of the bodies. shapes: as in a scene
+        file. p_BS (n, 3) m, q_BS (n, 4).
+    """
+
+    path: str
+    kind: str
+    bodies: Floats
+    names: tuple[str, ...]
+    shapes: tuple[Mapping[str, Any], ...]
+    p_BS: Floats
+    q_BS: Floats
+
+
+def placed_shapes(body: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What is drawn of a body: its visual shapes, its collision shapes where it has none."""
+    visual = body.get("visual")
+    found: list[dict[str, Any]] = body.get("collision", []) if visual is None else visual
+    return found
+
+
+def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[Batch]:
+    """The shapes of the bodies at these places, one path a body, or one a kind of shape in a crowd."""
+    crowd = len(places) > CROWD
+    gathered: dict[str, list[tuple[int, str, Mapping[str, Any]]]] = {}
+    for place in places:
+        body = bodies[place]
+        placed = placed_shapes(body)
+        kinds = {p["shape"]["type"] for p in placed}
+        for number, p in enumerate(placed):
+            kind = p["shape"]["type"]
+            path = kind if crowd else part(body["name"])
+            if kind in MESHES and (crowd or len(placed) > 1):
+                # A mesh is one path: an instance is a copy of the whole mesh.
+                path = f"{part(body['name'])}/{kind}_{number}"
+            elif not crowd and len(kinds) > 1:
+                path = f"{path}/{kind}"
+            gathered.setdefault(path, []).append((place, body["name"], p))
+    return [
+        Batch(
+            path=path,
+            kind=members[0][2]["shape"]["type"],
+            bodies=np.array([place for place, _, _ in members], dtype=np.int64),
+            names=tuple(name for _, name, _ in members),
+            shapes=tuple(p["shape"] for _, _, p in members),
+            p_BS=np.array([p.get("p_BS", (0.0, 0.0, 0.0)) for _, _, p in members], dtype=np.float64),
+            q_BS=np.array([p.get("q_BS", (1.0, 0.0, 0.0, 0.0)) for _, _, p in members], dtype=np.float64),
+        )
+        for path, members in gathered.items()
+    ]
+
+
+def upright_to(normal: Sequence[float]) -> Floats:
+    """The quaternion that turns +z into a unit normal."""
+    n = np.asarray(normal, dtype=np.float64)
+    if n[2] < -1 + 1e-12:
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    q = np.array([1.0 + n[2], -n[1], n[0], 0.0])
+    return np.asarray(q / np.linalg.norm(q))
+
+
+def facets(shape: Mapping[str, Any]) -> tuple[Floats, Floats]:
+    """Vertices and triangles of a hull or mesh, every facet with vertices of its own so that edges are seen."""
+    vertices = np.asarray(shape["vertices"], dtype=np.float64)
+    if shape["type"] == "triangle_mesh":
+        faces = np.asarray(shape["faces"], dtype=np.int64)
+    else:
+        from scipy.spatial import ConvexHull  # late: only hulls need it
+
+        hull = ConvexHull(vertices)
+        faces = hull.simplices.astype(np.int64)
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
+        inward = np.sum(np.cross(b - a, c - a) * hull.equations[:, :3], axis=1) < 0
+        faces[inward] = faces[inward][:, ::-1]
+    corners = vertices[faces].reshape(-1, 3)
+    return corners, np.arange(len(corners)).reshape(-1, 3)
+
+
+def drawn(batch: Batch, colour: tuple[int, int, int, int], extent: float, fill: str | None) -> "list[rr.AsComponents]":
+    """The shapes of a batch without their poses.
+
+    Args:
+        colour: red, green, blue, opacity, 0..255.
+        extent: half the side [m] that an unbounded plane is drawn with.
+        fill: rerun's fill mode; None leaves it to the view.
+    """
+    import rerun as rr
+
+    paint: dict[str, Any] = {"colors": [colour], "labels": list(batch.names), "show_labels": False}
+    if fill is not None:
+        paint["fill_mode"] = fill
+    shapes = batch.shapes
+    match batch.kind:
+        case "sphere":
+            return [rr.Ellipsoids3D(half_sizes=[[s["radius"]] * 3 for s in shapes], **paint)]
+        case "box":
+            return [rr.Boxes3D(half_sizes=[s["half_extents"] for s in shapes], **paint)]
+        case "cylinder":
+            lengths = [2 * s["half_length"] for s in shapes]
+            return [rr.Cylinders3D(lengths=lengths, radii=[s["radius"] for s in shapes], **paint)]
+        case "capsule":
+            # rerun's capsule starts at its origin, ours is centred there.
+            lengths, start = [2 * s["half_length"] for s in shapes], [[0.0, 0.0, -s["half_length"]] for s in shapes]
+            return [rr.Capsules3D(lengths=lengths, radii=[s["radius"] for s in shapes], translations=start, **paint)]
+        case "plane":
+            thickness = extent / 400
+            turns = np.array([upright_to(s.get("normal", (0.0, 0.0, 1.0))) for s in shapes])
+            middle = rotate(turns, np.broadcast_to([0.0, 0.0, -thickness], (len(shapes), 3)))
+            half = [[extent, extent, thickness]] * len(shapes)
+            return [rr.Boxes3D(half_sizes=half, centers=middle, quaternions=turns[:, [1, 2, 3, 0]], **paint)]
+        case "convex_hull" | "triangle_mesh":
+            corners, triangles = facets(shapes[0])
+            return [rr.Mesh3D(vertex_positions=corners, triangle_indices=triangles, albedo_factor=colour)]
+        case _:
+            raise ValueError(f"shape '{batch.kind}' of body '{batch.names[0]}': no way to draw it")

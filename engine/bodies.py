@@ -5,11 +5,15 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.check import finite, not_negative, positive, spd_inertia, unit_quaternion
 from engine.shapes import Placed
 
-__all__ = ["Body", "Surface"]
+__all__ = ["Body", "Numbers", "Surface"]
+
+Numbers = Sequence[float] | NDArray[np.float64]
+"""A few numbers: a tuple, a list or an array."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,10 +31,10 @@ class Body:
     inertia: Any = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     shapes: Sequence[Placed] = ()
     material: str = "default"
-    p_WB: Sequence[float] = (0.0, 0.0, 0.0)
-    q_WB: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
-    v_WB: Sequence[float] = (0.0, 0.0, 0.0)
-    w_WB: Sequence[float] = (0.0, 0.0, 0.0)
+    p_WB: Numbers = (0.0, 0.0, 0.0)
+    q_WB: Numbers = (1.0, 0.0, 0.0, 0.0)
+    v_WB: Numbers = (0.0, 0.0, 0.0)
+    w_WB: Numbers = (0.0, 0.0, 0.0)
     motion: Literal["dynamic", "static", "kinematic"] = "dynamic"
     linear_damping: float = 0.0
     angular_damping: float = 0.0

@@ -39,7 +39,10 @@ def _rough(static: float, kinetic: float | None = None) -> engine.Surface:
 
 @pytest.mark.parametrize("restitution", [0.5, 0.8, 1.0])
 def test_a_ball_bounces_to_the_height_its_restitution_says(restitution: float) -> None:
-    """h_1 = e^2 h. Between bounces the path is exact; a blow is placed within one sub-step, an error of (g h)^2 in v^2: 1e-4."""
+    """h_1 = e^2 h.
+
+    Between bounces the path is exact; a blow is placed within one sub-step, an error of (g h)^2 in v^2: 1e-4.
+    """
     world = _world([GROUND, _ball(p_WB=(0, 0, 1.05))], engine.Surface(restitution=restitution), integrator="rk4")
     energy = []
     for _ in range(200):
@@ -155,7 +158,7 @@ def test_the_forces_under_a_resting_box_add_up_to_its_weight() -> None:
 
 
 def test_a_stack_of_ten_boxes_stands_still() -> None:
-    """The lowest contact carries ten boxes, ten times the sinking of one: 43 um if the four corners share alike, twice if not."""
+    """The lowest contact carries ten boxes, ten times the sinking of one: 43 um if four corners share alike, else twice."""
     stack = [_cube(name=f"box{k}", p_WB=(0, 0, 0.1 + 0.2 * k)) for k in range(10)]
     world = _world([GROUND, *stack], _rough(0.5))
     world.step(720)
@@ -171,7 +174,7 @@ def test_a_stack_of_ten_boxes_stands_still() -> None:
 
 @pytest.mark.parametrize("speed", [1.0, 7.3, 50.0, 500.0])
 def test_continuous_collision_never_lets_a_ball_through_a_thin_wall(speed: float) -> None:
-    """The contact is made for the way of the whole step, so the phase of the sub-step cannot matter; it stops at the surface."""
+    """The contact is made for the way of the whole step, so the phase of the step cannot matter; it stops at the surface."""
     wall = engine.Body(name="wall", motion="static", shapes=[engine.Placed(engine.Box((0.005, 1, 1)))])
     for phase in np.linspace(0, 1, 8, endpoint=False):
         ball = _ball(p_WB=(-0.3 - phase * speed / 240, 0, 0), v_WB=(speed, 0, 0))
@@ -189,7 +192,7 @@ def test_without_continuous_collision_a_fast_ball_may_pass() -> None:
 
 
 def test_a_collision_in_space_keeps_both_momenta() -> None:
-    """Impulses are equal, opposite and at one point, so p and L change by round-off of 4 kg m/s over some 30 sub-steps: 1e-12."""
+    """Impulses are equal, opposite and at one point, so p and L change by round-off of 4 kg m/s in 30 sub-steps: 1e-12."""
     one = _cube(name="one", p_WB=(-0.3, 0.03, 0.02), v_WB=(2.0, 0, 0), w_WB=(1.0, 2.0, 0.5))
     two = _cube(name="two", p_WB=(0.3, 0, 0), v_WB=(-1.0, 0.1, 0), w_WB=(0, -1.0, 3.0), mass=2.0)
     world = _world([one, two], _rough(0.5), (0, 0, 0))
@@ -218,7 +221,7 @@ def test_a_collision_in_space_keeps_both_momenta() -> None:
 def test_every_shape_rests_on_a_plane_and_on_a_box(
     shape: engine.Shape, p: Sequence[float], q: Sequence[float], height: float, table: str
 ) -> None:
-    """Points share its weight, each with a spring for its own effective mass: less than twice the sinking of one; it stays put."""
+    """Points share its weight, each with a spring for its own mass: less than twice the sinking of one; it stays put."""
     ground = GROUND
     if table == "box":
         top = engine.Placed(engine.Box((2, 2, 0.5)), p_BS=(0, 0, -0.5))
@@ -232,7 +235,7 @@ def test_every_shape_rests_on_a_plane_and_on_a_box(
 
 
 def test_crossed_capsules_touch_in_the_middle() -> None:
-    """Axes along x and y, 8 cm apart in height with radii of 5 cm: one point, 2 cm deep, normal up from the lower to the upper."""
+    """Axes along x and y, 8 cm apart in height with radii of 5 cm: one point, 2 cm deep, normal up from low to high."""
     turn_x, turn_y = (math.sqrt(0.5), 0, math.sqrt(0.5), 0), (math.sqrt(0.5), math.sqrt(0.5), 0, 0)
     low = engine.Body(name="low", shapes=[engine.Placed(engine.Capsule(0.05, 0.2), q_BS=turn_x)])
     high = engine.Body(name="high", shapes=[engine.Placed(engine.Capsule(0.05, 0.2), q_BS=turn_y)], p_WB=(0.03, 0.01, 0.08))

@@ -36,7 +36,7 @@ from harness.sensors import lidar as scanning
 from harness.sensors.rays import first_hits
 from harness.trajectory import Floats, State, Trajectory
 
-DURATION = 2.0
+DURATION = 1.0
 RATE = 10.0
 CHANNELS, COLUMNS = 32, 360
 HALF = (4.0, 3.0, 1.5)

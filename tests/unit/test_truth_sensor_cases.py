@@ -41,9 +41,9 @@ def _scan(tilt: float) -> tuple[Lidar, np.ndarray, np.ndarray]:
 
 
 def test_the_truth_of_the_room_has_one_scan_for_each_reading_and_no_open_beam() -> None:
-    truth = LIDAR.truth_at(np.linspace(0.0, LIDAR.duration, 21), LIDAR.parameters)
+    truth = LIDAR.truth_at(np.linspace(0.0, LIDAR.duration, 11), LIDAR.parameters)
     assert isinstance(truth, Trajectory)
-    assert truth.streams["lidar/range_ideal"].shape == (21, 32, 360)
+    assert truth.streams["lidar/range_ideal"].shape == (11, 32, 360)
     assert np.isfinite(truth.streams["lidar/range_ideal"]).all()
 
 

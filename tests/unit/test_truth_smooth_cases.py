@@ -1,0 +1,78 @@
+"""What every smooth and every sensor case promises: a truth at any times, a ladder, a headline, and samples that stay few."""
+
+import numpy as np
+import pytest
+
+from cases import (
+    flight_projectile,
+    joint_double_pendulum,
+    joint_pendulum,
+    sensor_imu_noise,
+    sensor_lidar_noise,
+    spin_asymmetric_top,
+)
+from harness.case import Case, Converged
+from harness.trajectory import State
+
+MODULES = (
+    flight_projectile,
+    joint_double_pendulum,
+    joint_pendulum,
+    sensor_imu_noise,
+    sensor_lidar_noise,
+    spin_asymmetric_top,
+)
+CASES = [module.CASE for module in MODULES]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda c: c.name)
+@pytest.mark.parametrize("time", [[], [0.0], [0.0, 0.1]], ids=["none", "start", "two"])
+def test_a_truth_answers_at_no_one_and_two_instants(case: Case, time: list[float]) -> None:
+    truth = case.truth_at(np.array(time), case.parameters)
+    trajectory = truth.trajectory if isinstance(truth, Converged) else truth
+    assert trajectory is not None
+    assert len(trajectory) == len(time)
+    assert trajectory.finite
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda c: c.name)
+def test_a_truth_starts_in_the_state_of_the_scene(case: Case) -> None:
+    truth = case.truth_at(np.zeros(1), case.parameters)
+    trajectory = truth.trajectory if isinstance(truth, Converged) else truth
+    assert trajectory is not None
+    start = State.initial(case.scene(**case.parameters))
+    for array in ("p_WB", "q_WB", "v_WB", "w_WB"):
+        np.testing.assert_allclose(getattr(trajectory, array)[0], getattr(start, array), atol=1e-12)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda c: c.name)
+def test_parameters_are_the_defaults_of_scene_and_truth(case: Case) -> None:
+    assert case.scene() == case.scene(**case.parameters)
+    assert case.expected is not None
+    time = np.array([0.0, 0.3])
+    plain, given = (
+        t.trajectory if isinstance(t, Converged) else t for t in (case.expected(time), case.truth_at(time, case.parameters))
+    )
+    assert plain is not None
+    assert given is not None
+    np.testing.assert_array_equal(plain.p_WB, given.p_WB)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda c: c.name)
+def test_a_case_has_six_steps_a_headline_it_measures_and_at_most_two_thousand_samples(case: Case) -> None:
+    assert len(set(case.ladder)) >= 6
+    assert case.headline in {metric.name for metric in case.metrics}
+    assert case.duration / case.sample_interval <= 2000 + 1e-6
+    for check in case.checks:
+        assert np.isfinite([check.bound(dt) for dt in case.ladder]).all()
+        assert len(check.because) > 10
+
+
+@pytest.mark.parametrize("case", CASES[:3] + CASES[5:], ids=lambda c: c.name)
+def test_bounds_of_errors_shrink_with_the_time_step(case: Case) -> None:
+    shrinking = [check for check in case.checks if callable(check.at_most) and check.metric.name != "velocity_error_max"]
+    assert shrinking
+    for check in shrinking:
+        bounds = [check.bound(dt) for dt in sorted(case.ladder)]
+        assert bounds == sorted(bounds)
+        assert bounds[0] < bounds[-1]

@@ -49,20 +49,21 @@ def body_rates(time: Floats, moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -
     i, w = np.array(moments), np.array(spin)
     if not i[0] < i[1] < i[2]:
         raise ValueError(f"moments {moments} kg m2, expected three in strictly ascending order")
-    twice_energy, square = float(np.sum(i * w**2)), float(np.sum((i * w) ** 2))
-    excess = square - twice_energy * i[1]
-    if abs(excess) < 1e-9 * square:
+    excess = i[2] * (i[2] - i[1]) * w[2] ** 2 - i[0] * (i[1] - i[0]) * w[0] ** 2
+    if abs(excess) < 1e-9 * np.sum((i * w) ** 2):
         raise ValueError(f"spin {spin} rad/s lies on the separatrix of moments {moments} kg m2")
     if excess < 0:
         # The top turns about its first axis: the formulas hold with the first and third exchanged.
         order = order[::-1]
         i, w = i[::-1], w[::-1]
     i1, i2, i3 = i
-    a1 = np.sqrt((twice_energy * i3 - square) / (i1 * (i3 - i1)))
-    a2 = np.sqrt((twice_energy * i3 - square) / (i2 * (i3 - i2)))
-    a3 = np.sqrt((square - twice_energy * i1) / (i3 * (i3 - i1)))
-    rate = np.sqrt((i3 - i2) * (square - twice_energy * i1) / (i1 * i2 * i3))
-    m = float(np.clip((i2 - i1) * (twice_energy * i3 - square) / ((i3 - i2) * (square - twice_energy * i1)), 0.0, 1.0))
+    # 2 E I3 - L^2 and L^2 - 2 E I1, written as sums of squares so that a spin near an axis loses no digits to a difference.
+    upper = i1 * (i3 - i1) * w[0] ** 2 + i2 * (i3 - i2) * w[1] ** 2
+    lower = i2 * (i2 - i1) * w[1] ** 2 + i3 * (i3 - i1) * w[2] ** 2
+    a1, a2 = np.sqrt(upper / (i1 * (i3 - i1))), np.sqrt(upper / (i2 * (i3 - i2)))
+    a3 = np.sqrt(lower / (i3 * (i3 - i1)))
+    rate = np.sqrt((i3 - i2) * lower / (i1 * i2 * i3))
+    m = float(np.clip((i2 - i1) * upper / ((i3 - i2) * lower), 0.0, 1.0))
     if a1 == 0.0 and a2 == 0.0:
         return np.broadcast_to(np.array(spin), (len(time), 3)).copy()
     # w1 = a1 cn u, w2 = a2 sn u, w3 = s3 a3 dn u. Euler's first equation gives the sign of u' as that of w3 in both orders: the

@@ -34,6 +34,14 @@ def _compare(moments: tuple[float, float, float], spin: tuple[float, float, floa
     np.testing.assert_allclose(truth.w_WB[:, 0], rotate(q_WB, w_B), atol=1e-8)
 
 
+def test_a_spin_next_to_an_axis_loses_no_digits() -> None:
+    moments, time = (1.0, 1.23828125, 1.73828125), np.linspace(0.0, 5.0, 41)
+    for spin in ((0.0, 0.0, 0.4621762955259947), (1e-9, 0.0, 0.46), (-0.3, 1e-9, 1e-10)):
+        _, w_B = _integrated(moments, spin, time)
+        # Rates that small are kept in relation to themselves.
+        np.testing.assert_allclose(body_rates(time, moments, spin), w_B, rtol=1e-8, atol=1e-16)
+
+
 @pytest.mark.parametrize(
     "spin", [(0.5, 0.7, 1.2), (1.5, 0.3, -0.2), (-1.5, -0.3, 0.4), (-0.5, 0.7, -1.2), (0.4, -0.9, 1.3), (0, 0, 2), (-2, 0, 0)]
 )

@@ -35,6 +35,7 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any, assert_never
 
@@ -256,12 +257,12 @@ def _pairs(scene: Scene) -> dict[tuple[_Kind, _Kind], Surface]:
     for body in scene.bodies:
         if body.collision:
             solid.setdefault((body.material, body.movable), []).append(body)
-    kinds = sorted(solid)
+    kinds, apart = sorted(solid), {frozenset(pair) for pair in scene.apart}
     return {
         (a, b): scene.surface(solid[a][0], solid[b][0])
         for i, a in enumerate(kinds)
         for b in kinds[i:]
-        if (a[1] or b[1]) and (a != b or len(solid[a]) > 1)
+        if (a[1] or b[1]) and (a != b or len(solid[a]) > 1) and frozenset((a[0], b[0])) not in apart
     }
 
 
@@ -1421,7 +1422,7 @@ class _Builder:
         return rotate(back, _minus(point, self.scene.bodies[end[2]].p_WB)), _xyzw(back)
 
     def _filter(self) -> None:
-        """Keep joined bodies, and prescribed bodies and what stands still, from colliding."""
+        """Keep joined bodies, materials that are apart, and prescribed bodies and what stands still, from colliding."""
         if not self.solid:
             return
         by_name = {self.scene.bodies[place].name: key for key, place in self.address.items()}
@@ -1429,6 +1430,12 @@ class _Builder:
         still = [b.name for b in self.scene.bodies if b.motion != "dynamic"]
         prescribed = [b.name for b in self.scene.bodies if b.motion == "kinematic"]
         apart |= {tuple(sorted((a, b))) for a in prescribed for b in still if a != b}
+        solid = [body for body in self.scene.bodies if body.collision] if self.scene.apart else []
+        apart |= {
+            tuple(sorted((a.name, b.name)))
+            for a, b in combinations(solid, 2)
+            if (a.movable or b.movable) and not self.scene.collides(a, b)
+        }
         for a, b in sorted(apart):
             if a in by_name and b in by_name:
                 (first, i), (second, j) = by_name[a], by_name[b]

@@ -48,6 +48,7 @@ import tempfile
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
+from itertools import combinations
 from pathlib import Path
 from typing import Any, assert_never
 
@@ -476,12 +477,12 @@ def _coefficients(scene: Scene) -> dict[Kind, tuple[float, float]]:
     Raises: Unsupported.
     """
     effects, kinds = scene.effects, _classes(scene)
-    laws = {s.pair: s for s in scene.surfaces}
+    laws, apart = {s.pair: s for s in scene.surfaces}, {frozenset(pair) for pair in scene.apart}
     friction: dict[tuple[Kind, Kind], float] = {}
     bounce: dict[tuple[Kind, Kind], float] = {}
     for a in kinds:
         for b in kinds:
-            if b < a or not (a[1] or b[1]) or (a == b and kinds[a] < 2):
+            if b < a or not (a[1] or b[1]) or (a == b and kinds[a] < 2) or frozenset((a[0], b[0])) in apart:
                 continue
             law = laws[frozenset((a[0], b[0]))]
             name = f"surface {law.between[0]}/{law.between[1]}"
@@ -1058,12 +1059,14 @@ class _Builder:
                     raise AssertionError(f"joint '{joint.name}' cannot be cut")
 
     def _filter(self) -> None:
-        places = {b.name: i for i, b in enumerate(self.scene.bodies)}
+        """Keep joined bodies, and materials that are apart, from colliding."""
+        if not self.touching or not (self.scene.joined() or self.scene.apart):
+            return
         option = self.built.world.getConstraintSolver().getCollisionOption()
-        for pair in self.scene.joined():
-            bodies = [self.built.nodes[places[name]] for name in sorted(pair) if name in places]
-            if self.touching and len(bodies) == 2:
-                option.collisionFilter.addBodyNodePairToBlackList(*bodies)
+        solid = [(body, node) for body, node in zip(self.scene.bodies, self.built.nodes, strict=True) if body.collision]
+        for (a, node_a), (b, node_b) in combinations(solid, 2):
+            if (a.movable or b.movable) and not self.scene.collides(a, b):
+                option.collisionFilter.addBodyNodePairToBlackList(node_a, node_b)
 
     def _surplus(self) -> None:
         """What DART computes unasked, and what it cannot be asked for."""

@@ -49,7 +49,8 @@ def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]})
     spec = layered(store, drawn, STEP, axis_title(metric, unit), bounds=bounds)
     caption = (
-        "Each point is one trial; a line joins the medians of trials that differ in the time step only. Down is more accurate, "
+        "Each point is one trial; a line joins the medians of trials that differ in the time step only, "
+        "an upright bar spans their seeds. Down is more accurate, "
         "left is a finer step. The grey line is the bound of the check. Trials without an error stand above the frame as "
         "their outcome; errors of exactly zero stand on its lower edge."
     )
@@ -63,7 +64,8 @@ def error_by_cost(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
         return None
     spec = layered(store, drawn, COST, axis_title(metric, unit), bounds=())
     caption = (
-        "Work against precision: the lower left corner is where one wants to be. Bars are 95 % intervals of the CPU time. "
+        "Work against precision: the lower left corner is where one wants to be. Bars are 95 % intervals of the CPU time and, "
+        "upright, the range over seeds. "
         "Trials that gave no error stand above the frame as their outcome, trials that were not timed on its right edge."
     )
     return Figure(f"{name}-cost", "Error against cost", caption, spec, *table(drawn, ("cpu", "low", "high", "error")))
@@ -104,6 +106,9 @@ def layered(store: "Store", drawn: list[Row], across: tuple[str, str], y_title: 
     if field == "cpu":
         low = alt.X("low:Q", title=x_title)
         layers.append(chart(placed).mark_rule(strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()))
+    if seeds := spans(placed, field):
+        least = alt.Y("least:Q", title=y_title)
+        layers.append(chart(seeds).mark_rule(strokeWidth=1.4).encode(x=x, y=least, y2="most:Q", color=style.colour()))
     layers.append(chart(placed).mark_point(**POINT).encode(x=x, y=y, **marks))
     exact = [row for row in drawn if row["edge"] == "exact" and row[field]]
     if exact:
@@ -221,6 +226,17 @@ def medians(placed: Iterable[Row], field: str) -> list[Row]:
     return [
         part[0] | {"error": median(row["error"] for row in part), field: median(row[field] for row in part)}
         for part in grouped(placed, ("series", "dt")).values()
+    ]
+
+
+def spans(placed: Iterable[Row], field: str) -> list[Row]:
+    """The range of the error over the seeds of one setting, where there are several."""
+    return [
+        part[0]
+        | {field: median(row[field] for row in part)}
+        | {"least": min(row["error"] for row in part), "most": max(row["error"] for row in part)}
+        for part in grouped(placed, ("series", "dt")).values()
+        if len(part) > 1
     ]
 
 

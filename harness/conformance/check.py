@@ -44,10 +44,15 @@ class ConformanceCheck:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """One comparison of a check, with its verdict in words."""
+    """One comparison of a check, with its verdict in words.
+
+    Terms:
+        measured: the text gives numbers and fits whether it holds or not; otherwise it says what is wrong where it does not.
+    """
 
     holds: bool
     text: str
+    measured: bool = False
 
 
 def _worded(value: ArrayLike) -> str:
@@ -63,11 +68,13 @@ def near(what: str, got: ArrayLike, expected: ArrayLike, within: float, because:
     with np.errstate(all="ignore"):
         holds = bool((np.abs(got_array - expected_array) <= within).all())
     reason = f" ({because})" if because else ""
-    return Comparison(holds, f"{what}: got {_worded(got)}, expected {_worded(expected)} within {within:.3g}{reason}")
+    return Comparison(
+        holds, f"{what}: got {_worded(got)}, expected {_worded(expected)} within {within:.3g}{reason}", measured=True
+    )
 
 
 def that(holds: bool, text: str) -> Comparison:
-    """A comparison whose verdict is known; `text` names got and expected."""
+    """A comparison whose verdict is known; `text` says what is wrong where it does not hold: got, expected."""
     return Comparison(bool(holds), text)
 
 
@@ -76,4 +83,4 @@ def judge(*comparisons: Comparison) -> Finding:
     wrong = [one.text for one in comparisons if not one.holds]
     if wrong:
         return Finding("failed", "; ".join(wrong))
-    return Finding("passed", "; ".join(one.text for one in comparisons))
+    return Finding("passed", "; ".join(one.text for one in comparisons if one.measured) or "as expected")

@@ -93,9 +93,8 @@ def _sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
         slid = final(adapter, scene, settings.with_dt(COARSE), t)
         found.append(near("way of a slow box on ice in 3 s [m]", slid.p_WB[1, 0], v * t, 0.1 * v * t, because))
     if Feature.BOX | Feature.WRENCH in adapter.features:
-        found.append(
-            near("v_x of a box that rested for 1 s, pushed by .05 N for .5 s [m/s]", _woken(adapter, settings), 0.025, 0.003)
-        )
+        woken = _woken(adapter, settings)
+        found.append(near("v_x of a rested box on ice, after .05 N for .5 s [m/s]", woken, 0.025, 0.003, "F t / m"))
     return judge(*found)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reports.recordings.layout import part
-from reports.recordings.rotation import Floats, rotate
+from reports.recordings.rotation import Floats, product
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -70,7 +70,7 @@ def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[
             names=tuple(name for _, name, _ in members),
             shapes=tuple(p["shape"] for _, _, p in members),
             p_BS=np.array([p.get("p_BS", (0.0, 0.0, 0.0)) for _, _, p in members], dtype=np.float64),
-            q_BS=np.array([p.get("q_BS", (1.0, 0.0, 0.0, 0.0)) for _, _, p in members], dtype=np.float64),
+            q_BS=np.array([frame(p) for _, _, p in members]),
         )
         for path, members in gathered.items()
     ]
@@ -83,6 +83,13 @@ def upright_to(normal: Sequence[float]) -> Floats:
         return np.array([0.0, 1.0, 0.0, 0.0])
     q = np.array([1.0 + n[2], -n[1], n[0], 0.0])
     return np.asarray(q / np.linalg.norm(q))
+
+
+def frame(placed: Mapping[str, Any]) -> Floats:
+    """How a placed shape is turned in its body; a plane is drawn with +z along its normal."""
+    q_BS = np.asarray(placed.get("q_BS", (1.0, 0.0, 0.0, 0.0)), dtype=np.float64)
+    shape = placed["shape"]
+    return product(q_BS, upright_to(shape.get("normal", (0.0, 0.0, 1.0)))) if shape["type"] == "plane" else q_BS
 
 
 def facets(shape: Mapping[str, Any]) -> tuple[Floats, Floats]:
@@ -129,11 +136,10 @@ def drawn(batch: Batch, colour: tuple[int, int, int, int], extent: float, fill: 
             lengths, start = [2 * s["half_length"] for s in shapes], [[0.0, 0.0, -s["half_length"]] for s in shapes]
             return [rr.Capsules3D(lengths=lengths, radii=[s["radius"] for s in shapes], translations=start, **paint)]
         case "plane":
+            # Its top lies in the plane; the way that the normal is turned is part of the pose (`frame`).
             thickness = extent / 400
-            turns = np.array([upright_to(s.get("normal", (0.0, 0.0, 1.0))) for s in shapes])
-            middle = rotate(turns, np.broadcast_to([0.0, 0.0, -thickness], (len(shapes), 3)))
-            half = [[extent, extent, thickness]] * len(shapes)
-            return [rr.Boxes3D(half_sizes=half, centers=middle, quaternions=turns[:, [1, 2, 3, 0]], **paint)]
+            half, middle = [[extent, extent, thickness]] * len(shapes), [[0.0, 0.0, -thickness]] * len(shapes)
+            return [rr.Boxes3D(half_sizes=half, centers=middle, **paint)]
         case "convex_hull" | "triangle_mesh":
             corners, triangles = facets(shapes[0])
             return [rr.Mesh3D(vertex_positions=corners, triangle_indices=triangles, albedo_factor=colour)]

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import pandas as pd
 import pytest
 
 from harness.store import Store
@@ -57,6 +58,18 @@ def test_an_exact_answer_stands_on_the_lower_edge_and_an_untimed_one_on_the_righ
     untimed = [one for one in layers(by_cost, "point") if one["encoding"]["x"] == {"value": "width"}]
     assert [row["engine"] for one in exact for row in rows_of(by_step, one)] == ["Plumbline reference (ours)"] * 4
     assert {(row["engine"], row["dt"]) for one in untimed for row in rows_of(by_cost, one)} == {("MuJoCo", 1000 / 1920)}
+
+
+def test_the_seeds_of_one_setting_are_joined_by_their_range_and_their_median(store: Store) -> None:
+    rows = answers(store)
+    rows = rows[(rows["case"] == "rest_table") & (rows["engine"] == "mujoco") & (rows["track"] == "tuned")].head(1)
+    seeds = pd.concat([rows.assign(seed=k, error=error, trial=f"t{k}") for k, error in enumerate((1.0, 2.0, 9.0))])
+    figure = error_by_step(store, seeds, "any", "e", "m")
+    assert figure is not None
+    (span,) = [row for one in layers(figure, "rule") for row in rows_of(figure, one)]
+    (middle,) = [row for one in layers(figure, "line") for row in rows_of(figure, one)]
+    assert (span["least"], span["most"], middle["error"]) == (1.0, 9.0, 2.0)
+    assert sorted(drawn(store, figure)) == ["t0", "t1", "t2"]
 
 
 def test_outcomes_without_a_place_are_counted_in_their_lane(store: Store) -> None:

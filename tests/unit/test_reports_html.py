@@ -140,6 +140,11 @@ def test_a_folder_without_a_run_is_refused_by_name(tmp_path: Path) -> None:
         reports.build(tmp_path)
 
 
+def test_a_run_that_was_stopped_before_its_first_trial_has_a_report(tmp_path: Path) -> None:
+    (tmp_path / "journal.jsonl").write_bytes(b"")
+    assert "holds no trial" in reports.build(tmp_path).read_text(encoding="utf-8")
+
+
 def test_importing_reports_loads_no_chart_library() -> None:
     code = "import reports, sys; sys.exit(any(m in sys.modules for m in ('altair', 'vl_convert', 'jinja2', 'pandas')))"
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path(reports.__file__).parents[1]).returncode == 0

@@ -57,9 +57,9 @@ def test_no_sphere_starts_at_the_wall_and_none_can_pass_beside_it() -> None:
     assert wall.p_WB[0] - shape.half_extents[0] == 0.0
 
 
-def test_continuous_detection_is_called_for_only_where_it_is_asked() -> None:
-    assert Effect.CONTINUOUS_COLLISION not in scene().effects
-    assert Effect.CONTINUOUS_COLLISION in scene(continuous=True).effects
+def test_continuous_detection_is_called_for_unless_it_is_declined() -> None:
+    assert Effect.CONTINUOUS_COLLISION in scene().effects
+    assert Effect.CONTINUOUS_COLLISION not in scene(continuous=False).effects
 
 
 def test_a_speed_too_slow_to_arrive_is_refused() -> None:

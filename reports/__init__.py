@@ -1,8 +1,9 @@
 """Records in; HTML pages, charts and recordings out. Reports never run physics and never call a metric."""
 
+from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["build"]
+__all__ = ["build", "open_viewer", "recording_of", "serve", "write_recordings"]
 
 
 def build(folder: Path) -> Path:
@@ -17,3 +18,35 @@ def build(folder: Path) -> Path:
     from reports.html import write_report  # late: importing `reports` must stay cheap for the command line
 
     return write_report(folder)
+
+
+def write_recordings(folder: Path) -> tuple[Path, ...]:
+    """Write `folder/recordings/<case>.rrd` for each case of a run folder; returns their paths."""
+    from reports.recordings import write_recordings as write
+
+    return write(folder)
+
+
+def recording_of(folder: Path, case: str) -> Path:
+    """The recording of a case in a run folder.
+
+    Raises:
+        StoreError: no run folder, or no such recording; the message names those that exist.
+    """
+    from reports.recordings import recording_of as find
+
+    return find(folder, case)
+
+
+def open_viewer(path: Path) -> int:
+    """Show a recording in the rerun viewer until it is closed; returns its exit code."""
+    from reports.viewer import open_viewer as show
+
+    return show(path)
+
+
+def serve(folder: Path, port: int, announce: Callable[[str], None]) -> None:
+    """Serve report, recordings and web viewer on 127.0.0.1 until interrupted; port 0 takes a free one."""
+    from reports.server import serve as run
+
+    run(folder, port, announce)

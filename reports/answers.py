@@ -26,11 +26,19 @@ def answers(store: "Store") -> pd.DataFrame:
     """
     trials = store.trials.reset_index(drop=True)
     known = cases(store)
-    headline = pd.DataFrame({"trial": trials["trial"], "metric": [known[name]["headline"] for name in trials["case"]]})
-    found = store.measurements.drop_duplicates(["trial", "metric"])[["trial", "metric", "value", "unit", "at_most"]]
-    joined = headline.merge(found, on=["trial", "metric"], how="left").drop_duplicates("trial").set_index("trial")
-    rows = trials.join(joined, on="trial").rename(columns={"value": "error"})
-    rows["error"] = pd.to_numeric(rows["error"], errors="coerce").astype("float64").abs()
+    columns = ("trial", "metric", "value", "unit", "at_most")
+    measured = {
+        (trial, metric): rest for trial, metric, *rest in store.measurements[list(columns)][::-1].itertuples(index=False)
+    }
+    headlines = [known[name]["headline"] for name in trials["case"]]
+    nothing = [np.nan, None, np.nan]
+    found = [measured.get(key, nothing) for key in zip(trials["trial"], headlines, strict=True)]
+    rows = trials.assign(
+        metric=headlines,
+        error=np.abs(np.array([value for value, _, _ in found], dtype=np.float64)),
+        unit=pd.Series([unit for _, unit, _ in found], dtype=object),
+        at_most=np.array([bound for _, _, bound in found], dtype=np.float64),
+    )
     rows["answered"] = [outcome(name).answered for name in rows["status"]]
     rows.loc[~rows["answered"] | ~np.isfinite(rows["error"]), "error"] = np.nan
     rows["settings_line"] = [settings_text(text) for text in rows["settings"]]

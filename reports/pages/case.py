@@ -32,7 +32,7 @@ def render(store: "Store") -> Mapping[str, str]:
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
     for place, name in enumerate(names):
         case, mine = known[name], in_order(rows[rows["case"] == name], sides)
-        measured = store.measurements[store.measurements["trial"].isin(mine["trial"])]
+        measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
         values: dict[str, dict[str, Any]] = {}
         for row in measured.to_dict("records"):
             values.setdefault(row["trial"], {})[row["metric"]] = row
@@ -64,6 +64,13 @@ def render(store: "Store") -> Mapping[str, str]:
             view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
         )
     return files
+
+
+def numbered(measured: pd.DataFrame) -> pd.DataFrame:
+    """A metric that a case checks twice, over two windows, gets a number from the second on: no measurement hides another."""
+    again = measured.groupby(["trial", "metric"]).cumcount()
+    names = [f"{metric} #{k + 1}" if k else metric for metric, k in zip(measured["metric"], again, strict=True)]
+    return measured.assign(metric=pd.Series(names, index=measured.index, dtype=object))
 
 
 def in_order(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> pd.DataFrame:

@@ -7,6 +7,7 @@ import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 import reports
@@ -93,6 +94,16 @@ def test_the_csv_holds_every_trial_and_no_formula(report: Path) -> None:
     assert len(rows) == 1 + len(HOSTILE)
     assert len({len(row) for row in rows}) == 1
     assert not [cell for row in rows for cell in row if cell.startswith(("=", "+", "@"))]
+
+
+def test_a_metric_that_is_checked_twice_is_shown_twice(tmp_path: Path) -> None:
+    folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
+    table = pd.read_parquet(folder / "measurements.parquet")
+    early = table[table["metric"] == "energy_drift"].assign(value=0.125)
+    pd.concat([table, early]).to_parquet(folder / "measurements.parquet", index=False)
+    texts = html.rendered(Store(folder))
+    assert texts["case-joint_pendulum.html"].count("0.125 J") == len(early)
+    assert "energy_drift #2" in texts["trials/joint_pendulum.csv"].splitlines()[0]
 
 
 def test_a_second_build_replaces_the_first_and_leaves_no_draft(report: Path) -> None:

@@ -92,8 +92,8 @@ MATERIAL: Final = 2
 SPHERE: Final = 0
 CAPSULE: Final = 1
 BOX: Final = 2
-PLANE: Final = 3
-CYLINDER: Final = 4
+CYLINDER: Final = 3
+PLANE: Final = 4
 
 # Columns of JOINT.
 ANCHOR_A: Final = 0  # 3, in A

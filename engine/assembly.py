@@ -104,8 +104,6 @@ def assemble_world(
         kind, size, radius, turn = shape_row(placed)
         if kind == at.PLANE and bodies[i].motion == "dynamic":
             raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
-        if kind == at.CYLINDER and options.contacts and _could_touch(i, bodies):
-            raise NotSupported(f"contact of the cylinder of body '{bodies[i].name}'", "the engine has cylinders for rays only")
         row = float_table(floats, ints, at.SHAPE)[s]
         row[at.OFFSET : at.OFFSET + 3] = placed.p_BS
         row[at.TURN : at.TURN + 4] = quat_mul(unit_quaternion("placed shape", "q_BS", placed.q_BS), turn)
@@ -140,11 +138,6 @@ def assemble_world(
     count[at.BROAD] = int(options.broad_phase == BROAD_PHASES[0])
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
     return floats, ints
-
-
-def _could_touch(i: int, bodies: Sequence[Body]) -> bool:
-    """Whether body i could meet another body with shapes, one of the two dynamic."""
-    return any(k != i and other.shapes and "dynamic" in (other.motion, bodies[i].motion) for k, other in enumerate(bodies))
 
 
 def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) -> None:

@@ -23,6 +23,7 @@ from engine.arena import (
     BODY_A,
     BODY_B,
     CAPSULE,
+    CYLINDER,
     DYNAMIC,
     FIRST_GAP,
     GRAVITY,
@@ -113,15 +114,20 @@ def effective_masses(ma: float, ia: Sym, ra: Vec, mb: float, ib: Sym, rb: Vec, n
 
 
 @kernel
-def radius(shape: Floats, shape_kind: Ints, s: int) -> float:
-    """The radius [m] of a round shape, 0 for others."""
-    return shape[s, SIZE] if shape_kind[s, TYPE] == SPHERE or shape_kind[s, TYPE] == CAPSULE else 0.0
+def radius(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> float:
+    """The radius [m] along the normal n that does not turn with a round shape; 0 for boxes and planes."""
+    if shape_kind[s, TYPE] == SPHERE or shape_kind[s, TYPE] == CAPSULE:
+        return float(shape[s, SIZE])
+    if shape_kind[s, TYPE] == CYLINDER:
+        along = n[0] * pose[s, 5] + n[1] * pose[s, 8] + n[2] * pose[s, 11]
+        return float(shape[s, SIZE] * math.sqrt(max(1.0 - along * along, 0.0)))
+    return 0.0
 
 
 @kernel
 def prepare(
-    state: Floats, body: Floats, turned: Floats, shape: Floats, shape_kind: Ints, manifolds: int, manifold: Floats, key: Ints,
-    point: Floats,
+    state: Floats, body: Floats, turned: Floats, shape: Floats, shape_kind: Ints, pose: Floats, manifolds: int,
+    manifold: Floats, key: Ints, point: Floats,
 ) -> None:  # fmt: skip
     """Arms, material points and effective masses of every contact point at the start of the step."""
     for m in range(manifolds):
@@ -131,7 +137,8 @@ def prepare(
         ia, ib = load6(turned, a, 0), load6(turned, b, 0)
         pa, pb = load3(state, a, P), load3(state, b, P)
         ra_wb, rb_wb = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
-        round_a, round_b = radius(shape, shape_kind, key[m, SHAPE_A]), radius(shape, shape_kind, key[m, SHAPE_B])
+        round_a = radius(shape, shape_kind, pose, key[m, SHAPE_A], n)
+        round_b = radius(shape, shape_kind, pose, key[m, SHAPE_B], n)
         for k in range(key[m, POINTS]):
             i = 4 * m + k
             place, gap = load3(point, i, PLACE), point[i, FIRST_GAP]

@@ -9,6 +9,7 @@ from engine.arena import (
     CLIP,
     CLIP_KEY,
     COUNT,
+    CYLINDER,
     DT,
     EXCLUDED,
     EXCLUSIONS,
@@ -25,6 +26,7 @@ from engine.arena import (
     OLD_POINT_KEY,
     ORDER,
     PAIR,
+    PLANE,
     POINT,
     POINT_KEY,
     POSE,
@@ -32,10 +34,12 @@ from engine.arena import (
     SHAPE,
     SHAPE_KIND,
     SHAPES,
+    SPHERE,
     STATE,
     SURFACE,
     TOUCHED,
     TURNED,
+    TYPE,
 )  # fmt: skip
 from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_bounds
 from engine.carve import floats_of, ints_of
@@ -48,10 +52,17 @@ __all__ = ["find_contacts"]
 
 
 @kernel
-def find_contacts(floats: Floats, ints: Ints) -> bool:
+def known_pair(one: int, two: int) -> bool:
+    """Whether two types of shapes have a narrow phase: a cylinder has one with spheres and planes only."""
+    other = two if one == CYLINDER else one
+    return (one != CYLINDER and two != CYLINDER) or other in (SPHERE, PLANE)
+
+
+@kernel
+def find_contacts(floats: Floats, ints: Ints) -> int:
     """Find and prepare the contacts of this step, and mark the bodies they touch.
 
-    Returns: False if the arena has no room for all pairs; then nothing has changed.
+    Returns: 0, or 2 if the arena has no room for all pairs, or 3 if a pair has no narrow phase; then nothing has changed.
     """
     state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
     bounds, setting = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, SETTING)
@@ -72,7 +83,10 @@ def find_contacts(floats: Floats, ints: Ints) -> bool:
     else:
         pairs = sweep_and_prune(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, order, pair)
     if pairs > pair.shape[0]:
-        return False
+        return 2
+    for p in range(pairs):
+        if not known_pair(shape_kind[pair[p, 0], TYPE], shape_kind[pair[p, 1], TYPE]):
+            return 3
     for b in range(count[0, BODIES] + 1):
         kind[b, TOUCHED] = 0
     keep_old(count, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
@@ -81,5 +95,5 @@ def find_contacts(floats: Floats, ints: Ints) -> bool:
         point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints,
         CLIP_KEY),
     )  # fmt: skip
-    prepare(state, body, turned, shape, shape_kind, count[0, MANIFOLDS], manifold, key, point)
-    return True
+    prepare(state, body, turned, shape, shape_kind, pose, count[0, MANIFOLDS], manifold, key, point)
+    return 0

@@ -14,6 +14,7 @@ from engine.arena import (
     BODY_B,
     BOX,
     CONTINUOUS,
+    CYLINDER,
     DT,
     FIRST_GAP,
     LAW,
@@ -81,6 +82,8 @@ def keep_old(
 @kernel
 def thinnest(shape: Floats, shape_kind: Ints, s: int) -> float:
     """Half the smallest width of a shape [m]."""
+    if shape_kind[s, TYPE] == CYLINDER:
+        return float(min(shape[s, SIZE], shape[s, SIZE + 1]))
     if shape_kind[s, TYPE] == BOX:
         return float(min(min(shape[s, SIZE], shape[s, SIZE + 1]), shape[s, SIZE + 2]))
     return float(shape[s, SIZE]) if shape[s, BALL_RADIUS] < math.inf else math.inf
@@ -120,7 +123,7 @@ def build_manifolds(
         margin = look_ahead(state, shape, shape_kind, a, b, setting, count[0, CONTINUOUS])
         at = 4 * found
         points, normal = collide(shape, shape_kind, pose, a, b, margin, point, point_key, at, clip, clip_key)
-        if points == 0:
+        if points <= 0:
             continue
         for k in range(points):
             for c in range(point.shape[1]):

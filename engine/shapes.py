@@ -46,7 +46,7 @@ class Capsule:
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
-    """A right circular cylinder about z, |z| <= half_length. Rays only; it takes no part in contact."""
+    """A right circular cylinder about z, |z| <= half_length. Contact with spheres and planes only."""
 
     radius: float
     half_length: float

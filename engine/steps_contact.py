@@ -42,7 +42,7 @@ from engine.vec import Floats, Ints, load3, norm
 __all__ = ["slow_approach", "soft_factors", "step_contact"]
 
 FRESH = 8
-"""Times as many sweeps in the first sub-step of a new contact, which has no impulses to start from."""
+"""Times as many sweeps for a blow and in the first sub-step of a contact, which have no impulses to start from."""
 
 
 @kernel
@@ -70,7 +70,8 @@ def slow_approach(setting: Floats, h: float) -> float:
 def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact.
 
-    Returns: steps done, and 0, or 1 if the state stopped being finite, or 2 if the arena must grow before the next step.
+    Returns: steps done, and 0, or 1 if the state stopped being finite, or 2 if the arena must grow before the next step, or 3
+    if two shapes came together that have no narrow phase.
     """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
@@ -81,8 +82,9 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
     for step in range(steps):
-        if not find_contacts(floats, ints):
-            return step, 2
+        status = find_contacts(floats, ints)
+        if status != 0:
+            return step, status
         n = count[0, MANIFOLDS]
         for b in range(bodies):
             if kind[b, TOUCHED] == 0:
@@ -107,7 +109,7 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                 if bounce(n, manifold, key, point):
-                    for _ in range(count[0, ITERATIONS] + count[0, RELAXATIONS]):
+                    for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
                 friction_mode(state, body, n, manifold, key, point)
                 sum_impulses(n, manifold, key, point)

@@ -91,8 +91,9 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
     for step in range(steps):
-        if not find_contacts(floats, ints):
-            return step, 2
+        status = find_contacts(floats, ints)
+        if status != 0:
+            return step, status
         n = count[0, MANIFOLDS]
         for j in range(joints):
             kind[joint_kind[j, PARENT], TOUCHED] = 1
@@ -129,7 +130,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                     hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
                 if bounce(n, manifold, key, point):
-                    for _ in range(count[0, ITERATIONS] + count[0, RELAXATIONS]):
+                    for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
                         hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
                 friction_mode(state, body, n, manifold, key, point)

@@ -12,7 +12,7 @@ from engine.arena import float_table, int_table
 from engine.assembly import assemble_world, grow
 from engine.bodies import Body, Surface
 from engine.check import finite
-from engine.errors import Diverged
+from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
 from engine.options import Options
 
@@ -56,7 +56,7 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch.
-    Raises: ValueError naming the element, field and value; NotSupported for contact of cylinders and hulls.
+    Raises: ValueError naming the element, field and value; NotSupported for hulls.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class World:
     def step(self, count: int = 1) -> None:
         """Advance by count * dt in one compiled call.
 
-        Raises: Diverged with the number of the step; ValueError for count < 0.
+        Raises: Diverged, NotSupported, ValueError for count < 0.
         """
         if count < 0:
             raise ValueError(f"world: step count {count}, expected at least 0")
@@ -101,6 +101,8 @@ class World:
             if status == 1:
                 raise Diverged(self.steps)
             count -= done
+            if status == 3:
+                raise NotSupported("contact of a cylinder", "the engine knows it with spheres and planes only")
             if status == 2:
                 self._floats, self._ints = grow(self._floats, self._ints)
 

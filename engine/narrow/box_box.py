@@ -12,8 +12,11 @@ from engine.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, neg, norm,
 
 __all__ = ["FACE_OF_B", "box_box"]
 
-EDGE_HANDICAP = 1e-3
-"""Share of the smallest half extent [1] by which an edge pair must beat the faces, so that faces win where both are as good."""
+HANDICAP = 1e-3
+"""Share of the smallest half extent [1] by which a face of B must beat those of A, and an edge pair all faces.
+
+Where several are as good, the choice stays the same from step to step, and so do the features.
+"""
 ON_PLANE = 1e-7
 """Share of the largest half extent [1] within which a corner counts as on a clipping plane: it keeps its feature."""
 EDGES = 10_000
@@ -49,7 +52,7 @@ def box_box(
         gap = abs(way) - reach(ma, ha, n) - reach(mb, hb, n)
         if gap > margin:
             return 0, normal
-        if gap > best + (0.0 if code < 0 else EDGE_HANDICAP * smallest * 1e-3):
+        if gap > best + (0.0 if k < 3 else HANDICAP * smallest):
             best, code = gap, k
             normal = n if way >= 0.0 else neg(n)
     for i in range(3):
@@ -63,7 +66,7 @@ def box_box(
             gap = abs(way) - reach(ma, ha, n) - reach(mb, hb, n)
             if gap > margin:
                 return 0, normal
-            if gap > best + EDGE_HANDICAP * smallest:
+            if gap > best + HANDICAP * smallest:
                 best, code = gap, 6 + 3 * i + j
                 normal = n if way >= 0.0 else neg(n)
     if code >= 6:

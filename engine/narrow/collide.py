@@ -1,13 +1,17 @@
 """Choose the narrow phase of a pair by the types of its shapes; the lower type is always shape A."""
 
-from engine.arena import BOX, CAPSULE, PLANE, SIZE, SPHERE, TYPE
+from engine.arena import BOX, CAPSULE, CYLINDER, PLANE, SIZE, SPHERE, TYPE
 from engine.jit import kernel
 from engine.narrow.box_box import box_box
 from engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
+from engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
 from engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
 from engine.vec import Floats, Ints, Vec, load3, load9
 
-__all__ = ["collide"]
+__all__ = ["UNKNOWN", "collide"]
+
+UNKNOWN = -1
+"""The number of points of a pair of shapes that has no narrow phase."""
 
 
 @kernel
@@ -17,7 +21,7 @@ def collide(
 ) -> tuple[int, Vec]:  # fmt: skip
     """Write the contact points of shapes a and b, type of a <= type of b, from row `at` on.
 
-    Returns: the number of points closer than the margin, and the normal from a to b.
+    Returns: the number of points closer than the margin or UNKNOWN, and the normal from a to b.
     """
     ta, tb = shape_kind[a, TYPE], shape_kind[b, TYPE]
     pa, pb = load3(pose, a, 0), load3(pose, b, 0)
@@ -31,6 +35,8 @@ def collide(
             return sphere_capsule(pa, sa[0], pb, zb, sb[0], sb[1], margin, point, key, at)
         if tb == BOX:
             return sphere_box(pa, sa[0], pb, mb, sb, margin, point, key, at, 0)
+        if tb == CYLINDER:
+            return sphere_cylinder(pa, sa[0], pb, mb, sb[0], sb[1], margin, point, key, at)
         if tb == PLANE:
             return sphere_plane(pa, sa[0], pb, zb, margin, point, key, at, 0)
     elif ta == CAPSULE:
@@ -45,4 +51,6 @@ def collide(
             return box_box(pa, ma, sa, pb, mb, sb, margin, point, key, at, clip, clip_key)
         if tb == PLANE:
             return box_plane(pa, ma, sa, pb, zb, margin, point, key, at)
-    return 0, (0.0, 0.0, 1.0)
+    elif ta == CYLINDER and tb == PLANE:
+        return cylinder_plane(pa, ma, sa[0], sa[1], pb, zb, margin, point, key, at)
+    return UNKNOWN, (0.0, 0.0, 1.0)

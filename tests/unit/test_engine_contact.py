@@ -215,6 +215,8 @@ def test_a_collision_in_space_keeps_both_momenta() -> None:
         (engine.Capsule(0.05, 0.1), (0, 0, 0.05), (math.sqrt(0.5), 0, math.sqrt(0.5), 0), 0.05),
         (engine.Box((0.1, 0.2, 0.3)), (0, 0, 0.1), (math.sqrt(0.5), 0, math.sqrt(0.5), 0), 0.1),
         (engine.Sphere(0.2), (0, 0, 0.2), (1, 0, 0, 0), 0.2),
+        (engine.Cylinder(0.2, 0.3), (0, 0, 0.3), (1, 0, 0, 0), 0.3),
+        (engine.Cylinder(0.2, 0.3), (0, 0, 0.2), (math.sqrt(0.5), 0, math.sqrt(0.5), 0), 0.2),
     ],
 )
 @pytest.mark.parametrize("table", ["plane", "box"])
@@ -223,6 +225,8 @@ def test_every_shape_rests_on_a_plane_and_on_a_box(
 ) -> None:
     """Points share its weight, each with a spring for its own mass: less than twice the sinking of one; it stays put."""
     ground = GROUND
+    if table == "box" and isinstance(shape, engine.Cylinder):
+        pytest.skip("the engine has no contact of a cylinder with a box")
     if table == "box":
         top = engine.Placed(engine.Box((2, 2, 0.5)), p_BS=(0, 0, -0.5))
         ground = engine.Body(name="ground", motion="static", shapes=[top])
@@ -261,3 +265,29 @@ def test_crossed_edges_of_boxes_touch_in_one_point() -> None:
     assert found.gap == pytest.approx([-0.01], abs=1e-12)
     assert found.normal[0] == pytest.approx([0, 0, 1], abs=1e-12)
     assert found.point[0] == pytest.approx([0, 0, lift - 0.005], abs=1e-12)
+
+
+def test_a_cylinder_on_a_slope_rolls_down_at_two_thirds_of_the_pull() -> None:
+    """a = g sin / (1 + I / (m r^2)) = 2/3 g sin for a solid cylinder; 1 mm/s of 1.1 m/s for the first sub-steps."""
+    peg = engine.Body(
+        name="peg",
+        inertia=np.diag([0.04, 0.04, 0.005]),
+        shapes=[engine.Placed(engine.Cylinder(0.1, 0.2))],
+        p_WB=(0, 0, 0.1),
+        q_WB=(math.sqrt(0.5), math.sqrt(0.5), 0, 0),
+    )
+    gravity = _incline(math.tan(math.radians(10)))
+    world = _world([GROUND, peg], _rough(0.5), gravity)
+    world.step(240)
+    assert world.state()[1, 7] == pytest.approx(2 / 3 * gravity[0], rel=2e-3)
+
+
+def test_five_elastic_balls_in_touch_keep_momentum_and_energy() -> None:
+    """Bodies in touch take a blow as one; sweeps converge by cos^2(pi / 5) = .65 each, 24 of them to 3e-5."""
+    balls = [_ball(name=f"b{k}", p_WB=(0.1 * k, 0, 0)) for k in range(5)]
+    balls[0] = _ball(name="b0", p_WB=(-0.05, 0, 0), v_WB=(1.0, 0, 0))
+    world = _world(balls, engine.Surface(restitution=1.0), (0, 0, 0))
+    world.step(60)
+    v = world.state()[:, 7]
+    assert v.sum() == pytest.approx(1.0, abs=1e-12)
+    assert (v**2).sum() == pytest.approx(1.0, abs=1e-3)

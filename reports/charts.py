@@ -25,6 +25,7 @@ LANE = 15
 POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
 STEP = ("dt", "time step [ms]")
 COST = ("cpu", "CPU time per simulated second [s/s]")
+NUMBERS = ("dt", "error", "cpu", "low", "high")
 HOVER = {
     "engine": "engine",
     "track": "track",
@@ -271,7 +272,7 @@ class Marks:
         import altair as alt
 
         return [
-            alt.Tooltip(f"{key}:{'Q' if key in ('dt', 'error', 'cpu', 'low', 'high') else 'N'}", title=title)
+            alt.Tooltip(f"{key}:Q", title=title, format=".4~g") if key in NUMBERS else alt.Tooltip(f"{key}:N", title=title)
             for key, title in HOVER.items()
         ]
 

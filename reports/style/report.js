@@ -46,6 +46,8 @@
     box.style.top = `${event.clientY + gap + high > innerHeight ? Math.max(6, event.clientY - gap - high) : event.clientY + gap}px`;
   };
 
+  window.addEventListener("scroll", () => (box.style.display = "none"), { passive: true });
+
   const refuse = { load: () => Promise.reject(new Error("no network")), sanitize: () => Promise.reject(new Error("no links")) };
 
   const draw = async (figure) => {

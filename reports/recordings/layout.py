@@ -1,6 +1,5 @@
 """Names in a recording: files, timelines and the paths under which everything is logged."""
 
-import re
 from pathlib import Path
 
 from harness.store import Store, StoreError
@@ -51,8 +50,8 @@ def file_name(case: str) -> str:
 
 
 def application_id(case: str) -> str:
-    """One application per case, so that the viewer keeps a layout for each: letters, digits, - _ . only."""
-    return "plumbline." + re.sub(r"[^A-Za-z0-9_.-]", "_", slug(case))
+    """One application per case, so that the viewer keeps a layout for each: letters, digits, - and _ only."""
+    return f"plumbline-{slug(case)}"
 
 
 def recording_of(folder: Path, case: str) -> Path:

@@ -1,0 +1,100 @@
+"""Bodies in motion: their shapes once, their poses over time, and the ways that they took."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from reports.recordings.colour import GRID, GROUND, Rgba
+from reports.recordings.layout import STAGE
+from reports.recordings.rotation import Floats, compose, rotate
+from reports.recordings.shapes import CROWD, Batch, batches, drawn
+from reports.recordings.timeline import checked, columns
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+__all__ = ["log_moving", "log_paths", "log_stage"]
+
+GRID_LINES = 10
+"""Lines of a ground plane's grid on each side of its middle."""
+
+PATH_POINTS = 600
+"""Points of a drawn way; a smooth curve needs no more."""
+
+
+def poses(batch: Batch, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
+    """Poses of the shapes of a batch, (t, n, 3) m and (t, n, 4), from those of all bodies."""
+    return compose(p_WB[:, batch.bodies], q_WB[:, batch.bodies], batch.p_BS, batch.q_BS)
+
+
+def log_moving(
+    rec: "rr.RecordingStream",
+    root: str,
+    bodies: Sequence[Mapping[str, Any]],
+    places: Sequence[int],
+    arrays: Mapping[str, Floats],
+    steps: Floats,
+    *,
+    colour: Rgba,
+    extent: float,
+    fill: str | None,
+) -> None:
+    """Log the bodies at these places below `root`: shapes once, poses in columns."""
+    import rerun as rr
+
+    time = arrays["time"]
+    for batch in batches(bodies, places):
+        path = f"{root}/{batch.path}"
+        p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
+        checked(path, time, p_WS, q_WS)
+        rec.log(path, *drawn(batch, colour, extent, fill), static=True)
+        pose = rr.InstancePoses3D.columns(
+            translations=p_WS.reshape(-1, 3).astype(np.float32),
+            quaternions=q_WS.reshape(-1, 4)[:, [1, 2, 3, 0]].astype(np.float32),
+        )
+        rec.send_columns(path, columns(time, steps), pose.partition(np.full(len(time), len(batch.bodies))))
+
+
+def log_paths(rec: "rr.RecordingStream", path: str, p_WB: Floats, colour: Rgba, extent: float) -> None:
+    """Log the ways of few bodies, (t, n, 3) m, as lines for all time; bodies that hardly move leave none."""
+    import rerun as rr
+
+    if not 0 < p_WB.shape[1] <= CROWD:
+        return
+    stride = max(1, len(p_WB) // PATH_POINTS)
+    ways = [way for way in np.moveaxis(p_WB, 1, 0) if np.ptp(way, axis=0).max() > 0.02 * extent]
+    if ways:
+        strips = [np.concatenate([way[:-1:stride], way[-1:]]).astype(np.float32) for way in ways]
+        rec.log(path, rr.LineStrips3D(strips, colors=[colour], radii=rr.Radius.ui_points(1.0)), static=True)
+
+
+def log_stage(rec: "rr.RecordingStream", bodies: Sequence[Mapping[str, Any]], middle: Floats, extent: float) -> None:
+    """Log what never moves, once for all engines."""
+    import rerun as rr
+
+    still = [place for place, body in enumerate(bodies) if body["motion"] == "static"]
+    for batch in batches(bodies, still):
+        p_WB = np.array([bodies[k].get("p_WB", (0.0, 0.0, 0.0)) for k in batch.bodies], dtype=np.float64)
+        q_WB = np.array([bodies[k].get("q_WB", (1.0, 0.0, 0.0, 0.0)) for k in batch.bodies], dtype=np.float64)
+        p_WS, q_WS = compose(p_WB, q_WB, batch.p_BS, batch.q_BS)
+        path = f"{STAGE}/{batch.path}"
+        if batch.kind == "plane":
+            normals = rotate(q_WS, np.broadcast_to([0.0, 0.0, 1.0], p_WS.shape))
+            # A plane has no middle: it is drawn around the bodies.
+            p_WS = middle - np.sum((middle - p_WS) * normals, axis=1, keepdims=True) * normals
+            log_grid(rec, f"{path}/grid", p_WS, q_WS, extent)
+        rec.log(path, *drawn(batch, GROUND, extent, "Solid"), static=True)
+        rec.log(path, rr.InstancePoses3D(translations=p_WS, quaternions=q_WS[:, [1, 2, 3, 0]]), static=True)
+
+
+def log_grid(rec: "rr.RecordingStream", path: str, p_WS: Floats, q_WS: Floats, extent: float) -> None:
+    """Log a grid of lines on planes through p_WS with +z of S as normal."""
+    import rerun as rr
+
+    ticks = np.linspace(-extent, extent, 2 * GRID_LINES + 1)
+    lift = extent / 2000
+    lines = [np.array([[t, -extent, lift], [t, extent, lift]]) for t in ticks]
+    lines += [np.array([[-extent, t, lift], [extent, t, lift]]) for t in ticks]
+    strips = [p + rotate(q, line) for p, q in zip(p_WS, q_WS, strict=True) for line in lines]
+    rec.log(path, rr.LineStrips3D(strips, colors=[GRID], radii=rr.Radius.ui_points(0.6)), static=True)

@@ -1,0 +1,62 @@
+"""The truth of a case: where it is told at given instants, and its ghost among the engines."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from reports.recordings.bodies import log_moving, log_paths
+from reports.recordings.colour import GHOST
+from reports.recordings.layout import TRUTH, WORLD
+from reports.recordings.rotation import Floats
+from reports.recordings.runs import Stage
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+__all__ = ["log_truth", "told_places", "truth_at"]
+
+
+def truth_at(truth: Mapping[str, Floats], time: Floats) -> tuple[Floats, Floats, Floats]:
+    """Places of the instants within the truth's range, and p_WB, q_WB there; between its instants by linear interpolation."""
+    none = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 3)), np.zeros((0, 0, 4))
+    if "p_WB" not in truth or not len(time):
+        return none
+    known, p_WB, q_WB = truth["time"], truth["p_WB"], truth["q_WB"]
+    slack = 1e-9 * max(1.0, float(known[-1]))
+    kept = np.flatnonzero((time >= known[0] - slack) & (time <= known[-1] + slack))
+    if len(known) < 2:
+        return kept, p_WB[np.zeros(len(kept), dtype=np.int64)], q_WB[np.zeros(len(kept), dtype=np.int64)]
+    after = np.clip(np.searchsorted(known, time[kept] - slack), 1, len(known) - 1)
+    share = np.clip((time[kept] - known[after - 1]) / (known[after] - known[after - 1]), 0.0, 1.0)
+    share = np.where(share > 1 - 1e-6, 1.0, np.where(share < 1e-6, 0.0, share))[:, None, None]
+    exact = (share == 0.0) | (share == 1.0)
+    p = np.where(share == 1.0, p_WB[after], p_WB[after - 1])
+    q = np.where(share == 1.0, q_WB[after], q_WB[after - 1])
+    # Only where needed: a truth that is not told (NaN) at one end would spoil the other.
+    p = np.where(exact, p, (1 - share) * p_WB[after - 1] + share * p_WB[after])
+    near = np.where(np.sum(q_WB[after] * q_WB[after - 1], axis=-1, keepdims=True) < 0, -1.0, 1.0) * q_WB[after]
+    mixed = (1 - share) * q_WB[after - 1] + share * near
+    length = np.linalg.norm(mixed, axis=-1, keepdims=True)
+    return kept, p, np.where(exact, q, mixed / np.where(length > 0, length, 1.0))
+
+
+def told_places(stage: Stage) -> list[int]:
+    """The moving bodies whose pose the truth tells at all times."""
+    if "p_WB" not in stage.truth:
+        return []
+    finite = np.isfinite(stage.truth["p_WB"]).all(axis=(0, 2)) & np.isfinite(stage.truth["q_WB"]).all(axis=(0, 2))
+    return [int(place) for place in stage.moving if finite[place]]
+
+
+def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
+    """Log the ghost of the truth, below world/truth."""
+    places = told_places(stage)
+    if not places:
+        return
+    time = stage.truth["time"]
+    steps = np.rint(time / stage.dt) if stage.dt > 0 else np.arange(len(time))
+    root = f"{WORLD}/{TRUTH}"
+    fill = "TransparentFillMajorWireframe"
+    log_moving(rec, root, stage.bodies, places, stage.truth, steps, colour=GHOST, extent=extent, fill=fill)
+    log_paths(rec, f"{root}/paths", stage.truth["p_WB"][:, places], (*GHOST[:3], 160), extent)

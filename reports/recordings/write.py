@@ -1,0 +1,91 @@
+"""Writing the recordings of a run folder, each whole or not at all."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.record import digest
+from harness.store import Store
+from reports.recordings.blueprint import layout
+from reports.recordings.bodies import log_moving, log_paths, log_stage
+from reports.recordings.camera import framing
+from reports.recordings.colour import rgba
+from reports.recordings.contacts import arrow_scale, log_contacts
+from reports.recordings.layout import LOG, WORLD, application_id, file_name
+from reports.recordings.log import text
+from reports.recordings.metrics import TITLES, log_metrics
+from reports.recordings.runs import Stage, stage_of
+from reports.recordings.sensors import log_sensors
+from reports.recordings.truth import log_truth
+from reports.text import slug
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+__all__ = ["write_recordings"]
+
+
+def write_recordings(folder: Path) -> tuple[Path, ...]:
+    """Write `folder/recordings/<case>.rrd` for every case that has a trial, and give their paths back.
+
+    Raises:
+        StoreError: no run folder. OSError: a recording cannot be written.
+    """
+    import rerun as rr
+
+    store = Store(folder)
+    target = store.folder / "recordings"
+    target.mkdir(parents=True, exist_ok=True)
+    was_strict = rr.strict_mode()
+    rr.set_strict_mode(True)
+    try:
+        return tuple(write_case(store, name, target) for name in dict.fromkeys(store.trials["case"]))
+    finally:
+        rr.set_strict_mode(was_strict)
+
+
+def write_case(store: Store, name: str, target: Path) -> Path:
+    """Write one recording under a draft's name, then give it its own."""
+    import rerun as rr
+
+    stage = stage_of(store, name)
+    path = target / file_name(name)
+    draft = target / f".{path.name}.{os.getpid()}"
+    identity = digest([[t["trial"], t["status"], str(t["trajectory_hash"])] for t in stage.trials])
+    rec = rr.RecordingStream(application_id(name), recording_id=f"{slug(name)}-{identity}", send_properties=False)
+    rec.set_log_time_enabled(False)
+    rec.set_log_tick_enabled(False)
+    try:
+        try:
+            fill(rec, draft, store, stage)
+        finally:
+            rec.disconnect()  # writes the footer: the file is whole only now
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+    return path
+
+
+def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> None:
+    """Log all of a stage into a file."""
+    import rerun as rr
+
+    frame = framing(stage)
+    scale = arrow_scale(stage.runs, frame.radius / 4)
+    plotted = set(TITLES) if stage.runs else set()
+    rec.save(draft, default_blueprint=layout(stage, frame, plotted, set()))
+    rec.send_recording_name(stage.case.get("title") or stage.name)
+    rec.log(LOG, rr.TextDocument(text(store, stage, 1 / scale if scale else 0.0), media_type="text/markdown"), static=True)
+    rec.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    log_stage(rec, stage.bodies, frame.centre, 3 * frame.radius)
+    log_truth(rec, stage, frame.radius)
+    for run in stage.runs:
+        root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
+        steps = run.steps_at(run.time)
+        places = [int(place) for place in stage.moving]
+        log_moving(rec, root, stage.bodies, places, run.arrays, steps, colour=colour, extent=3 * frame.radius, fill=None)
+        log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, places], colour, frame.radius)
+        log_contacts(rec, run, scale, frame.radius / 4)
+    log_metrics(rec, stage)
+    log_sensors(rec, stage)
+    rec.flush()

@@ -1,6 +1,7 @@
 """Build this step's manifolds from the pairs, and carry the impulses of matching points over from the last step.
 
-Points match when shapes and feature are the same.
+Points match when shapes and feature are the same, or, where a corner has just crossed an edge and so changed its feature, when
+they lie close together.
 
 Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, Iterative Dynamics with Temporal Coherence,
 GDC 2005.
@@ -50,6 +51,8 @@ from engine.vec import Floats, Ints, add, axpy, cross, dot, load3, norm, store3,
 
 __all__ = ["build_manifolds", "keep_old", "look_ahead"]
 
+NEAR = 0.02
+"""Share of half the thickness of the thinner shape [1] within which points of different features match."""
 AT_REST = 1e-6
 """Tangential speed [m/s] below which a new contact counts as sticking."""
 
@@ -73,6 +76,7 @@ def keep_old(
             at = 4 * m + k
             for c in range(NORMAL_IMPULSE, TANGENT_IMPULSE + 3):
                 old_point[at, c] = point[at, c]
+            store3(old_point, at, PLACE, load3(point, at, PLACE))
             old_point_key[at, 0] = point_key[at, 0]
         s = manifold_key[m, SHAPE_A]
         following[m, 0] = head[s, 0]
@@ -105,6 +109,19 @@ def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, s
     if continuous == 0:
         way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
     return float(way)
+
+
+@kernel
+def matching_point(point: Floats, key: Ints, i: int, old: Floats, old_key: Ints, first: int, count: int, near: float) -> int:
+    """The row of the old point with the feature of point i, else of the closest one within `near` [m], else -1."""
+    best, closest = -1, near
+    for other in range(first, first + count):
+        if old_key[other, 0] == key[i, 0]:
+            return other
+        apart = norm(sub(load3(old, other, PLACE), load3(point, i, PLACE)))
+        if apart < closest:
+            best, closest = other, apart
+    return best
 
 
 @kernel
@@ -156,10 +173,11 @@ def build_manifolds(
         else:
             manifold_key[found, SLIPS] = old_key[m, SLIPS]
             store3(manifold, found, SPIN_IMPULSE, load3(old, m, SPIN_IMPULSE))
+            near = NEAR * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))
             for k in range(points):
-                for other in range(old_key[m, POINTS]):
-                    if old_point_key[4 * m + other, 0] == point_key[at + k, 0]:
-                        point[at + k, NORMAL_IMPULSE] = old_point[4 * m + other, NORMAL_IMPULSE]
-                        store3(point, at + k, TANGENT_IMPULSE, load3(old_point, 4 * m + other, TANGENT_IMPULSE))
+                twin = matching_point(point, point_key, at + k, old_point, old_point_key, 4 * m, old_key[m, POINTS], near)
+                if twin >= 0:
+                    point[at + k, NORMAL_IMPULSE] = old_point[twin, NORMAL_IMPULSE]
+                    store3(point, at + k, TANGENT_IMPULSE, load3(old_point, twin, TANGENT_IMPULSE))
         found += 1
     count[0, MANIFOLDS], count[0, NEW] = found, new

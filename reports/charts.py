@@ -67,7 +67,7 @@ def error_by_cost(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
     caption = (
         "Work against precision: the lower left corner is where one wants to be. Bars are 95 % intervals of the CPU time and, "
         "upright, the range over seeds. "
-        "Trials that gave no error stand above the frame as their outcome, trials that were not timed on its right edge."
+        "Trials that gave no error stand above the frame as their outcome, untimed ones on its right, exact ones on its lower edge."
     )
     return Figure(f"{name}-cost", "Error against cost", caption, spec, *table(drawn, ("cpu", "low", "high", "error")))
 
@@ -202,13 +202,13 @@ def ticks(drawn: Iterable[Row], field: str) -> Row:
 
 
 def decades(numbers: Iterable[float | None]) -> Row:
-    """Ticks at powers of ten, with 2 and 5 between them where there are few."""
+    """Ticks at powers of ten, with 2 and 5 between them where there are few, and all digits within one decade."""
     found = [value for value in numbers if value]
     if not found:
         return {"values": []}
     low, high = math.floor(math.log10(min(found))), math.ceil(math.log10(max(found)))
     every = max(1, math.ceil((high - low) / 8))
-    steps = (1, 2, 5) if high - low <= 2 else (1,)
+    steps = tuple(range(1, 10)) if max(found) < 10 * min(found) else (1, 2, 5) if high - low <= 2 else (1,)
     values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
     small = "datum.value < 0.001 || datum.value >= 100000 ? format(datum.value, '~e') : format(datum.value, '~g')"
     return {"values": values, "labelExpr": small, "labelOverlap": "greedy"}

@@ -12,7 +12,7 @@ from reports.contents import engines
 from reports.page import pages
 from reports.palette import looks
 from reports.status import STATUSES, outcome
-from reports.text import amount, plural, settings_text, slug, visible
+from reports.text import amount, plain_value, plural, settings_text, slug, visible
 
 if TYPE_CHECKING:
     from harness.store import Store
@@ -66,6 +66,7 @@ def environment() -> Environment:
         "cite": cite,
         "outcome": outcome,
         "plural": lambda count, noun: plural(count, noun),
+        "plain": plain_value,
         "settings": settings_text,
         "address": lambda text: quote(text, safe=""),
     }

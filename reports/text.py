@@ -9,7 +9,7 @@ from typing import Any
 
 from harness.record import digest
 
-__all__ = ["TIMES", "amount", "csv_cell", "join_words", "plural", "settings_text", "slug", "visible"]
+__all__ = ["TIMES", "amount", "plain_value", "csv_cell", "join_words", "plural", "settings_text", "slug", "visible"]
 
 LONGEST = 2000
 """Characters of one string that are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
@@ -104,7 +104,7 @@ def settings_text(settings: str | Mapping[str, Any]) -> str:
 
 
 def plain_value(value: Any) -> str:
-    """One setting's value; short for numbers."""
+    """One setting's or parameter's value; short for numbers."""
     if isinstance(value, bool):
         return "on" if value else "off"
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -158,13 +158,17 @@ def test_a_short_series_is_not_thinned() -> None:
 
 
 @pytest.mark.parametrize(
-    ("numbers", "first", "last"), [([0.3], 0.1, 5.0), ([1e-12, 1.0], 1e-12, 1.0), ([2e-3, 8e-3], 1e-3, 5e-2)]
+    ("numbers", "first", "last"), [([0.3], 0.1, 9.0), ([1e-12, 1.0], 1e-12, 1.0), ([2e-3, 8e-2], 1e-3, 0.5)]
 )
 def test_ticks_stand_at_round_numbers_around_the_values(numbers: list[float], first: float, last: float) -> None:
     values = decades(numbers)["values"]
     assert min(values) == pytest.approx(first)
     assert max(values) == pytest.approx(last)
-    assert len(values) <= 12
+    assert len(values) <= 18
+
+
+def test_a_chart_within_one_decade_has_several_ticks_inside() -> None:
+    assert sum(0.67 <= value <= 1.0 for value in decades([0.67, 1.0])["values"]) >= 3
 
 
 def test_the_text_of_a_figure_is_the_same_in_two_builds(store: Store, tmp_path: Path) -> None:

@@ -1,14 +1,13 @@
 """The charts of the report as Vega-Lite specifications: error against time step, against cost, and across cases."""
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from reports.contents import cases
 from reports.figure import Figure, thin
-from reports.palette import looks
-from reports.points import labels, points
+from reports.marks import HOVER, POINT, Marks, chart, decades, finished, logarithmic, ticks
+from reports.points import points
 from reports.status import outcome
 from reports.text import TIMES, amount, visible
 
@@ -22,24 +21,9 @@ __all__ = ["across_cases", "error_by_cost", "error_by_step"]
 Row = dict[str, Any]
 LANE = 15
 """Height of one row of outcomes above a chart [px]."""
-POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
+
 STEP = ("dt", "time step [ms]")
 COST = ("cpu", "CPU time per simulated second [s/s]")
-NUMBERS = ("dt", "error", "cpu", "low", "high")
-HOVER = {
-    "engine": "engine",
-    "track": "track",
-    "status": "outcome",
-    "reason": "reason",
-    "case": "case",
-    "dt": "time step [ms]",
-    "error": "error",
-    "cpu": "CPU s per simulated s",
-    "low": "95 % from",
-    "high": "to",
-    "settings": "settings",
-    "trial": "trial",
-}
 
 
 def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str) -> Figure | None:
@@ -67,7 +51,8 @@ def error_by_cost(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
     caption = (
         "Work against precision: the lower left corner is where one wants to be. Bars are 95 % intervals of the CPU time and, "
         "upright, the range over seeds. "
-        "Trials that gave no error stand above the frame as their outcome, untimed ones on its right, exact ones on its lower edge."
+        "Trials that gave no error stand above the frame as their outcome, "
+        "untimed ones on its right, exact ones on its lower edge."
     )
     return Figure(f"{name}-cost", "Error against cost", caption, spec, *table(drawn, ("cpu", "low", "high", "error")))
 
@@ -161,59 +146,6 @@ def outcome_lanes(drawn: Sequence[Row], field: str, x: Any, style: "Marks") -> l
     return layers
 
 
-def chart(values: Sequence[Row]) -> Any:
-    """A chart of rows that travel inside the specification."""
-    import altair as alt
-
-    return alt.Chart({"values": list(values)})
-
-
-def logarithmic(kind: Any, field: str, title: str, values: Row) -> Any:
-    """A logarithmic axis with room for marks at its ends."""
-    import altair as alt
-
-    return kind(f"{field}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(**values))
-
-
-def finished(layers: Sequence[Any], height: int) -> Row:
-    """One specification, as wide as the page lets it."""
-    import altair as alt
-
-    spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict()
-    spec["config"] = {
-        "legend": {
-            "orient": "bottom",
-            "columns": 3,
-            "symbolSize": 90,
-            "labelLimit": 240,
-            "layout": {"bottom": {"direction": "vertical", "margin": 4}},
-        }
-    }
-    spec["autosize"] = {"type": "fit-x", "contains": "padding"}
-    return spec
-
-
-def ticks(drawn: Iterable[Row], field: str) -> Row:
-    """Ticks at the time steps themselves while they are few; otherwise at round numbers."""
-    steps = sorted({row[field] for row in drawn if row[field]})
-    if field == "dt" and len(steps) <= 10:
-        return {"format": ".3~g", "values": steps, "labelOverlap": "greedy"}
-    return decades(steps)
-
-
-def decades(numbers: Iterable[float | None]) -> Row:
-    """Ticks at powers of ten, with 2 and 5 between them where there are few, and all digits within one decade."""
-    found = [value for value in numbers if value]
-    if not found:
-        return {"values": []}
-    low, high = math.floor(math.log10(min(found))), math.ceil(math.log10(max(found)))
-    every = max(1, math.ceil((high - low) / 8))
-    steps = tuple(range(1, 10)) if max(found) < 10 * min(found) else (1, 2, 5) if high - low <= 2 else (1,)
-    values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
-    small = "datum.value < 0.001 || datum.value >= 100000 ? format(datum.value, '~e') : format(datum.value, '~g')"
-    return {"values": values, "labelExpr": small, "labelOverlap": "greedy"}
-
-
 def grouped(rows: Iterable[Row], keys: Sequence[str]) -> Mapping[tuple[Any, ...], list[Row]]:
     """Rows by the values of some keys, in the order they come."""
     found: dict[tuple[Any, ...], list[Row]] = {}
@@ -239,55 +171,6 @@ def spans(placed: Iterable[Row], field: str) -> list[Row]:
         for part in grouped(placed, ("series", "dt")).values()
         if len(part) > 1
     ]
-
-
-class Marks:
-    """The look of engines and tracks in one chart: colour and shape say the engine, filling and dashes the track."""
-
-    def __init__(self, store: "Store", drawn: Sequence[Row]) -> None:
-        present = {row["engine"] for row in drawn}
-        chosen = looks(labels(store))
-        shown = [(label, chosen[name]) for name, label in labels(store).items() if label in present]
-        self.engines = [label for label, _ in shown]
-        self.colours = [look.colour for _, look in shown]
-        self.paths = [look.path for _, look in shown]
-        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (track != "default", track))
-
-    def colour(self, channel: str = "color") -> Any:
-        """Colour of the engine."""
-        import altair as alt
-
-        kind = {"color": alt.Color, "stroke": alt.Stroke}[channel]
-        return kind("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.colours))
-
-    def dash(self) -> Any:
-        """Dashes of the track: whole lines for tuned."""
-        import altair as alt
-
-        dashes = [[1, 0] if track != "default" else [4, 3] for track in self.tracks]
-        return alt.StrokeDash("track:N", title=None, scale=alt.Scale(domain=self.tracks, range=dashes))
-
-    def tooltip(self) -> list[Any]:
-        """What hovering shows."""
-        import altair as alt
-
-        return [
-            alt.Tooltip(f"{key}:Q", title=title, format=".4~g") if key in NUMBERS else alt.Tooltip(f"{key}:N", title=title)
-            for key, title in HOVER.items()
-        ]
-
-    def channels(self) -> Row:
-        """All channels of a point."""
-        import altair as alt
-
-        filled = [0.0001 if track == "default" else 1 for track in self.tracks]
-        return {
-            "color": self.colour(),
-            "stroke": self.colour("stroke"),
-            "shape": alt.Shape("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.paths)),
-            "fillOpacity": alt.FillOpacity("track:O", title=None, scale=alt.Scale(domain=self.tracks, range=filled)),
-            "tooltip": self.tooltip(),
-        }
 
 
 def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, title: str, caption: str) -> Figure | None:

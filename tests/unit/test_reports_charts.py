@@ -11,8 +11,9 @@ import pytest
 
 from harness.store import Store
 from reports.answers import answers, at_own_step
-from reports.charts import across_cases, decades, error_by_cost, error_by_step
+from reports.charts import across_cases, error_by_cost, error_by_step
 from reports.figure import POINTS, Figure, thin
+from reports.marks import decades
 from reports.palette import ENGINES
 from reports.points import points
 from tests.run_folder import BAD_CASE, CASES, write_run_folder

@@ -1,0 +1,133 @@
+"""The look of marks and axes in every chart: colour and shape of an engine, filling and dashes of a track, ticks, hovering."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from reports.palette import looks
+from reports.points import labels
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["HOVER", "POINT", "Marks", "chart", "decades", "finished", "logarithmic", "ticks"]
+
+Row = dict[str, Any]
+POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
+NUMBERS = ("dt", "error", "cpu", "low", "high")
+HOVER = {
+    "engine": "engine",
+    "track": "track",
+    "status": "outcome",
+    "reason": "reason",
+    "case": "case",
+    "dt": "time step [ms]",
+    "error": "error",
+    "cpu": "CPU s per simulated s",
+    "low": "95 % from",
+    "high": "to",
+    "settings": "settings",
+    "trial": "trial",
+}
+
+
+class Marks:
+    """The look of engines and tracks in one chart: colour and shape say the engine, filling and dashes the track."""
+
+    def __init__(self, store: "Store", drawn: Sequence[Row]) -> None:
+        present = {row["engine"] for row in drawn}
+        chosen = looks(labels(store))
+        shown = [(label, chosen[name]) for name, label in labels(store).items() if label in present]
+        self.engines = [label for label, _ in shown]
+        self.colours = [look.colour for _, look in shown]
+        self.paths = [look.path for _, look in shown]
+        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (track != "default", track))
+
+    def colour(self, channel: str = "color") -> Any:
+        """Colour of the engine."""
+        import altair as alt
+
+        kind = {"color": alt.Color, "stroke": alt.Stroke}[channel]
+        return kind("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.colours))
+
+    def dash(self) -> Any:
+        """Dashes of the track: whole lines for tuned."""
+        import altair as alt
+
+        dashes = [[1, 0] if track != "default" else [4, 3] for track in self.tracks]
+        return alt.StrokeDash("track:N", title=None, scale=alt.Scale(domain=self.tracks, range=dashes))
+
+    def tooltip(self) -> list[Any]:
+        """What hovering shows."""
+        import altair as alt
+
+        return [
+            alt.Tooltip(f"{key}:Q", title=title, format=".4~g") if key in NUMBERS else alt.Tooltip(f"{key}:N", title=title)
+            for key, title in HOVER.items()
+        ]
+
+    def channels(self) -> Row:
+        """All channels of a point."""
+        import altair as alt
+
+        filled = [0.0001 if track == "default" else 1 for track in self.tracks]
+        return {
+            "color": self.colour(),
+            "stroke": self.colour("stroke"),
+            "shape": alt.Shape("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.paths)),
+            "fillOpacity": alt.FillOpacity("track:O", title=None, scale=alt.Scale(domain=self.tracks, range=filled)),
+            "tooltip": self.tooltip(),
+        }
+
+
+def chart(values: Sequence[Row]) -> Any:
+    """A chart of rows that travel inside the specification."""
+    import altair as alt
+
+    return alt.Chart({"values": list(values)})
+
+
+def logarithmic(kind: Any, field: str, title: str, values: Row) -> Any:
+    """A logarithmic axis with room for marks at its ends."""
+    import altair as alt
+
+    return kind(f"{field}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(**values))
+
+
+def finished(layers: Sequence[Any], height: int) -> Row:
+    """One specification, as wide as the page lets it."""
+    import altair as alt
+
+    spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict()
+    spec["config"] = {
+        "legend": {
+            "orient": "bottom",
+            "columns": 3,
+            "symbolSize": 90,
+            "labelLimit": 240,
+            "layout": {"bottom": {"direction": "vertical", "margin": 4}},
+        }
+    }
+    spec["autosize"] = {"type": "fit-x", "contains": "padding"}
+    return spec
+
+
+def ticks(drawn: Iterable[Row], field: str) -> Row:
+    """Ticks at the time steps themselves while they are few; otherwise at round numbers."""
+    steps = sorted({row[field] for row in drawn if row[field]})
+    if field == "dt" and len(steps) <= 10:
+        return {"format": ".3~g", "values": steps, "labelOverlap": "greedy"}
+    return decades(steps)
+
+
+def decades(numbers: Iterable[float | None]) -> Row:
+    """Ticks at powers of ten, with 2 and 5 between them where there are few, and all digits within one decade."""
+    found = [value for value in numbers if value]
+    if not found:
+        return {"values": []}
+    low, high = math.floor(math.log10(min(found))), math.ceil(math.log10(max(found)))
+    every = max(1, math.ceil((high - low) / 8))
+    steps = tuple(range(1, 10)) if max(found) < 10 * min(found) else (1, 2, 5) if high - low <= 2 else (1,)
+    values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
+    small = "datum.value < 0.001 || datum.value >= 100000 ? format(datum.value, '~e') : format(datum.value, '~g')"
+    return {"values": values, "labelExpr": small, "labelOverlap": "greedy"}

@@ -1,9 +1,10 @@
 """The layout that a recording opens with: engines overlaid, each by itself, plots and text."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from reports.recordings.camera import Framing
+from reports.recordings.colour import BACKGROUND, FLOOR
 from reports.recordings.layout import LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
 from reports.recordings.metrics import TITLES
 from reports.recordings.runs import Run, Stage
@@ -17,68 +18,100 @@ __all__ = ["layout"]
 WATCH = 6.0
 """Seconds that a case takes to play; shorter ones are slowed down to it."""
 
+OVERLAID, ALONE = "TransparentFillMajorWireframe", "Solid"
+"""How shapes are filled where all engines share a place, and where one has it to itself."""
 
-def layout(stage: Stage, frame: Framing, metrics: set[str], signals: set[str]) -> "rrb.Blueprint":
-    """The blueprint of a case."""
+
+def layout(
+    stage: Stage, frame: Framing, metrics: Sequence[str], channels: Sequence[str], clouds: Sequence[str]
+) -> "rrb.Blueprint":
+    """The blueprint of a case.
+
+    Args:
+        metrics: those that have a curve, the more telling first.
+        channels, clouds: paths of inertial signals and of scans, without engine and track.
+    """
     import rerun.blueprint as rrb
 
     text = rrb.TextDocumentView(origin=f"/{LOG}", name="Outcomes")
     if not stage.runs:
         return rrb.Blueprint(text, collapse_panels=True)
-    tracks = list(dict.fromkeys(run.track for run in stage.runs))
-    clouds = sorted(where for where in signals if where.endswith("/points"))
-    views = [
-        space(f"All engines, {track}", [run for run in stage.runs if run.track == track], frame, clouds, "MajorWireframe")
-        for track in tracks
+    plots: list[Any] = [
+        plot(f"/{where}", f"{where.removeprefix(SENSORS + '/')} [{CHANNELS[where.rsplit('/', 1)[1]]}]", False)
+        for where in channels
     ]
-    alone = [space(f"{run.engine} {run.track}", [run], frame, clouds, "Solid") for run in stage.runs]
-    views += [rrb.Grid(*alone, grid_columns=2 if len(alone) <= 4 else 3 if len(alone) <= 9 else 4, name="Side by side")]
-    plots = [plot(f"/{METRICS}/{metric}", TITLES[metric]) for metric in TITLES if metric in metrics]
-    channels = sorted(signals - set(clouds))
-    plots += [
-        plot(f"/{where}", f"{where.removeprefix(SENSORS + '/')} [{CHANNELS[where.rsplit('/', 1)[1]]}]") for where in channels
-    ]
-    if channels:
-        plots = plots[-len(channels) :] + plots[: -len(channels)]
-    side = rrb.Vertical(rrb.Vertical(*plots[:2]), rrb.Tabs(text, *plots[2:]), row_shares=[3, 2])
-    end = max(float(run.time[-1]) for run in stage.runs)
-    panel = rrb.TimePanel(
-        state="collapsed",
-        timeline=SIM_TIME,
-        playback_speed=min(1.0, end / WATCH) if end > 0 else 1.0,
-        play_state="playing",
-        loop_mode="all",
-    )
+    plots += [plot(f"/{METRICS}/{metric}", TITLES[metric], not plots and not k) for k, metric in enumerate(metrics)]
+    side = rrb.Vertical(*plots[:2], rrb.Tabs(text, *plots[2:], active_tab=0), row_shares=[5, 4, 6][-1 - len(plots[:2]) :])
+    spaces = rrb.Tabs(*worlds(stage, frame, clouds), active_tab=0)
     return rrb.Blueprint(
-        rrb.Horizontal(rrb.Tabs(*views, active_tab=0), side, column_shares=[3, 2]),
+        rrb.Horizontal(spaces, side, column_shares=[3, 2]),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
-        panel,
+        time_panel(stage),
         auto_views=False,
     )
 
 
-def space(name: str, runs: Iterable[Run], frame: Framing, clouds: Iterable[str], fill: str) -> "rrb.Spatial3DView":
+def time_panel(stage: Stage) -> "rrb.TimePanel":
+    """Plays in a loop, slowed down where the whole would be over in a moment."""
+    import rerun.blueprint as rrb
+
+    end = max(float(run.time[-1]) for run in stage.runs)
+    speed = min(1.0, end / WATCH) if end > 0 else 1.0
+    return rrb.TimePanel(state="collapsed", timeline=SIM_TIME, playback_speed=speed, play_state="playing", loop_mode="all")
+
+
+def worlds(stage: Stage, frame: Framing, clouds: Sequence[str]) -> "list[rrb.View | rrb.Container]":
+    """Each track with all its engines in one space, and every engine and track in a space of its own."""
+    import rerun.blueprint as rrb
+
+    tracks = list(dict.fromkeys(run.track for run in stage.runs))
+    together: list[Any] = [
+        space(stage, f"All engines, {track}", [run for run in stage.runs if run.track == track], frame, clouds, OVERLAID)
+        for track in tracks
+    ]
+    alone = [space(stage, f"{run.engine} {run.track}", [run], frame, clouds, ALONE) for run in stage.runs]
+    across = 2 if len(alone) <= 4 else 3 if len(alone) <= 6 else 4
+    return [*together, rrb.Grid(*alone, grid_columns=across, name="Side by side")]
+
+
+def space(
+    stage: Stage, name: str, runs: Sequence[Run], frame: Framing, clouds: Sequence[str], fill: str
+) -> "rrb.Spatial3DView":
     """A view of the world with these runs, the truth and what never moves; solids are filled as told."""
     import rerun as rr
     import rerun.blueprint as rrb
 
-    shown = [run.path for run in runs]
-    contents = [f"+ /{STAGE}/**", f"+ /{WORLD}/{TRUTH}/**"]
-    contents += [f"+ /{WORLD}/{path}/**" for path in shown]
-    contents += [f"+ /{where}/{path}/**" for where in clouds for path in shown]
+    paths = [run.path for run in runs]
+    contents = [f"+ /{STAGE}/**", f"+ /{WORLD}/{TRUTH}/**", *(f"+ /{WORLD}/{path}/**" for path in paths)]
+    contents += [f"+ /{where}/{path}/**" for where in clouds for path in paths]
     mode: Any = rr.components.FillMode.auto(fill)
-    defaults = [
-        archetype.from_fields(fill_mode=mode) for archetype in (rr.Boxes3D, rr.Ellipsoids3D, rr.Capsules3D, rr.Cylinders3D)
-    ]
-    eye = rrb.EyeControls3D(position=frame.eye, look_target=frame.centre, eye_up=(0.0, 0.0, 1.0))
+    kinds = (rr.Boxes3D, rr.Ellipsoids3D, rr.Capsules3D, rr.Cylinders3D)
+    floor = any(p["shape"]["type"] == "plane" for body in stage.bodies for p in body["collision"])
+    # Where a scene has no ground, a faint grid below the motion tells up from down and far from near.
+    grid: Any = floor_grid(frame) if not floor else False
     return rrb.Spatial3DView(
-        origin=f"/{WORLD}", contents=contents, name=name, defaults=defaults, eye_controls=eye, line_grid=False
+        origin=f"/{WORLD}",
+        contents=contents,
+        name=name,
+        defaults=[kind.from_fields(fill_mode=mode) for kind in kinds],
+        eye_controls=rrb.EyeControls3D(position=frame.eye, look_target=frame.target, eye_up=(0.0, 0.0, 1.0)),
+        line_grid=grid,
+        background=BACKGROUND,
     )
 
 
-def plot(origin: str, name: str) -> "rrb.TimeSeriesView":
-    """A plot of all curves below a path."""
+def floor_grid(frame: Framing) -> Any:
+    """Lines in a level plane a little below the motion."""
+    import rerun as rr
     import rerun.blueprint as rrb
 
-    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=rrb.PlotLegend(visible=True))
+    below = rr.components.Plane3D.XY.with_distance(frame.low - 0.1 * frame.size)
+    return rrb.LineGrid3D(visible=True, spacing=frame.size / 4, plane=below, color=FLOOR, stroke_width=0.7)
+
+
+def plot(origin: str, name: str, legend: bool) -> "rrb.TimeSeriesView":
+    """A plot of all curves below a path; colours mean the same in all, so one legend will do."""
+    import rerun.blueprint as rrb
+
+    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=rrb.PlotLegend(corner="RightTop", visible=legend))

@@ -69,10 +69,11 @@ def log_paths(rec: "rr.RecordingStream", path: str, p_WB: Floats, colour: Rgba, 
         rec.log(path, rr.LineStrips3D(strips, colors=[colour], radii=rr.Radius.ui_points(1.0)), static=True)
 
 
-def log_stage(rec: "rr.RecordingStream", bodies: Sequence[Mapping[str, Any]], middle: Floats, extent: float) -> None:
-    """Log what never moves, once for all engines."""
+def log_stage(rec: "rr.RecordingStream", scene: Mapping[str, Any], middle: Floats, extent: float, fill: str) -> None:
+    """Log what never moves, once for all engines: static bodies, and joints that hold to the world."""
     import rerun as rr
 
+    bodies = scene.get("bodies", [])
     still = [place for place, body in enumerate(bodies) if body["motion"] == "static"]
     for batch in batches(bodies, still):
         p_WB = np.array([bodies[k].get("p_WB", (0.0, 0.0, 0.0)) for k in batch.bodies], dtype=np.float64)
@@ -84,8 +85,22 @@ def log_stage(rec: "rr.RecordingStream", bodies: Sequence[Mapping[str, Any]], mi
             # A plane has no middle: it is drawn around the bodies.
             p_WS = middle - np.sum((middle - p_WS) * normals, axis=1, keepdims=True) * normals
             log_grid(rec, f"{path}/grid", p_WS, q_WS, extent)
-        rec.log(path, *drawn(batch, GROUND, extent, "Solid"), static=True)
+        rec.log(
+            path,
+            *drawn(batch, GROUND, extent, "Solid" if batch.kind == "plane" and fill != "MajorWireframe" else fill),
+            static=True,
+        )
         rec.log(path, rr.InstancePoses3D(translations=p_WS, quaternions=q_WS[:, [1, 2, 3, 0]]), static=True)
+    held = [joint for joint in scene.get("joints", []) if joint["parent"] == "world" and "anchor_W" in joint]
+    if held:
+        pins = rr.Points3D(
+            [joint["anchor_W"] for joint in held],
+            colors=[GRID],
+            radii=rr.Radius.ui_points(6.0),
+            labels=[joint["name"] for joint in held],
+            show_labels=False,
+        )
+        rec.log(f"{STAGE}/joints", pins, static=True)
 
 
 def log_grid(rec: "rr.RecordingStream", path: str, p_WS: Floats, q_WS: Floats, extent: float) -> None:

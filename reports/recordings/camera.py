@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.recordings.rotation import Floats
+from reports.recordings.rotation import Floats, product, rotate
 from reports.recordings.runs import Stage
 from reports.recordings.shapes import placed_shapes
 from reports.recordings.truth import told_places
@@ -17,14 +17,28 @@ __all__ = ["Framing", "framing"]
 FIELD_OF_VIEW = math.radians(55.0)
 """The viewer's vertical opening angle."""
 
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+
+
+LONG = 5.0
+"""A row that is longer than this many times its other size is looked along; from the side it would be a thread."""
+
 
 @dataclass(frozen=True, slots=True)
 class Framing:
-    """A sphere that holds the motion, and an eye outside it; all in W [m]."""
+    """What a view shows; all in W [m].
+
+    Terms:
+        centre, radius: a sphere that holds the motion. eye, target: from where to where it is looked at. low: the lowest point
+        of the motion. size: of what fills the view, which lengths of arrows and lines follow.
+    """
 
     centre: Floats
     radius: float
     eye: Floats
+    target: Floats
+    low: float
+    size: float
 
 
 def reach(body: Mapping[str, Any]) -> float:
@@ -56,27 +70,56 @@ def bounds(paths: Sequence[Floats], sizes: Floats) -> tuple[Floats, Floats]:
     return low, high
 
 
+def half_sides(body: Mapping[str, Any]) -> Floats:
+    """Half the sides (3,) m of a box along W around a body at its start; exact for boxes, generous for all else."""
+    sides = np.zeros(3)
+    for placed in placed_shapes(body):
+        if placed["shape"]["type"] == "box":
+            q_WS = product(np.asarray(body.get("q_WB", UNTURNED)), np.asarray(placed.get("q_BS", UNTURNED)))
+            edges = rotate(np.broadcast_to(q_WS, (3, 4)), np.diag(placed["shape"]["half_extents"]))
+            sides = np.maximum(sides, np.abs(edges).sum(axis=0))
+        else:
+            sides = np.maximum(sides, reach(body))
+    return sides
+
+
 def framing(stage: Stage) -> Framing:
     """The framing of a stage: from its truth, else from the runs, of which a diverged one cannot take the view away."""
     told = told_places(stage)
     places = told or [int(place) for place in stage.moving] or list(range(len(stage.bodies)))
-    if not places:
-        return Framing(np.zeros(3), 1.0, np.array([2.0, -2.0, 1.5]))
-    sizes = np.array([reach(stage.bodies[place]) for place in places])
     paths = [stage.truth["p_WB"][:, places]] if told else [run.arrays["p_WB"][:, places] for run in stage.runs]
-    low, high = bounds(paths, sizes)
+    if not places or not paths:
+        return Framing(np.zeros(3), 1.0, np.array([2.0, -2.0, 1.5]), np.zeros(3), -1.0, 1.0)
+    low, high = bounds(paths, np.array([reach(stage.bodies[place]) for place in places]))
     for joint in stage.scene.get("joints", []):
         if joint["parent"] == "world" and "anchor_W" in joint:
             low, high = np.minimum(low, joint["anchor_W"]), np.maximum(high, joint["anchor_W"])
-    for sensor in stage.scene.get("sensors", []):
-        if sensor["type"] == "lidar":
-            fixed = [(np.asarray(b["p_WB"]), reach(b)) for b in stage.bodies if b["motion"] == "static" and 0 < reach(b)]
-            low = np.min([low, *(p - 0.7 * r for p, r in fixed)], axis=0)
-            high = np.max([high, *(p + 0.7 * r for p, r in fixed)], axis=0)
+    if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
+        # What a scan sees is part of the show.
+        for body in stage.bodies:
+            sides = half_sides(body)
+            if body["motion"] == "static" and sides.any():
+                low = np.minimum(low, np.asarray(body["p_WB"]) - sides)
+                high = np.maximum(high, np.asarray(body["p_WB"]) + sides)
+    return framed(low, high)
+
+
+def framed(low: Floats, high: Floats) -> Framing:
+    """The framing of a box: broadside, or along it where it is a long row."""
     extent = np.maximum(high - low, 1e-6)
-    radius = float(np.linalg.norm(extent) / 2)
-    centre = (low + high) / 2
-    return Framing(centre, radius, centre + eye_direction(extent) * radius / math.sin(FIELD_OF_VIEW / 2))
+    radius, centre = float(np.linalg.norm(extent) / 2), (low + high) / 2
+    along = 0 if extent[0] > extent[1] else 1
+    across = math.hypot(extent[1 - along], extent[2])
+    if extent[along] < LONG * across:
+        eye = centre + eye_direction(extent) * radius / math.sin(FIELD_OF_VIEW / 2)
+        return Framing(centre, radius, eye, centre, float(low[2]), radius)
+    # From beside the near end of the row, over its shoulder, towards its middle.
+    depth, side = np.eye(3)[along], np.eye(3)[1 - along] * (1.0 if along else -1.0)
+    if along == 0:
+        depth = -depth
+    near = centre - depth * extent[along] / 2
+    eye = near - depth * 1.2 * across + side * 1.5 * across + np.array([0.0, 0.0, 1.3 * across])
+    return Framing(centre, radius, eye, near + depth * 1.6 * across, float(low[2]), 1.5 * across)
 
 
 def eye_direction(extent: Floats) -> Floats:
@@ -85,5 +128,5 @@ def eye_direction(extent: Floats) -> Floats:
     side = np.array([y + 0.35 * max(x, y), -(x + 0.35 * max(x, y))])
     side /= np.linalg.norm(side)
     flatness = 1.0 - min(1.0, z / max(x, y))
-    rise = math.radians(12.0 + 30.0 * flatness * min(x, y) / max(x, y))
+    rise = math.radians(14.0 + 30.0 * flatness * min(x, y) / max(x, y))
     return np.array([*(side * math.cos(rise)), math.sin(rise)])

@@ -1,10 +1,12 @@
 """Colours as rerun takes them: red, green, blue and opacity, 0..255."""
 
-__all__ = ["GHOST", "GRID", "GROUND", "rgba"]
+from reports.palette import BACKGROUNDS
+
+__all__ = ["BACKGROUND", "FLOOR", "GHOST", "GRID", "GROUND", "rgba"]
 
 Rgba = tuple[int, int, int, int]
 
-GHOST: Rgba = (226, 226, 236, 60)
+GHOST: Rgba = (226, 226, 236, 90)
 """The truth: a pale shape that engines are seen through."""
 
 GROUND: Rgba = (74, 82, 94, 255)
@@ -14,7 +16,15 @@ GRID: Rgba = (104, 114, 128, 255)
 """Lines on a ground plane, against which motion is seen."""
 
 
+FLOOR: Rgba = (140, 150, 165, 70)
+"""The grid below a motion in free space."""
+
+
 def rgba(colour: str, opacity: int = 255) -> Rgba:
     """'#rrggbb' as numbers."""
     red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
     return red, green, blue, opacity
+
+
+BACKGROUND: Rgba = rgba(BACKGROUNDS["dark"])
+"""The dark page of the report, against which the engines' colours keep their contrast."""

@@ -20,7 +20,7 @@ LONGEST = 3.0
 
 
 def arrow_scale(runs: Sequence[Run], length: float) -> float:
-    """Metres per newton: the median over the runs of their 99th percentile of force is drawn `length` [m] long; 0 without force."""
+    """Metres per newton: the median run's 99th percentile of force is drawn `length` [m] long; 0 where no force is."""
     large = []
     for run in runs:
         forces = np.linalg.norm(run.arrays.get("contacts_force_W", np.zeros((0, 3))), axis=1)

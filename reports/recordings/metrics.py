@@ -1,13 +1,14 @@
 """Speed, kinetic energy and distance from the truth over time, as plots."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from reports.recordings.colour import Rgba, rgba
 from reports.recordings.layout import METRICS, TRUTH
-from reports.recordings.rotation import Floats, angle
+from reports.recordings.rotation import Floats, angle, rotate
 from reports.recordings.runs import Run, Stage
 from reports.recordings.timeline import checked, columns
 from reports.recordings.truth import truth_at
@@ -15,7 +16,7 @@ from reports.recordings.truth import truth_at
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["TITLES", "log_metrics"]
+__all__ = ["TITLES", "Curve", "curves", "log_curves", "ranked"]
 
 TITLES = {
     "position_error": "Distance from the truth, farthest body [m]",
@@ -26,6 +27,28 @@ TITLES = {
 """Metrics and what their plots are called."""
 
 
+CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+
+NOTHING = 1e-5
+"""Below this [in the metric's unit] a plot shows rounding, and steps behind the others."""
+
+TRUTH_LINE: Rgba = (170, 170, 180, 255)
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """One line of a plot: values (k,) of a metric at times (k,) s and steps (k,), below metrics/<metric>/<path>."""
+
+    metric: str
+    path: str
+    name: str
+    colour: Rgba
+    width: float
+    time: Floats
+    steps: Floats
+    values: Floats
+
+
 def motion(stage: Stage, arrays: Mapping[str, Floats]) -> dict[str, Floats]:
     """Largest speed |v_WB| [m/s] and sum of m v^2/2 + w I w/2 [J] of all dynamic bodies, each (t,)."""
     dynamic = np.array([k for k, body in enumerate(stage.bodies) if body["motion"] == "dynamic"], dtype=np.int64)
@@ -34,17 +57,10 @@ def motion(stage: Stage, arrays: Mapping[str, Floats]) -> dict[str, Floats]:
     mass = np.array([stage.bodies[k]["mass"] for k in dynamic])
     inertia = np.array([stage.bodies[k]["inertia"] for k in dynamic])
     v_WB, w_WB, q_WB = (arrays[name][:, dynamic] for name in ("v_WB", "w_WB", "q_WB"))
-    w_BB = turned_back(q_WB, w_WB)
+    w_BB = rotate(q_WB * CONJUGATE, w_WB)
     translation = 0.5 * mass * np.sum(v_WB**2, axis=2)
     rotation = 0.5 * np.einsum("tni,nij,tnj->tn", w_BB, inertia, w_BB)
     return {"speed": np.linalg.norm(v_WB, axis=2).max(axis=1), "kinetic_energy": (translation + rotation).sum(axis=1)}
-
-
-def turned_back(q: Floats, v_W: Floats) -> Floats:
-    """Vectors given in W, in the body frames."""
-    from reports.recordings.rotation import rotate
-
-    return rotate(q * np.array([1.0, -1.0, -1.0, -1.0]), v_W)
 
 
 def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:
@@ -65,51 +81,38 @@ def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:
     return found
 
 
-def log_metrics(rec: "rr.RecordingStream", stage: Stage) -> set[str]:
-    """Log all plots; returns the metrics that have a line."""
-    logged: set[str] = set()
+def curves(stage: Stage) -> tuple[Curve, ...]:
+    """All curves of a stage, without what is not finite."""
+    found: list[Curve] = []
     for run in stage.runs:
-        name, width = f"{run.engine} {run.track}", 2.0 if run.track == "tuned" else 1.0
-        curves = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()} | errors(stage, run)
-        for metric, (time, values) in curves.items():
-            finite = np.isfinite(values)
-            line(
-                rec,
-                f"{METRICS}/{metric}/{run.path}",
-                time[finite],
-                values[finite],
-                run.steps_at(time[finite]),
-                name,
-                rgba(run.colour),
-                width,
-            )
-            logged.add(metric)
-    if "v_WB" in stage.truth and len(stage.moving):
-        time = stage.truth["time"]
+        drawn = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()} | errors(stage, run)
+        for metric, (time, values) in drawn.items():
+            kept = np.isfinite(values)
+            look = rgba(run.colour), 2.5 if run.track == "tuned" else 1.2
+            steps = run.steps_at(time[kept])
+            found.append(Curve(metric, run.path, f"{run.engine} {run.track}", *look, time[kept], steps, values[kept]))
+    if "v_WB" in stage.truth:
         for metric, values in motion(stage, stage.truth).items():
-            finite = np.isfinite(values)
-            steps = np.rint(time / stage.dt) if stage.dt > 0 else np.arange(len(time))
-            line(
-                rec,
-                f"{METRICS}/{metric}/{TRUTH}",
-                time[finite],
-                values[finite],
-                steps[finite],
-                "truth",
-                (170, 170, 180, 255),
-                3.0,
-            )
-    return logged
+            kept = np.isfinite(values)
+            time = stage.truth["time"][kept]
+            found.append(Curve(metric, TRUTH, "truth", TRUTH_LINE, 3.5, time, stage.steps_at(time), values[kept]))
+    return tuple(curve for curve in found if len(curve.time))
 
 
-def line(
-    rec: "rr.RecordingStream", path: str, time: Floats, values: Floats, steps: Floats, name: str, colour: Rgba, width: float
-) -> None:
-    """Log one curve with its name and look."""
+def ranked(found: Iterable[Curve]) -> list[str]:
+    """The metrics that have a curve, those first in which the runs differ most visibly from nothing."""
+    largest: dict[str, float] = {}
+    for curve in found:
+        largest[curve.metric] = max(largest.get(curve.metric, 0.0), float(np.abs(curve.values).max()))
+    return sorted(largest, key=lambda metric: (largest[metric] < NOTHING, list(TITLES).index(metric)))
+
+
+def log_curves(rec: "rr.RecordingStream", found: Iterable[Curve]) -> None:
+    """Log all curves below metrics/."""
     import rerun as rr
 
-    if not len(time):
-        return
-    checked(path, time, values)
-    rec.log(path, rr.SeriesLines(colors=[colour], names=[name], widths=[width]), static=True)
-    rec.send_columns(path, columns(time, steps), rr.Scalars.columns(scalars=values))
+    for curve in found:
+        path = f"{METRICS}/{curve.metric}/{curve.path}"
+        checked(path, curve.time, curve.values)
+        rec.log(path, rr.SeriesLines(colors=[curve.colour], names=[curve.name], widths=[curve.width]), static=True)
+        rec.send_columns(path, columns(curve.time, curve.steps), rr.Scalars.columns(scalars=curve.values))

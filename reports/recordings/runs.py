@@ -68,6 +68,10 @@ class Stage:
     notes: Mapping[str, str] = field(default_factory=dict)
     dt: float = 0.0
 
+    def steps_at(self, time: Floats) -> Floats:
+        """The numbers of the steps of the truth at these instants."""
+        return np.rint(time / self.dt).astype(np.int64) if self.dt > 0 else np.arange(len(time), dtype=np.int64)
+
     @property
     def bodies(self) -> list[dict[str, Any]]:
         """The scene's bodies."""

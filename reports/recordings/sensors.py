@@ -14,7 +14,7 @@ from reports.recordings.timeline import checked, columns
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["CHANNELS", "log_sensors"]
+__all__ = ["CHANNELS", "log_sensors", "sensor_paths"]
 
 CHANNELS = {"accelerometer": "m/s\u00b2", "gyroscope": "rad/s"}
 """Channels of an inertial sensor and their units."""
@@ -22,26 +22,30 @@ CHANNELS = {"accelerometer": "m/s\u00b2", "gyroscope": "rad/s"}
 AXES = "xyz"
 
 
-def log_sensors(rec: "rr.RecordingStream", stage: Stage) -> set[str]:
-    """Log the signals of all sensors of a scene; returns the paths that hold plots or clouds, without engine and track."""
-    logged: set[str] = set()
-    truth = {name: array for name, array in stage.truth.items()}
+def sensor_paths(stage: Stage) -> tuple[list[str], list[str]]:
+    """The paths of inertial channels and of clouds that a stage has signals for, without engine and track."""
+    channels: list[str] = []
+    clouds: list[str] = []
     for sensor in stage.scene.get("sensors", []):
+        root, prefix = f"{SENSORS}/{part(sensor['name'])}", f"stream:{sensor['name']}"
+        if sensor["type"] == "imu":
+            channels += [f"{root}/{c}" for c in CHANNELS if any(f"{prefix}/{c}" in run.arrays for run in stage.runs)]
+        elif any(f"{prefix}/range" in run.arrays for run in stage.runs):
+            clouds.append(f"{root}/points")
+    return channels, clouds
+
+
+def log_sensors(rec: "rr.RecordingStream", stage: Stage) -> None:
+    """Log the signals of all sensors of a scene."""
+    for sensor in stage.scene.get("sensors", []):
+        sources: list[tuple[str, Mapping[str, Floats], Rgba, str, Run | None]]
         sources = [(run.path, run.arrays, rgba(run.colour), f"{run.engine} {run.track}", run) for run in stage.runs]
-        sources += [(TRUTH, truth, (*GHOST[:3], 255), "truth", None)]
+        sources += [(TRUTH, stage.truth, (*GHOST[:3], 255), "truth", None)]
         for path, arrays, colour, name, run in sources:
             if sensor["type"] == "imu":
-                logged |= log_imu(rec, stage, sensor, path, arrays, colour, name, run)
+                log_imu(rec, stage, sensor, path, arrays, colour, name, run)
             elif sensor["type"] == "lidar":
-                logged |= log_lidar(rec, stage, sensor, path, arrays, colour, run)
-    return logged
-
-
-def steps_of(stage: Stage, run: Run | None, time: Floats) -> Floats:
-    """Numbers of steps at the readings."""
-    if run is not None:
-        return run.steps_at(time)
-    return np.rint(time / stage.dt) if stage.dt > 0 else np.arange(len(time))
+                log_lidar(rec, stage, sensor, path, arrays, colour, run)
 
 
 def log_imu(
@@ -53,11 +57,10 @@ def log_imu(
     colour: Rgba,
     name: str,
     run: Run | None,
-) -> set[str]:
+) -> None:
     """Log x, y and z of each channel: the engine's signal, and the ideal one of the truth."""
     import rerun as rr
 
-    logged: set[str] = set()
     prefix = f"stream:{sensor['name']}"
     for channel in CHANNELS:
         signal = arrays.get(f"{prefix}/{channel}_ideal" if run is None else f"{prefix}/{channel}")
@@ -73,13 +76,11 @@ def log_imu(
             static=True,
         )
         values = rr.Scalars.columns(scalars=signal[finite].reshape(-1)).partition(np.full(int(finite.sum()), 3))
-        rec.send_columns(f"{where}/{path}", columns(time[finite], steps_of(stage, run, time[finite])), values)
-        logged.add(where)
-    return logged
+        rec.send_columns(f"{where}/{path}", columns(time[finite], (run or stage).steps_at(time[finite])), values)
 
 
 def beams(sensor: Mapping[str, Any]) -> Floats:
-    """Unit directions of a scan in the sensor frame, (channels, columns, 3): elevations between the bounds, azimuths over 2 pi."""
+    """Unit directions of a scan in S, (channels, columns, 3): elevations between the bounds, azimuths over 2 pi."""
     elevation = np.linspace(sensor["elevation_low"], sensor["elevation_high"], sensor["channels"])[:, None]
     azimuth = 2.0 * np.pi * np.arange(sensor["columns"])[None, :] / sensor["columns"]
     up = np.broadcast_to(np.sin(elevation), (sensor["channels"], sensor["columns"]))
@@ -106,14 +107,14 @@ def log_lidar(
     arrays: Mapping[str, Floats],
     colour: Rgba,
     run: Run | None,
-) -> set[str]:
+) -> None:
     """Log the points that a scan hit, in W; beams without a return leave none."""
     import rerun as rr
 
     prefix = f"stream:{sensor['name']}"
     ranges = arrays.get(f"{prefix}/range_ideal" if run is None else f"{prefix}/range")
     if ranges is None or not len(ranges):
-        return set()
+        return
     time = arrays[f"{prefix}/time"]
     p_WS, q_WS = carrier(stage, sensor, arrays, time)
     directions = beams(sensor).reshape(-1, 3)
@@ -127,8 +128,7 @@ def log_lidar(
     where = f"{SENSORS}/{part(sensor['name'])}/points"
     points = np.concatenate(clouds)
     checked(f"{where}/{path}", time, points)
-    look = rr.Points3D.from_fields(colors=[colour], radii=[rr.Radius.ui_points(1.2)])
+    look = rr.Points3D.from_fields(colors=[colour], radii=rr.Radius.ui_points(1.2))
     rec.log(f"{where}/{path}", look, static=True)
     rows = rr.Points3D.columns(positions=points).partition([len(cloud) for cloud in clouds])
-    rec.send_columns(f"{where}/{path}", columns(time, steps_of(stage, run, time)), rows)
-    return {where}
+    rec.send_columns(f"{where}/{path}", columns(time, (run or stage).steps_at(time)), rows)

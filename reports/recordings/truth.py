@@ -45,7 +45,8 @@ def told_places(stage: Stage) -> list[int]:
     """The moving bodies whose pose the truth tells at all times."""
     if "p_WB" not in stage.truth:
         return []
-    finite = np.isfinite(stage.truth["p_WB"]).all(axis=(0, 2)) & np.isfinite(stage.truth["q_WB"]).all(axis=(0, 2))
+    poses = np.concatenate([stage.truth["p_WB"], stage.truth["q_WB"]], axis=2)
+    finite = np.asarray(np.isfinite(poses).all(axis=(0, 2)))
     return [int(place) for place in stage.moving if finite[place]]
 
 
@@ -54,8 +55,7 @@ def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
     places = told_places(stage)
     if not places:
         return
-    time = stage.truth["time"]
-    steps = np.rint(time / stage.dt) if stage.dt > 0 else np.arange(len(time))
+    steps = stage.steps_at(stage.truth["time"])
     root = f"{WORLD}/{TRUTH}"
     fill = "TransparentFillMajorWireframe"
     log_moving(rec, root, stage.bodies, places, stage.truth, steps, colour=GHOST, extent=extent, fill=fill)

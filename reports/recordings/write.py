@@ -8,14 +8,14 @@ from harness.record import digest
 from harness.store import Store
 from reports.recordings.blueprint import layout
 from reports.recordings.bodies import log_moving, log_paths, log_stage
-from reports.recordings.camera import framing
+from reports.recordings.camera import Framing, framing
 from reports.recordings.colour import rgba
 from reports.recordings.contacts import arrow_scale, log_contacts
 from reports.recordings.layout import LOG, WORLD, application_id, file_name
 from reports.recordings.log import text
-from reports.recordings.metrics import TITLES, log_metrics
-from reports.recordings.runs import Stage, stage_of
-from reports.recordings.sensors import log_sensors
+from reports.recordings.metrics import curves, log_curves, ranked
+from reports.recordings.runs import Run, Stage, stage_of
+from reports.recordings.sensors import log_sensors, sensor_paths
 from reports.recordings.truth import log_truth
 from reports.text import slug
 
@@ -71,21 +71,30 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
     import rerun as rr
 
     frame = framing(stage)
-    scale = arrow_scale(stage.runs, frame.radius / 4)
-    plotted = set(TITLES) if stage.runs else set()
-    rec.save(draft, default_blueprint=layout(stage, frame, plotted, set()))
+    arrow = frame.size / 4
+    scale = arrow_scale(stage.runs, arrow)
+    plotted = curves(stage)
+    scanned = any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", []))
+    rec.save(draft, default_blueprint=layout(stage, frame, ranked(plotted), *sensor_paths(stage)))
     rec.send_recording_name(stage.case.get("title") or stage.name)
     rec.log(LOG, rr.TextDocument(text(store, stage, 1 / scale if scale else 0.0), media_type="text/markdown"), static=True)
     rec.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    log_stage(rec, stage.bodies, frame.centre, 3 * frame.radius)
+    # A scan is seen from outside, through what it hit; a wall, through itself.
+    fill_mode = "MajorWireframe" if scanned else "TransparentFillMajorWireframe"
+    log_stage(rec, stage.scene, frame.centre, 3 * frame.radius, fill_mode)
     log_truth(rec, stage, frame.radius)
     for run in stage.runs:
-        root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
-        steps = run.steps_at(run.time)
-        places = [int(place) for place in stage.moving]
-        log_moving(rec, root, stage.bodies, places, run.arrays, steps, colour=colour, extent=3 * frame.radius, fill=None)
-        log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, places], colour, frame.radius)
-        log_contacts(rec, run, scale, frame.radius / 4)
-    log_metrics(rec, stage)
+        log_run(rec, stage, run, frame, scale)
+    log_curves(rec, plotted)
     log_sensors(rec, stage)
     rec.flush()
+
+
+def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, frame: Framing, scale: float) -> None:
+    """Log the bodies of a run, their ways and their contacts; arrows are drawn with scale [m/N]."""
+    root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
+    places = [int(place) for place in stage.moving]
+    steps = run.steps_at(run.time)
+    log_moving(rec, root, stage.bodies, places, run.arrays, steps, colour=colour, extent=3 * frame.radius, fill=None)
+    log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, places], colour, frame.size)
+    log_contacts(rec, run, scale, frame.size / 4)

@@ -172,3 +172,33 @@ def test_a_fixed_pair_moves_as_one(integrator: str) -> None:
     s = world.state()
     assert np.linalg.norm(s[1, :3] - s[0, :3]) == pytest.approx(1.0, abs=1e-12)
     assert s[0, 3:7] == pytest.approx(s[1, 3:7], abs=1e-12)
+
+
+def test_a_driven_arm_on_a_standing_box_is_carried_by_the_ground() -> None:
+    """At rest the ground carries both weights, to the round-off of a settled warm start, and the drive holds the arm's moment.
+
+    The arm of 1 kg reaches .3 m to the side: k (target - x) = m g l cos x is 2.9 N m, so x stays .0029 rad below the target.
+    """
+    ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
+    base = engine.Body(
+        name="base", mass=4.0, inertia=0.1 * np.eye(3), shapes=[engine.Placed(engine.Box((0.3, 0.3, 0.1)))], p_WB=(0, 0, 0.1)
+    )
+    arm = engine.Body(
+        name="arm", inertia=0.01 * np.eye(3), shapes=[engine.Placed(engine.Capsule(0.03, 0.1))], p_WB=(0.3, 0, 0.4)
+    )
+    elbow = engine.Revolute(
+        name="elbow",
+        parent="base",
+        child="arm",
+        anchor_W=(0, 0, 0.4),
+        axis_W=(0, -1, 0),
+        drive=engine.Drive(stiffness=1000.0, damping=50.0),
+    )
+    law = engine.Surface(static_friction=0.8, kinetic_friction=0.8)
+    world = engine.World([ground, base, arm], [elbow], surfaces={("default", "default"): law})
+    world.step(720)
+    state = world.state()
+    assert -world.contacts().force[:, 2].sum() == pytest.approx(5 * G, rel=1e-6)
+    assert np.abs(state[1:, 7:]).max() < 1e-5
+    angle = math.atan2(state[2, 2] - state[1, 2] - 0.3, state[2, 0] - state[1, 0])
+    assert angle == pytest.approx(-G * 0.3 / 1000, rel=0.02)

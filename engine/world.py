@@ -124,13 +124,15 @@ class World:
         load[body, :3] += f
         load[body, 3:] += np.cross(point - self.state()[body, :3], f)
 
-    def command(self, joint: str, target: float, target_velocity: float = 0.0) -> None:
-        """Set the target [rad or m] and target velocity of a drive. Raises: ValueError if the joint has none."""
+    def command(self, joint: str, target: float, target_velocity: float | None = None) -> None:
+        """Set the target [rad or m] of a drive, and its target velocity unless None. Raises: ValueError if there is no drive."""
         j = self._joints.get(joint)
         if j is None or not int_table(self._ints, at.JOINT_KIND)[j, at.HAS] & at.HAS_DRIVE:
             raise ValueError(f"joint '{joint}': has no drive to command")
-        values = finite(f"joint '{joint}'", "target", (target, target_velocity), (2,), "rad or m")
-        float_table(self._floats, self._ints, at.JOINT)[j, at.DRIVE + 2 : at.DRIVE + 4] = values
+        row = float_table(self._floats, self._ints, at.JOINT)[j]
+        row[at.DRIVE + 2] = finite(f"joint '{joint}'", "target", target, (), "rad or m")
+        if target_velocity is not None:
+            row[at.DRIVE + 3] = finite(f"joint '{joint}'", "target_velocity", target_velocity, (), "rad/s or m/s")
 
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step."""

@@ -125,7 +125,7 @@ class World:
         load[body, 3:] += np.cross(point - self.state()[body, :3], f)
 
     def command(self, joint: str, target: float, target_velocity: float | None = None) -> None:
-        """Set the target [rad or m] of a drive, and its target velocity unless None. Raises: ValueError if there is no drive."""
+        """Set the target [rad or m] of a drive, and its target velocity unless None. Raises: ValueError without a drive."""
         j = self._joints.get(joint)
         if j is None or not int_table(self._ints, at.JOINT_KIND)[j, at.HAS] & at.HAS_DRIVE:
             raise ValueError(f"joint '{joint}': has no drive to command")

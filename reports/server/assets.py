@@ -5,8 +5,10 @@ The wheel holds no files of it: its binary serves them. It is started on a free 
 
 import os
 import re
+import signal
 import subprocess
 import threading
+from contextlib import suppress
 from functools import cache
 from http.client import HTTPException
 from urllib.error import URLError
@@ -72,10 +74,6 @@ def _ask(viewer: "subprocess.Popen[str]") -> dict[str, bytes]:
 
 def _end(viewer: "subprocess.Popen[str]") -> None:
     """End the viewer and the interpreter that started it, which share a session."""
-    import signal
-
-    try:
+    with suppress(ProcessLookupError):
         os.killpg(viewer.pid, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
     viewer.wait()

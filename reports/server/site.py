@@ -16,6 +16,7 @@ from reports.server.pages import front_page, viewer_page
 __all__ = ["Site", "requests_to"]
 
 STATIC = Path(__file__).parent / "static"
+OWN = {f"/static/{name}": STATIC / name for name in ("front.css", "view.css", "view.js")}
 
 OPEN_FOLDERS = ("report", "recordings")
 """The parts of a run folder that are served; the rest of the disk is not."""
@@ -102,11 +103,7 @@ class Site(BaseHTTPRequestHandler):
             self._send(HTTPStatus.OK, front_page(self.store), KINDS[".html"], content)
         elif address == "/view":
             self._send(HTTPStatus.OK, viewer_page(self.store), KINDS[".html"], content)
-        elif (
-            address.startswith("/static/")
-            and (own := STATIC / address.removeprefix("/static/")).parent == STATIC
-            and own.is_file()
-        ):
+        elif (own := OWN.get(address)) is not None:
             self._send(HTTPStatus.OK, own.read_bytes(), KINDS[own.suffix], content)
         elif address.startswith("/viewer/") and (program := viewer_file(address.removeprefix("/viewer/"))) is not None:
             self._send(HTTPStatus.OK, program, KINDS[Path(address).suffix], content, keep="max-age=3600")

@@ -57,10 +57,13 @@ def file_of(folder: Path, address: str) -> Path | None:
     if len(parts) < 2 or parts[0] not in OPEN_FOLDERS or "\0" in address or "%00" in address:
         return None
     base = (folder / parts[0]).resolve()
-    path = base.joinpath(*parts[1:]).resolve()
-    if not path.is_relative_to(base) or any(part.startswith(".") for part in parts) or path.suffix not in KINDS:
+    try:
+        path = base.joinpath(*parts[1:]).resolve()
+        if not path.is_relative_to(base) or any(part.startswith(".") for part in parts) or path.suffix not in KINDS:
+            return None
+        return path if path.is_file() else None
+    except OSError:  # a name that is too long, links in a circle
         return None
-    return path if path.is_file() else None
 
 
 class Site(BaseHTTPRequestHandler):

@@ -1,0 +1,235 @@
+"""The loopback server: what it gives, what it refuses, and that a browser can watch a recording without a network."""
+
+import http.client
+import io
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+
+import reports
+from reports.palette import ENGINES
+from tests.unit.test_recordings import Folder, record, rising, zoo
+
+CHROMIUM = next(
+    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))),
+    os.environ.get("PLUMBLINE_CHROMIUM"),
+)
+# WebGL in software: the viewer draws with it, and a machine for tests has no graphics card.
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = Folder(tmp_path_factory.mktemp("serve") / "run")
+    scene = zoo()
+    made.add(record("rise", "mujoco"), scene, rising(scene, 2.0), rising(scene))
+    made.add(record("<script>window.attacked=1</script>", "dart", status="crashed", reason="gone"))
+    made.write(rise={"title": "Bodies that rise", "dt": 0.01})
+    reports.build(made.path)
+    (made.path.parent / "secret.html").write_text("secret")
+    (made.path / "report" / ".hidden.html").write_text("secret")
+    (made.path / "report" / "way_out.html").symlink_to(made.path.parent / "secret.html")
+    return made.path
+
+
+class Served:
+    """A server in a process of its own, as a person starts it."""
+
+    def __init__(self, folder: Path) -> None:
+        command = [sys.executable, "-m", "harness.cli", "serve", str(folder), "--port", "0"]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        assert self.process.stdout is not None
+        self.address = self.process.stdout.readline().strip()
+        self.port = int(self.address.rstrip("/").rsplit(":", 1)[1])
+
+    def ask(self, path: str, method: str = "GET", host: str | None = None) -> tuple[http.client.HTTPResponse, bytes]:
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=120)
+        connection.putrequest(method, path, skip_host=True)
+        connection.putheader("Host", host or f"127.0.0.1:{self.port}")
+        connection.putheader("Connection", "close")
+        connection.endheaders()
+        answer = connection.getresponse()
+        return answer, answer.read()
+
+    def interrupt(self) -> int:
+        self.process.send_signal(signal.SIGINT)
+        self.process.communicate(timeout=60)
+        return self.process.returncode
+
+
+@pytest.fixture(scope="module")
+def served(folder: Path) -> Iterator[Served]:
+    server = Served(folder)
+    yield server
+    if server.process.poll() is None:
+        server.interrupt()
+
+
+def test_an_interrupt_stops_the_server_and_frees_its_port(folder: Path) -> None:
+    server = Served(folder)
+    assert server.ask("/")[0].status == 200
+    assert server.interrupt() in {0, 130}
+    with pytest.raises(ConnectionRefusedError):
+        server.ask("/")
+
+
+def test_only_loopback_is_listened_to(served: Served) -> None:
+    assert served.address == f"http://127.0.0.1:{served.port}/"
+    with socket.socket() as other, pytest.raises(OSError, match=r"refused|unreachable|assign"):
+        # Another address of this machine's own network: a server on all interfaces would answer there.
+        other.connect(("127.0.0.2", served.port))
+
+
+def test_report_recordings_and_the_viewer_are_given_as_what_they_are(served: Served, folder: Path) -> None:
+    for path, kind, content in (
+        ("/report/index.html", "text/html", (folder / "report" / "index.html").read_bytes()),
+        ("/recordings/rise.rrd", "application/octet-stream", (folder / "recordings" / "rise.rrd").read_bytes()),
+        ("/viewer/re_viewer_bg.wasm", "application/wasm", None),
+        ("/viewer/re_viewer.js", "text/javascript", None),
+    ):
+        answer, body = served.ask(path)
+        assert answer.status == 200, path
+        assert answer.headers["Content-Type"].startswith(kind), path
+        assert content is None or body == content, path
+        if path.endswith(".wasm"):
+            assert body.startswith(b"\0asm")
+
+
+def test_a_question_for_the_head_is_answered_without_the_body(served: Served, folder: Path) -> None:
+    answer, body = served.ask("/recordings/rise.rrd", method="HEAD")
+    assert answer.status == 200
+    assert int(answer.headers["Content-Length"]) == (folder / "recordings" / "rise.rrd").stat().st_size
+    assert body == b""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/../secret.html",
+        "/report/../../secret.html",
+        "/report/%2e%2e/%2e%2e/secret.html",
+        "/report/..%2f..%2fsecret.html",
+        "/report//../../secret.html",
+        "/report/%2fetc/passwd",
+        "//etc/passwd",
+        "/report/way_out.html",
+        "/report/.hidden.html",
+        "/report/%00index.html",
+        "/report/",
+        "/report",
+        "/recordings/",
+        "/journal.jsonl",
+        "/catalogue.json",
+        "/trajectories/",
+        "/static/../site.py",
+        "/viewer/../../viewer.py",
+        "/report/" + "a" * 5000 + ".html",
+    ],
+)
+def test_nothing_outside_of_report_and_recordings_is_given(served: Served, path: str) -> None:
+    answer, body = served.ask(path)
+    assert answer.status == 404
+    assert b"secret" not in body.replace(path.encode(), b"")
+    assert b"journal" not in body.replace(path.encode(), b"")
+
+
+def test_a_page_under_another_name_of_this_machine_gets_nothing(served: Served) -> None:
+    assert served.ask("/report/index.html", host="evil.example:80")[0].status == 403
+    assert served.ask("/report/index.html", host=f"localhost:{served.port}")[0].status == 200
+
+
+def test_nothing_can_be_written(served: Served) -> None:
+    for method in ("POST", "PUT", "DELETE"):
+        assert served.ask("/recordings/rise.rrd", method=method)[0].status == 501
+
+
+@pytest.mark.parametrize("path", ["/", "/view?recording=/recordings/rise.rrd", "/report/index.html", "/nowhere"])
+def test_every_answer_forbids_connections_to_elsewhere(served: Served, path: str) -> None:
+    policy = served.ask(path)[0].headers["Content-Security-Policy"]
+    assert "connect-src 'self'" in policy
+    assert served.ask(path)[0].headers["X-Content-Type-Options"] == "nosniff"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: no browser is driven")
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on this machine (apt-get install chromium, or PLUMBLINE_CHROMIUM=path)")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+class Visit:
+    """A page that is open, what it asked for and what went wrong."""
+
+    def __init__(self, browser: Any, address: str) -> None:
+        self.page = browser.new_page(viewport={"width": 1000, "height": 700})
+        self.asked: list[str] = []
+        self.errors: list[str] = []
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", lambda message: self.errors.append(message.text) if message.type == "error" else None)
+        self.page.goto(address)
+
+
+@pytest.mark.browser
+def test_the_first_page_leads_to_the_report_and_to_each_recording(browser: Any, served: Served) -> None:
+    visit = Visit(browser, served.address)
+    links = visit.page.eval_on_selector_all("a", "all => all.map(a => a.getAttribute('href'))")
+    assert "/report/index.html" in links
+    assert "/view?recording=/recordings/rise.rrd" in links
+    for link in links:
+        assert served.ask(link)[0].status == 200, link
+    assert visit.page.evaluate("window.attacked") is None
+    visit.page.click("text=Read the report")
+    assert visit.page.title()
+    assert not visit.errors
+
+
+@pytest.mark.browser
+def test_a_recording_is_shown_in_the_browser_and_nobody_else_is_asked(browser: Any, served: Served) -> None:
+    visit = Visit(browser, f"{served.address}view?recording=/recordings/rise.rrd")
+    visit.page.wait_for_selector("#state", state="hidden", timeout=200_000)
+    # The engine's own colour is on the screen once the viewer has drawn what the recording holds.
+    for _ in range(100):
+        picture = visit.page.screenshot(timeout=120_000)
+        if shows(picture, ENGINES["mujoco"].colour):
+            break
+        visit.page.wait_for_timeout(300)
+    assert shows(picture, ENGINES["mujoco"].colour)
+    assert any(url.endswith("/recordings/rise.rrd") and "view?" not in url for url in visit.asked)
+    outside = [url for url in visit.asked if not url.startswith((served.address, "data:", "blob:"))]
+    assert not outside
+    assert not visit.errors
+
+
+def shows(png: bytes, colour: str) -> bool:
+    """Is a colour, '#rrggbb', among those of a picture?"""
+    listed: Any = Image.open(io.BytesIO(png)).convert("RGB").getcolors(maxcolors=1 << 24)
+    wanted = tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    return any(found == wanted for _, found in listed)
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("asked", ["https://example.org/x.rrd", "//example.org/x.rrd", "/report/index.html", ""])
+def test_the_viewer_takes_recordings_of_this_server_only(browser: Any, served: Served, asked: str) -> None:
+    visit = Visit(browser, f"{served.address}view?recording={asked}")
+    visit.page.wait_for_selector("text=names no recording of this server", timeout=60_000)
+    assert not [url for url in visit.asked if "example.org" in url.split("view?")[0]]

@@ -13,7 +13,7 @@ from harness.store import Store
 
 ROOT = Path(__file__).parents[2]
 GROUPS = {
-    "adapters/drift.py": ("adapters", "drift", "ADAPTER"),
+    "adapters/flight.py": ("adapters", "flight", "ADAPTER"),
     "cases/flight_straight.py": ("cases", "flight_straight", "CASE"),
     "harness/metrics/way.py": ("metrics", "way", "METRIC"),
     "reports/pages/roll.py": ("pages", "roll", "PAGE"),
@@ -54,16 +54,18 @@ def test_all_four_recipes_are_printed() -> None:
 
 
 def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(installed: Path, tmp_path: Path) -> None:
-    assert "drift" in {row["name"] for row in json.loads(call(installed, "engines", "--json"))}
+    assert "flight" in {row["name"] for row in json.loads(call(installed, "engines", "--json"))}
     assert "flight_straight" in {row["name"] for row in json.loads(call(installed, "cases", "--json"))}
-    call(installed, "run", "quick", "--engine", "drift", "--case", "flight_straight", "--out", tmp_path / "out")
+    study = tmp_path / "one.toml"
+    study.write_text('name = "one"\n[[experiments]]\nname = "e"\n')
+    call(installed, "run", study, "--engine", "flight", "--case", "flight_straight", "--out", tmp_path / "out")
     trials = Store(tmp_path / "out").trials
     assert list(trials["status"]) == ["passed", "passed"]
-    assert "<li>drift</li>" in (tmp_path / "out" / "report" / "roll.html").read_text()
+    assert "<li>flight</li>" in (tmp_path / "out" / "report" / "roll.html").read_text()
 
 
 def test_the_new_engine_keeps_the_contract(installed: Path) -> None:
-    statuses = {row["status"] for row in json.loads(call(installed, "check", "drift", "--json"))}
+    statuses = {row["status"] for row in json.loads(call(installed, "check", "flight", "--json"))}
     assert "passed" in statuses
     assert not statuses & {"failed", "improved"}
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["layout"]
 
-WATCH = 6.0
-"""Seconds that a case takes to play; shorter ones are slowed down to it."""
+WATCH = 6.0, 20.0
+"""Seconds that a case takes to play, at least and at most: a bullet is slowed down, a long wait made short."""
 
 OVERLAID, ALONE = "TransparentFillMajorWireframe", "Solid"
 """How shapes are filled where all engines share a place, and where one has it to itself."""
@@ -36,11 +36,11 @@ def layout(
     text = rrb.TextDocumentView(origin=f"/{LOG}", name="Outcomes")
     if not stage.runs:
         return rrb.Blueprint(text, collapse_panels=True)
-    plots: list[Any] = [
-        plot(f"/{where}", f"{where.removeprefix(SENSORS + '/')} [{CHANNELS[where.rsplit('/', 1)[1]]}]", False)
-        for where in channels
-    ]
-    plots += [plot(f"/{METRICS}/{metric}", TITLES[metric], not plots and not k) for k, metric in enumerate(metrics)]
+    end = last_instant(stage)
+    titles = {f"{METRICS}/{metric}": TITLES[metric] for metric in metrics}
+    signals = {where: f"{where.removeprefix(SENSORS + '/')} [{CHANNELS[where.rsplit('/', 1)[1]]}]" for where in channels}
+    plots = [plot(f"/{where}", name, False, end) for where, name in signals.items()]
+    plots += [plot(f"/{where}", name, k == 0, end) for k, (where, name) in enumerate(titles.items())]
     side = rrb.Vertical(*plots[:2], rrb.Tabs(text, *plots[2:], active_tab=0), row_shares=[5, 4, 6][-1 - len(plots[:2]) :])
     spaces = rrb.Tabs(*worlds(stage, frame, clouds), active_tab=0)
     return rrb.Blueprint(
@@ -53,12 +53,17 @@ def layout(
 
 
 def time_panel(stage: Stage) -> "rrb.TimePanel":
-    """Plays in a loop, slowed down where the whole would be over in a moment."""
+    """Plays in a loop, in real time where that can be watched."""
     import rerun.blueprint as rrb
 
-    end = max(float(run.time[-1]) for run in stage.runs)
-    speed = min(1.0, end / WATCH) if end > 0 else 1.0
+    end = last_instant(stage)
+    speed = end / min(max(end, WATCH[0]), WATCH[1]) if end > 0 else 1.0
     return rrb.TimePanel(state="collapsed", timeline=SIM_TIME, playback_speed=speed, play_state="playing", loop_mode="all")
+
+
+def last_instant(stage: Stage) -> float:
+    """The end [s] of the longest run."""
+    return max(float(run.time[-1]) for run in stage.runs)
 
 
 def worlds(stage: Stage, frame: Framing, clouds: Sequence[str]) -> "list[rrb.View | rrb.Container]":
@@ -70,7 +75,9 @@ def worlds(stage: Stage, frame: Framing, clouds: Sequence[str]) -> "list[rrb.Vie
         space(stage, f"All engines, {track}", [run for run in stage.runs if run.track == track], frame, clouds, OVERLAID)
         for track in tracks
     ]
-    alone = [space(stage, f"{run.engine} {run.track}", [run], frame, clouds, ALONE) for run in stage.runs]
+    # A solid would hide the arrows of its contacts.
+    alone_fill = OVERLAID if any("contacts_count" in run.arrays for run in stage.runs) else ALONE
+    alone = [space(stage, f"{run.engine} {run.track}", [run], frame, clouds, alone_fill) for run in stage.runs]
     across = 2 if len(alone) <= 4 else 3 if len(alone) <= 6 else 4
     return [*together, rrb.Grid(*alone, grid_columns=across, name="Side by side")]
 
@@ -110,8 +117,12 @@ def floor_grid(frame: Framing) -> Any:
     return rrb.LineGrid3D(visible=True, spacing=frame.size / 4, plane=below, color=FLOOR, stroke_width=0.7)
 
 
-def plot(origin: str, name: str, legend: bool) -> "rrb.TimeSeriesView":
-    """A plot of all curves below a path; colours mean the same in all, so one legend will do."""
+def plot(origin: str, name: str, legend: bool, end: float) -> "rrb.TimeSeriesView":
+    """A plot of all curves below a path, from 0 to `end` [s]; colours mean the same in all, so one legend will do."""
     import rerun.blueprint as rrb
 
-    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=rrb.PlotLegend(corner="RightTop", visible=legend))
+    # Errors grow: a legend at the left hides the least.
+    look = rrb.PlotLegend(corner="LeftTop", visible=legend)
+    first, last = (rrb.TimeRangeBoundary.absolute(seconds=seconds) for seconds in (0.0, end if end > 0 else 1.0))
+    axis = rrb.TimeAxis(view_range=rrb.TimeRange(start=first, end=last))
+    return rrb.TimeSeriesView(origin=origin, name=name, plot_legend=look, axis_x=axis)

@@ -5,6 +5,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -154,10 +155,10 @@ def stage_of(store: Store, name: str) -> Stage:
     for trial in sorted(chosen(trials, case), key=lambda t: (order[t["engine"]], t["track"] != "tuned", t["track"])):
         try:
             arrays = store.trajectory(trial["trajectory_hash"])
-        except StoreError as error:
-            notes[trial["trial"]] = f"not shown: {error}"
+            count, note = drawable(arrays)
+        except (StoreError, BadZipFile, KeyError) as error:
+            notes[trial["trial"]] = f"not shown: trajectory {trial['trajectory_hash']} is not readable: {error}"
             continue
-        count, note = drawable(arrays)
         if note:
             notes[trial["trial"]] = note
         runs.append(

@@ -30,13 +30,14 @@ from harness.scene import (
     Surface,
     TriangleMesh,
 )
-from harness.store import StoreError
+from harness.store import Store, StoreError
 from harness.trajectory import Contacts, Trajectory
 from harness.trajectory_file import save_trajectory
 from reports import open_viewer, recording_of, write_recordings
 from reports.palette import ENGINES
-from reports.recordings.camera import framed
+from reports.recordings.camera import framed, framing
 from reports.recordings.rotation import angle, compose
+from reports.recordings.runs import stage_of
 from reports.recordings.shapes import CROWD
 from reports.recordings.truth import truth_at
 from reports.viewer import viewer_command
@@ -306,12 +307,17 @@ def test_every_outcome_is_listed_and_a_case_without_any_trajectory_has_its_text(
 
 def test_a_trajectory_that_cannot_be_read_is_named_and_the_others_are_shown(folder: Folder) -> None:
     folder.add(record("rise", "mujoco", trajectory_hash="0123456789abcdef"))
+    folder.add(record("rise", "dart"), zoo(), rising(zoo(), 7.0))
+    (torn,) = (folder.path / "trajectories").iterdir()
+    torn.write_bytes(torn.read_bytes()[:1000])
     folder.add(record("rise", "bullet"), zoo(), rising(zoo()))
     read = Read(folder.write()[0])
-    row = next(line for line in read.text().splitlines() if line.startswith("| mujoco"))
-    assert "| no |" in row
-    assert "0123456789abcdef" in row
+    for engine, name in (("mujoco", "0123456789abcdef"), ("dart", torn.stem)):
+        row = next(line for line in read.text().splitlines() if line.startswith(f"| {engine}"))
+        assert "| no |" in row
+        assert f"trajectory {name} is not readable" in row
     assert "/world/bullet/tuned/ball" in read.chunks
+    assert "/world/dart/tuned/ball" not in read.chunks
 
 
 def test_of_many_time_steps_the_one_of_the_case_is_shown_and_the_others_are_listed(folder: Folder) -> None:
@@ -322,6 +328,16 @@ def test_of_many_time_steps_the_one_of_the_case_is_shown_and_the_others_are_list
     rows = [line for line in read.text().splitlines() if line.startswith("| mujoco")]
     assert len(rows) == 3
     assert [("| yes |" in row) for row in rows] == [True, False, False]
+
+
+def test_a_run_that_flies_away_does_not_take_the_view_along(folder: Folder) -> None:
+    for engine, speed in (("mujoco", 1.0), ("bullet", 1.01), ("dart", 1e9)):
+        folder.add(record("rise", engine), zoo(), rising(zoo(), speed))
+    folder.write()
+    frame = framing(stage_of(Store(folder.path), "rise"))
+    # The bodies lie between x = -0.1 and 10, and rise by 0.1 m.
+    assert np.linalg.norm(frame.eye) < 50
+    assert frame.radius < 10
 
 
 def test_runs_of_other_parameters_never_share_a_scene(folder: Folder) -> None:

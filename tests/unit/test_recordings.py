@@ -260,17 +260,21 @@ def test_contact_forces_are_arrows_of_one_scale_and_gone_where_there_is_no_conta
     assert [len(row) for row in arrows["mujoco"]] == [1, 0] * 5 + [1]
     assert arrows["mujoco"][0][0][:2] == [0.0, 0.0]
     assert arrows["bullet"][0][0][2] == pytest.approx(2 * arrows["mujoco"][0][0][2], rel=1e-6)
+    # The median engine's largest force is a quarter as long as the picture is wide.
+    size = framing(stage_of(Store(folder.path), "press")).size
+    assert arrows["mujoco"][0][0][2] == pytest.approx(size / 4, rel=1e-6)
     assert f"1 m of arrow is {10.0 / arrows['mujoco'][0][0][2]:.3g} N" in read.text()
 
 
 def test_plots_hold_what_the_states_say(folder: Folder) -> None:
-    scene = Scene(bodies=(Body(name="ball", mass=2.0, inertia=((1, 0, 0), (0, 2, 0), (0, 0, 2.5)), q_WB=QUARTER),))
+    scene = Scene(bodies=(Body(name="ball", mass=2.0, inertia=((1.5, 0, 0), (0, 2, 0.5), (0, 0.5, 2.5)), q_WB=QUARTER),))
     actual = rising(scene, 3.0)
-    actual.w_WB[:] = [2.0, 0.0, 0.0]
+    actual.w_WB[:] = [2.0, 0.0, 1.0]
     folder.add(record("rise", "mujoco"), scene, actual, rising(scene))
     read = Read(folder.write()[0])
-    # m v^2/2 = 9 J; turned by a quarter about z, the world's x is the body's -y, so that I w^2/2 = 2 * 4 / 2 = 4 J.
-    assert read.array("/metrics/kinetic_energy/mujoco/tuned", "Scalars:scalars") == pytest.approx(np.full((11, 1), 13.0))
+    # m v^2/2 = 9 J; turned by a quarter about z, the world's x is the body's -y: w = (0, -2, 1) in the body, and
+    # w I w/2 = (2 * 4 - 2 * 0.5 * 2 * 1 + 2.5 * 1) / 2 = 4.25 J.
+    assert read.array("/metrics/kinetic_energy/mujoco/tuned", "Scalars:scalars") == pytest.approx(np.full((11, 1), 13.25))
     assert read.array("/metrics/speed/mujoco/tuned", "Scalars:scalars") == pytest.approx(np.full((11, 1), 3.0))
     error = read.array("/metrics/position_error/mujoco/tuned", "Scalars:scalars")
     assert error[:, 0] == pytest.approx(2.0 * TIMES, abs=1e-12)

@@ -6,6 +6,7 @@ Here the directory itself carries a hash of all sources of this package, the fla
 With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
 """
 
+import fcntl
 import hashlib
 import os
 from collections.abc import Callable
@@ -61,10 +62,12 @@ def kernel(function: Function) -> Function:
 def entry(function: Function) -> Function:
     """A compiled function that Python calls, kept on disk for the next process.
 
+    Processes that need it at the same time compile it once: the others wait and load it.
+
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use or loaded from the cache.
     """
-    return _compiled(function, cache=True)
+    return _one_at_a_time(_compiled(function, cache=True))
 
 
 def _compiled(function: Function, **options: bool) -> Function:
@@ -73,3 +76,20 @@ def _compiled(function: Function, **options: bool) -> Function:
 
     njit: Any = numba.njit
     return cast(Function, njit(fastmath=set(FLAGS), error_model="numpy", nogil=True, **options)(function))
+
+
+def _one_at_a_time(function: Function) -> Function:
+    """The compiled function with its compiler, which looks into the cache first, behind a lock on the cache directory."""
+    compiler = getattr(function, "compile", None)
+    if compiler is None:
+        return function
+
+    def locked(signature: Any) -> Any:
+        directory = cache_directory()
+        directory.mkdir(parents=True, exist_ok=True)
+        with (directory / "lock").open("w") as stream:
+            fcntl.flock(stream, fcntl.LOCK_EX)
+            return compiler(signature)
+
+    cast(Any, function).compile = locked
+    return function

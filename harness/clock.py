@@ -1,7 +1,7 @@
 """The timing run: what a simulated second costs, in fresh processes and randomised interleaved blocks.
 
-Protocol: each trial of a group gets a process of its own, pinned to one core, with one thread and no garbage collector; it
-warms up, calibrates how many runs of the scene make one sample, and then waits. Block by block, in a new random order each
+Protocol: each trial of a group gets a process of its own, with one thread; it warms up, calibrates how many runs of the scene
+make one sample, and then waits, pinned to one core and without a garbage collector. Block by block, in a new random order each
 time, every process takes one sample. Building, resetting and reading are outside the clock; inside it is one call of `step`.
 """
 
@@ -61,13 +61,13 @@ def clock_steps(simulation: Simulation, steps: int) -> tuple[float, float]:
 def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
     """Answer 'plan' once, then a sample for each block number that comes down the pipe; any exception is sent back as text."""
     confine(trial.experiment.memory, log)
-    if core is not None:
-        os.sched_setaffinity(0, {core})
     try:
         case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
         scene = case.scene(**trial.parameters)
         whole = max(1, round(case.duration / trial.settings.dt))
         plan = _calibrate(lambda: adapter.build(scene, trial.settings), whole, trial.experiment.sample_seconds)
+        if core is not None:
+            os.sched_setaffinity(0, {core})
         pipe.send(plan)
         gc.disable()
         while (block := pipe.recv()) is not None:

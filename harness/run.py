@@ -142,7 +142,8 @@ def judge(case: Case, scene: Scene, actual: Trajectory, expected: Trajectory | N
 def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
     broken = [m for m in measurements if m.passed is False]
     if broken:
-        return "failed", "; ".join(f"{m.metric} = {m.value:.4g} {m.unit}, bound {m.at_most:.4g}" for m in broken)
+        units = {m.metric: "" if m.unit == "1" else f" {m.unit}" for m in broken}
+        return "failed", "; ".join(f"{m.metric} = {m.value:.4g}{units[m.metric]}, bound {m.at_most:.4g}" for m in broken)
     if not any(m.passed for m in measurements):
         return "unsupported", "; ".join(m.because for m in measurements) or "no check could be measured"
     blind = [m.metric for m in measurements if m.at_most is not None and m.passed is None]

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import os
 import tomllib
+import zipfile
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -121,5 +122,5 @@ class Store:
         try:
             with np.load(path, allow_pickle=False) as arrays:
                 return dict(arrays)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, zipfile.BadZipFile) as error:
             raise StoreError(f"{path}: not readable: {error}") from error

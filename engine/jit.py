@@ -79,7 +79,7 @@ def _compiled(function: Function, **options: bool) -> Function:
 
 
 def _one_at_a_time(function: Function) -> Function:
-    """The compiled function with its compiler, which looks into the cache first, behind a lock on the cache directory."""
+    """The compiled function with its compiler, which looks into the cache first, behind a lock of its own."""
     compiler = getattr(function, "compile", None)
     if compiler is None:
         return function
@@ -87,7 +87,7 @@ def _one_at_a_time(function: Function) -> Function:
     def locked(signature: Any) -> Any:
         directory = cache_directory()
         directory.mkdir(parents=True, exist_ok=True)
-        with (directory / "lock").open("w") as stream:
+        with (directory / f"{function.__name__}.lock").open("w") as stream:
             fcntl.flock(stream, fcntl.LOCK_EX)
             return compiler(signature)
 

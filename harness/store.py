@@ -34,7 +34,9 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 def _tables(records: dict[str, Record]) -> dict[str, pd.DataFrame]:
     trials, measurements, samples = [], [], []
-    for record in records.values():
+    for record in sorted(
+        records.values(), key=lambda r: (r.study, r.experiment, r.case, -r.dt, r.seed, r.track, r.engine, r.trial)
+    ):
         row = {name: getattr(record, name) for name in TRIAL_COLUMNS}
         row |= {name: json.dumps(row[name], sort_keys=True) for name in _JSON_COLUMNS}
         trials.append(row)

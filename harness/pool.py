@@ -15,6 +15,8 @@ from harness.worker import context, isolated_trial
 __all__ = ["run_isolated"]
 
 _TAIL = 4000
+_KEPT = 2**20
+"""Bytes of a log that stay on disk."""
 _QUIET = ("passed", "failed", "unsupported")
 
 
@@ -24,6 +26,20 @@ def _tail(log: Path) -> str:
     with log.open("rb") as stream:
         stream.seek(max(0, log.stat().st_size - _TAIL))
         return stream.read().decode("utf-8", errors="replace").strip()
+
+
+def _trim(log: Path, record: Record) -> None:
+    """Drop the log of a trial that ended well, and all but the end of one that was flooded."""
+    if not log.is_file():
+        return
+    size = log.stat().st_size
+    if size == 0 or record.status in _QUIET:
+        log.unlink()
+    elif size > _KEPT:
+        with log.open("rb") as stream:
+            stream.seek(size - _KEPT)
+            end = stream.read()
+        log.write_bytes(end)
 
 
 def _expired(trial: Trial, error: ProcessExpired, log: Path) -> Record:
@@ -68,8 +84,7 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
                 trial = running.pop(future)
                 log = logs / f"{trial.trial}.log"
                 record = _record(trial, future, log)
-                if log.is_file() and (log.stat().st_size == 0 or record.status in _QUIET):
-                    log.unlink()
+                _trim(log, record)
                 yield record
     finally:
         for future in running:

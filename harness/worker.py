@@ -20,6 +20,8 @@ from harness.study import Trial
 __all__ = ["confine", "context", "isolated_trial"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_LARGEST_FILE = 512 * 2**20
+"""Bytes; what an engine prints beyond is lost, so that a flood cannot fill the disk."""
 _PR_SET_PDEATHSIG = 1
 """From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
 _PRELOAD = ["harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba"]
@@ -52,6 +54,7 @@ def confine(memory: float, log: Path) -> None:
     limit = psutil.Process().memory_info().vms + int(memory * 2**20)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
 
 
 def isolated_trial(trial: Trial, folder: Path, log: Path) -> Record:

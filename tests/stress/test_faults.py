@@ -19,12 +19,16 @@ timing = false
 deadline = 4.0
 memory = 1000.0
 """
-ENGINES = ("sound", "segfault", "abort", "vanish", "hang", "hoard", "raise", "nan", "absent")
+ENGINES = ("sound", "segfault", "abort", "vanish", "hang", "hoard", "raise", "flood", "nan", "absent")
 
 
 @pytest.fixture(scope="module")
-def trials(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> pd.DataFrame:
-    folder = tmp_path_factory.mktemp("faults")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("faults")
+
+
+@pytest.fixture(scope="module")
+def trials(folder: Path, plumbline: Command) -> pd.DataFrame:
     (folder / "faults.toml").write_text(STUDY)
     wanted = [word for engine in ENGINES for word in ("--engine", engine)]
     done = plumbline("run", folder / "faults.toml", *wanted, "--out", folder / "out", plugins=True)
@@ -42,6 +46,7 @@ def trials(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> pd.D
         ("hang", "timeout", "deadline of 4 s"),
         ("hoard", "oom", "1000 MB"),
         ("raise", "crashed", "the engine's own exception"),
+        ("flood", "crashed", "File too large"),
         ("nan", "diverged", "step"),
         ("absent", "unavailable", "not installed"),
     ],
@@ -56,6 +61,12 @@ def test_a_faulty_engine_is_an_outcome_with_its_reason(trials: pd.DataFrame, eng
 def test_every_cell_has_exactly_one_row(trials: pd.DataFrame) -> None:
     assert len(trials) == 2 * len(ENGINES)
     assert trials.index.is_unique
+
+
+def test_a_gigabyte_of_output_leaves_a_megabyte_of_log(trials: pd.DataFrame, folder: Path) -> None:
+    for track in ("default", "tuned"):
+        log = folder / "out" / "logs" / f"{trials.loc[('flood', track)]['trial']}.log"
+        assert 0 < log.stat().st_size <= 2**20
 
 
 def test_what_a_crashing_engine_printed_is_kept(trials: pd.DataFrame) -> None:

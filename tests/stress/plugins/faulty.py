@@ -46,6 +46,11 @@ class Falling:
             self._hoard = [np.ones(2**27) for _ in range(64)]
         elif self._fault == "raise":
             raise RuntimeError("the engine's own exception")
+        elif self._fault == "flood":
+            line = b"the same line again\n" * 50_000
+            for _ in range(1000):
+                os.write(2, line)
+            os.abort()
         elif self._fault == "nan":
             self._state.v_WB[0, 0] = np.nan
 
@@ -107,6 +112,7 @@ VANISH = Faulty(name="vanish", fault="vanish")
 HANG = Faulty(name="hang", fault="hang")
 HOARD = Faulty(name="hoard", fault="hoard")
 RAISE = Faulty(name="raise", fault="raise")
+FLOOD = Faulty(name="flood", fault="flood")
 NAN = Faulty(name="nan", fault="nan")
 ABSENT = Faulty(name="absent", fault="absent")
 

@@ -87,6 +87,7 @@ def test_a_killed_run_that_is_resumed_has_every_cell_exactly_once(
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 def test_two_hundred_random_kills_lose_and_double_nothing(
     tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str]
 ) -> None:

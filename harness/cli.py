@@ -2,11 +2,12 @@
 
 import signal
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
+
+from harness.listing import print_csv, print_json, print_markdown, print_table
 
 if TYPE_CHECKING:
     from harness.case import Case
@@ -31,7 +32,7 @@ class _Guarded(click.Group):
         """Run the command."""
         try:
             return super().invoke(ctx)
-        except (click.ClickException, click.exceptions.Exit, click.Abort):
+        except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError):
             raise
         except KeyboardInterrupt:
             _stop(_INTERRUPTED, "interrupted")
@@ -58,36 +59,6 @@ def main() -> None:
     """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
 
 
-def _print_json(rows: Sequence[dict[str, Any]]) -> None:
-    import json
-    import math
-
-    def plain(value: Any) -> Any:
-        if isinstance(value, float) and not math.isfinite(value):
-            return None
-        if isinstance(value, dict):
-            return {key: plain(part) for key, part in value.items()}
-        if isinstance(value, list | tuple):
-            return [plain(part) for part in value]
-        return value
-
-    click.echo(json.dumps([plain(row) for row in rows], indent=1, allow_nan=False, default=str))
-
-
-def _print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(title=title, title_justify="left", header_style="bold")
-    for column in columns:
-        table.add_column(column, overflow="fold")
-    for row in rows:
-        table.add_row(*(Text("".join(c if c.isprintable() or c == "\n" else "?" for c in str(cell))) for cell in row))
-    width = None if sys.stdout.isatty() else 160
-    Console(width=width).print(table)
-
-
 @main.command()
 @click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 def engines(as_json: bool) -> None:
@@ -97,12 +68,12 @@ def engines(as_json: bool) -> None:
 
     rows = [describe_engine(adapter) for adapter in discover.adapters().values()]
     if as_json:
-        _print_json(rows)
+        print_json(rows)
         return
     shown = [
         (r["name"], r["title"], r["version"] or f"unavailable: {r['unavailable']}", ", ".join(r["features"])) for r in rows
     ]
-    _print_table("Engines", ("name", "engine", "version", "features"), shown)
+    print_table("Engines", ("name", "engine", "version", "features"), shown)
 
 
 @main.command()
@@ -114,10 +85,10 @@ def cases(as_json: bool) -> None:
 
     rows = [describe_case(case) for case in discover.cases().values()]
     if as_json:
-        _print_json(rows)
+        print_json(rows)
         return
     shown = [(r["name"], r["question"], r["truth"], ", ".join(r["effects"]), r["source"]) for r in rows]
-    _print_table("Cases", ("name", "question", "truth", "effects", "source"), shown)
+    print_table("Cases", ("name", "question", "truth", "effects", "source"), shown)
 
 
 @main.command()
@@ -137,10 +108,10 @@ def check(engine: str, tracks: tuple[str, ...], as_json: bool) -> None:
         _stop(_GATE, f"{engine}: unavailable: {reason}")
     outcomes = run_conformance(adapter, tracks=tracks or ("default", "tuned"))
     if as_json:
-        _print_json([asdict(outcome) for outcome in outcomes])
+        print_json([asdict(outcome) for outcome in outcomes])
     else:
         rows = [(o.track, o.check, o.status, o.message) for o in outcomes]
-        _print_table(f"{adapter.title} {version}", ("track", "check", "status", "finding"), rows)
+        print_table(f"{adapter.title} {version}", ("track", "check", "status", "finding"), rows)
         counts = {status: sum(o.status == status for o in outcomes) for status in dict.fromkeys(o.status for o in outcomes)}
         checks = len({o.check for o in outcomes})
         click.echo(f"{checks} checks: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
@@ -243,28 +214,6 @@ def run(
         sys.exit(_GATE)
 
 
-def _guard_cell(cell: object) -> str:
-    """A CSV cell that no spreadsheet takes for a formula."""
-    text = str(cell)
-    return f"'{text}" if text[:1] in {"=", "+", "@", "\t", "\r"} or (text[:1] == "-" and not text[1:2].isdigit()) else text
-
-
-def _print_csv(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
-    import csv
-
-    writer = csv.writer(sys.stdout)
-    writer.writerow(columns)
-    writer.writerows([_guard_cell(row[column]) for column in columns] for row in rows)
-
-
-def _print_markdown(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
-    click.echo("| " + " | ".join(columns) + " |")
-    click.echo("|---" * len(columns) + "|")
-    for row in rows:
-        cells = (str(row[column]).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;") for column in columns)
-        click.echo("| " + " | ".join(cells) + " |")
-
-
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--table", type=click.Choice(_TABLES), default="trials", show_default=True)
@@ -280,17 +229,17 @@ def show(folder: Path, table: str, form: str) -> None:
     ]
     columns = [str(name) for name in frame.columns]
     if form == "json":
-        _print_json(rows)
+        print_json(rows)
     elif form == "csv":
-        _print_csv(columns, rows)
+        print_csv(columns, rows)
     elif form == "markdown":
-        _print_markdown(columns, rows)
+        print_markdown(columns, rows)
     else:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
         )
         shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]
-        _print_table(table, brief, shown)
+        print_table(table, brief, shown)
 
 
 @main.command()

@@ -22,7 +22,7 @@ from harness.progress import Progress
 from harness.record import Record
 from harness.run import outcome
 from harness.store import Store, write_atomically, write_tables
-from harness.study import Study, Trial
+from harness.study import Study, StudyError, Trial
 
 __all__ = ["Shard", "carry_out"]
 
@@ -63,7 +63,7 @@ def _timing(trials: Sequence[Trial], records: Mapping[str, Record], journal: Jou
     ]
     shuffle = random.Random(0)
     with Progress("timing", len(due)) as progress:
-        for _, group in groupby(due, key=lambda t: (t.experiment.name, t.case, t.settings.dt, t.seed)):
+        for _, group in groupby(due, key=lambda t: (t.experiment.name, t.case, repr(t.parameters), t.settings.dt)):
             for timing in clock_group(tuple(group), folder, shuffle):
                 journal.append(timing)
                 progress.advance(f"{records[timing.trial].case} {records[timing.trial].engine}")
@@ -86,13 +86,16 @@ def carry_out(
 
     Raises:
         FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read.
+        StudyError: where the study leaves no trial.
     """
     if (folder / "journal.jsonl").exists() and not resume:
         raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
-    folder.mkdir(parents=True, exist_ok=True)
-    engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
     versions = {name: version_of(adapter)[0] for name, adapter in adapters.items()}
     trials = list(study.trials(cases, adapters, versions))[shard[0] - 1 :: shard[1]]
+    if not trials:
+        raise StudyError(f"study '{study.name}': no trial; its cases and engines, or --case, --engine and --shard, leave none")
+    folder.mkdir(parents=True, exist_ok=True)
+    engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
     journal = Journal(folder)
     machine = fingerprint()
     try:

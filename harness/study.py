@@ -1,9 +1,11 @@
 """A study: which cases are put to which engines, under which settings; it unfolds into trials."""
 
+import hashlib
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,6 +15,7 @@ from pydantic.dataclasses import dataclass as validated
 from harness.adapter import Adapter, Settings
 from harness.case import Case
 from harness.record import digest
+from harness.scene.file import dump_json
 from harness.scene.values import FROZEN, Name, Positive
 
 __all__ = ["Experiment", "Study", "StudyError", "Trial", "load_study"]
@@ -27,8 +30,9 @@ class Experiment:
     """A block of trials: every case that a pattern names, on every engine that a pattern names.
 
     Terms:
-        dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at,
-        each a list; all combinations are run. timing: also clock it. deadline [s] of a trial, memory [MB] of its process.
+        dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at
+        instead of its own, each a list; all combinations are run. timing: also clock it, by `samples` samples of
+        `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process.
     """
 
     name: Name
@@ -36,6 +40,7 @@ class Experiment:
     engines: tuple[str, ...] = ("*",)
     tracks: tuple[Literal["default", "tuned"], ...] = ("default", "tuned")
     dt: Literal["case", "ladder"] | tuple[Positive, ...] = "case"
+    parameters: dict[str, tuple[bool | int | float | str, ...]] = Field(default_factory=dict)
     timing: bool = True
     samples: int = Field(default=5, ge=1, le=10_000)
     processes: int = Field(default=1, ge=1, le=100)
@@ -59,15 +64,38 @@ class Study:
     ) -> "Iterator[Trial]":
         """All trials, engine by engine innermost so that engines are interleaved; every cell of the matrix is there."""
         for experiment in self.experiments:
+            engines = [e for e in adapters.values() if any(fnmatchcase(e.name, pattern) for pattern in experiment.engines)]
             for case in cases.values():
                 if not any(fnmatchcase(case.name, pattern) for pattern in experiment.cases):
                     continue
-                for dt in steps_of(experiment, case):
-                    for seed in range(case.ensemble):
-                        for track in experiment.tracks:
-                            for adapter in adapters.values():
-                                if any(fnmatchcase(adapter.name, pattern) for pattern in experiment.engines):
-                                    yield Trial.of(self, experiment, case, adapter, track, dt, seed, versions[adapter.name])
+                for parameters, seed in parameters_of(experiment, case):
+                    question = _question(case, parameters)
+                    for dt, track, engine in product(steps_of(experiment, case), experiment.tracks, engines):
+                        settings = engine.tracks[track].with_dt(dt)
+                        cell = _Cell(case, parameters, seed, question, engine.name, versions[engine.name], track, settings)
+                        yield Trial.of(self, experiment, cell)
+
+
+def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str, Any], int]]:
+    """The parameters and seeds at which an experiment runs a case.
+
+    Raises:
+        StudyError: for a parameter that the case does not have.
+    """
+    for name in experiment.parameters:
+        if name not in case.parameters:
+            known = ", ".join(case.parameters) or "none"
+            raise StudyError(f"experiment '{experiment.name}': case '{case.name}' has no parameter '{name}', expected: {known}")
+    for values in product(*experiment.parameters.values()):
+        chosen = dict(case.parameters) | dict(zip(experiment.parameters, values, strict=True))
+        for seed in range(case.ensemble):
+            yield chosen | ({"seed": seed} if case.ensemble > 1 else {}), seed
+
+
+def _question(case: Case, parameters: Mapping[str, Any]) -> str:
+    """A digest of what is asked: the scene, how long it runs and what is sampled."""
+    scene = hashlib.sha256(dump_json(case.scene(**parameters)).encode()).hexdigest()
+    return digest([scene, case.duration, case.sample_interval, case.with_contacts])
 
 
 def steps_of(experiment: Experiment, case: Case) -> tuple[float, ...]:
@@ -95,45 +123,48 @@ class Trial:
     seed: int
 
     @classmethod
-    def of(
-        cls,
-        study: Study,
-        experiment: Experiment,
-        case: Case,
-        adapter: Adapter,
-        track: str,
-        dt: float,
-        seed: int,
-        version: str,
-    ) -> "Trial":
-        """The trial with its name: a digest of all that decides its answer, versions included."""
-        settings = adapter.tracks[track].with_dt(dt)
-        parameters = dict(case.parameters) | ({"seed": seed} if case.ensemble > 1 else {})
+    def of(cls, study: Study, experiment: Experiment, cell: "_Cell") -> "Trial":
+        """The trial with its name: a digest of all that decides its answer, the scene and versions included."""
         name = digest(
             {
                 "study": study.name,
                 "experiment": experiment.name,
-                "case": case.name,
-                "parameters": parameters,
-                "engine": adapter.name,
-                "version": version,
-                "track": track,
-                "settings": replace(settings, source="").plain(),
-                "seed": seed,
+                "case": cell.case.name,
+                "parameters": cell.parameters,
+                "question": cell.question,
+                "engine": cell.engine,
+                "version": cell.version,
+                "track": cell.track,
+                "settings": replace(cell.settings, source="").plain(),
+                "seed": cell.seed,
             }
         )
         return cls(
             trial=name,
             study=study.name,
             experiment=experiment,
-            case=case.name,
-            parameters=parameters,
-            engine=adapter.name,
-            engine_version=version,
-            track=track,
-            settings=settings,
-            seed=seed,
+            case=cell.case.name,
+            parameters=cell.parameters,
+            engine=cell.engine,
+            engine_version=cell.version,
+            track=cell.track,
+            settings=cell.settings,
+            seed=cell.seed,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    """One place in the matrix of a study."""
+
+    case: Case
+    parameters: Mapping[str, Any]
+    seed: int
+    question: str
+    engine: str
+    version: str
+    track: str
+    settings: Settings
 
 
 def load_study(name: str) -> Study:

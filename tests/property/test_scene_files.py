@@ -202,3 +202,14 @@ def test_the_schema_accepts_what_the_reader_accepts() -> None:
     import jsonschema
 
     jsonschema.validate(json.loads(dump_json(parse(SOUND, "scene.toml"))), schema())
+
+
+def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(tmp_path: Path, plumbline: Command) -> None:
+    path = tmp_path / "ball.toml"
+    path.write_text(SOUND.partition("[[joints]]")[0] + "[[surfaces]]" + SOUND.partition("[[surfaces]]")[2])
+    done = plumbline("run", path, "--engine", "mujoco", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    rows = json.loads(plumbline("show", tmp_path / "out", "--format", "json").stdout)
+    assert {row["status"] for row in rows} == {"passed"}
+    assert len(rows) == 6  # three steps on two tracks
+    assert (tmp_path / "out" / "report" / "index.html").is_file()

@@ -14,8 +14,9 @@ from harness.trajectory import Floats
 
 __all__ = ["CHECKS"]
 
-_WITHIN = 0.03
-"""Relative error granted to the size of kinetic friction: compliant and iterated contacts are known to miss by up to 1.6 %."""
+_WITHIN = 0.025
+"""Relative error granted to the size of kinetic friction: half of the fault of 5 % that the check has to see; compliant and
+iterated contacts miss by up to 1.6 %."""
 _RULE = 0.1
 """Relative error that still tells a pair's own value from what any combination rule makes of the materials."""
 
@@ -66,7 +67,7 @@ def _friction_has_its_size(adapter: Adapter, settings: Settings) -> Finding:
     found = []
     for mu in (0.2, 0.8):
         scene = on_ground(adapter, block(v=(3.0, 0.0, 0.0)), friction=mu)
-        found.append(near(f"friction of a pair at {mu}", _braking(adapter, settings, scene)[0][0], mu, _WITHIN * mu, "3 %"))
+        found.append(near(f"friction of a pair at {mu}", _braking(adapter, settings, scene)[0][0], mu, _WITHIN * mu, "2.5 %"))
     return judge(*found)
 
 
@@ -192,7 +193,7 @@ CHECKS = (
     ),
     ConformanceCheck(
         name="friction_has_its_size",
-        question="Is kinetic friction mu times the normal force, to 3 %, at .2 and at .8?",
+        question="Is kinetic friction mu times the normal force, to 2.5 %, at .2 and at .8?",
         run=_friction_has_its_size,
         needs=_BOX,
     ),

@@ -14,10 +14,11 @@ from harness.conformance import (
     shapes,
 )
 from harness.conformance.check import ConformanceCheck
+from harness.conformance.declarations import declarations_check
 
 __all__ = ["CHECKS"]
 
-CHECKS: tuple[ConformanceCheck, ...] = (
+_ASKED: tuple[ConformanceCheck, ...] = (
     *contract.CHECKS,
     *features.CHECKS,
     *frames.CHECKS,
@@ -30,4 +31,6 @@ CHECKS: tuple[ConformanceCheck, ...] = (
     *effects.CHECKS,
     *robustness.CHECKS,
 )
+
+CHECKS: tuple[ConformanceCheck, ...] = (declarations_check(_ASKED), *_ASKED)
 """Every check; names are stable identifiers."""

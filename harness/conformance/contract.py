@@ -1,4 +1,4 @@
-"""Checks of the contract that need no physics: declarations, settings, lazy imports, ownership of arrays."""
+"""Checks of the contract that need no physics: settings, lazy imports, ownership of arrays."""
 
 import ast
 import inspect
@@ -58,24 +58,6 @@ def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Findin
             not heavy,
             f"imports outside of functions: got {', '.join(heavy) or 'none'} beyond numpy, scipy and harness, expected none",
         )
-    )
-
-
-def _declarations_are_well_formed(adapter: Adapter, _settings: Settings) -> Finding:
-    from harness.conformance.catalogue import CHECKS as ALL
-
-    known = {f"{track}/{check.name}" for track in adapter.tracks for check in ALL}
-    firm = {f"{track}/{check.name}" for track in adapter.tracks for check in ALL if not check.excusable}
-    declared = set(adapter.known_failures)
-    return judge(
-        that({"default", "tuned"} <= set(adapter.tracks), f"tracks: got {sorted(adapter.tracks)}, expected default and tuned"),
-        that(declared <= known, f"known_failures names no check: {sorted(declared - known)}"),
-        that(not declared & firm, f"known_failures excuses what must hold on every track: {sorted(declared & firm)}"),
-        that(
-            all(reason.strip() for reason in adapter.known_failures.values()),
-            f"known_failures without a reason: {sorted(k for k, v in adapter.known_failures.items() if not v.strip())}",
-        ),
-        that(bool(adapter.name and adapter.title and adapter.distribution), "name, title and distribution are given"),
     )
 
 
@@ -155,12 +137,6 @@ CHECKS = (
         name="imports_without_its_vendor",
         question="Is the vendor's package imported inside functions only?",
         run=_imports_without_its_vendor,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="declarations_are_well_formed",
-        question="Are both tracks there, and does every declared failure name a check that may be excused, with a reason?",
-        run=_declarations_are_well_formed,
         excusable=False,
     ),
     ConformanceCheck(

@@ -2,6 +2,7 @@
 
 import json
 import random
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
@@ -61,12 +62,15 @@ def _timing(trials: Sequence[Trial], records: Mapping[str, Record], journal: Jou
         for trial in trials
         if trial.experiment.timing and trial.trial not in journal.timings and records[trial.trial].status in _TIMED
     ]
-    shuffle = random.Random(0)
+    shuffle, troubles = random.Random(0), list[str]()
     with Progress("timing", len(due)) as progress:
         for _, group in groupby(due, key=lambda t: (t.experiment.name, t.case, repr(t.parameters), t.settings.dt)):
             for timing in clock_group(tuple(group), folder, shuffle):
                 journal.append(timing)
+                troubles += [timing.note] if timing.note else []
                 progress.advance(f"{records[timing.trial].case} {records[timing.trial].engine}")
+    if troubles:
+        print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
 
 
 def carry_out(

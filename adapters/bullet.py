@@ -40,7 +40,6 @@ from pathlib import Path
 from typing import Any, assert_never
 
 import numpy as np
-from scipy.optimize import nnls
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
 from harness.scene import (
@@ -297,6 +296,8 @@ def _factors(values: Mapping[tuple[_Kind, _Kind], float], what: str) -> dict[_Ki
 
 def _levers(values: Mapping[tuple[_Kind, _Kind], float], friction: Mapping[_Kind, float], what: str) -> dict[_Kind, float]:
     """Numbers r >= 0 with r_a mu_b + r_b mu_a = value [m] for every pair (btManifoldResult). Raises: Unsupported."""
+    from scipy.optimize import nnls  # late: a listing must not pay for it
+
     kinds = sorted({kind for pair in values for kind in pair})
     if not any(values.values()):
         return dict.fromkeys(kinds, 0.0)

@@ -144,11 +144,10 @@ def _study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[st
     from fnmatch import fnmatchcase
 
     from harness import discover
-    from harness.own_scene import SCENE_PREFIX
     from harness.study import Experiment, Study, load_study
 
     if _is_scene(name):
-        case = discover.case(f"{SCENE_PREFIX}{Path(name).resolve()}")
+        case = discover.case(f"{discover.SCENE_PREFIX}{Path(name).resolve()}")
         study = Study(name="scene", title=case.title, experiments=(Experiment(name="scene", dt=(1 / 240, 1 / 480, 1 / 960)),))
         return study, {case.name: case}
     study, found = load_study(name), discover.cases()

@@ -12,9 +12,11 @@ from typing import Any
 from harness.adapter import Adapter, Unavailable
 from harness.case import Case
 from harness.metric import Metric
-from harness.own_scene import SCENE_PREFIX, own_case
 
-__all__ = ["PluginError", "adapter", "adapters", "case", "cases", "metrics", "names", "version_of"]
+__all__ = ["SCENE_PREFIX", "PluginError", "adapter", "adapters", "case", "cases", "metrics", "names", "version_of"]
+
+SCENE_PREFIX = "scene:"
+"""How the name of a case says that it lies in a file."""
 
 
 class PluginError(Exception):
@@ -71,7 +73,9 @@ def adapter(name: str) -> Adapter:
 def case(name: str) -> Case:
     """The case of that name, or the one made of a scene file for a name 'scene:<path>'. Raises: PluginError, SceneError."""
     if name.startswith(SCENE_PREFIX):
-        return own_case(Path(name.removeprefix(SCENE_PREFIX)))
+        from harness.own_scene import own_case  # late: only a scene of the user's own needs its metrics
+
+        return own_case(Path(name.removeprefix(SCENE_PREFIX)), SCENE_PREFIX)
     found: Case = _constant("cases", name, "CASE", Case)
     return found
 

@@ -7,21 +7,18 @@ from harness.metrics import divergence, energy
 from harness.scene import Scene
 from harness.scene.file import load
 
-__all__ = ["SCENE_PREFIX", "own_case"]
-
-SCENE_PREFIX = "scene:"
-"""How the name of a case says that it lies in a file."""
+__all__ = ["own_case"]
 
 
-def own_case(path: Path, duration: float = 5.0) -> Case:
-    """The case that asks every engine to carry a scene file through `duration` [s].
+def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
+    """The case that asks every engine to carry a scene file through `duration` [s]; its name is `prefix` and the path.
 
     Raises:
         SceneError: where the file is no scene.
     """
     scene: Scene = load(path)
     return Case(
-        name=f"{SCENE_PREFIX}{path}",
+        name=f"{prefix}{path}",
         title=path.stem,
         question="How does each engine carry this scene, and at what cost?",
         source=f"the file {path.name}",

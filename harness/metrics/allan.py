@@ -11,7 +11,6 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from scipy import stats
 
 from harness.metric import Metric, NotMeasurable
 from harness.reduction import maximum
@@ -97,6 +96,8 @@ def _noise(scene: Scene, actual: Trajectory, channel: Channel) -> list[tuple[Axi
 
 def _score(channel: Channel) -> Metric:
     def measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+        from scipy import stats  # late: a listing must not pay for it
+
         scores = []
         for law, noise, interval in _noise(scene, actual, channel):
             for m in octaves(len(noise)):

@@ -6,7 +6,6 @@ them. For an integrator that does not stagger the raw figure is the right one; b
 """
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from harness.kinematics import joint_coordinate, movable, rotate_back
 from harness.metric import Metric, NotMeasurable
@@ -78,6 +77,8 @@ def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Flo
 
 
 def _staggered_drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+    from scipy.interpolate import CubicSpline  # late: a listing must not pay for it
+
     _check(scene, actual)
     if len(actual) < 4:
         raise NotMeasurable(f"{len(actual)} samples, at least 4 are needed to differentiate velocities")

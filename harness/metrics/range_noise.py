@@ -5,7 +5,6 @@ independent from beam to beam and scan to scan. Each score is of the order of 1 
 """
 
 import numpy as np
-from scipy import stats
 
 from harness.metric import Metric, NotMeasurable
 from harness.reduction import maximum
@@ -59,6 +58,8 @@ def _spread(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> f
 
 def _distribution(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
     """Kolmogorov's distance from the standard normal distribution times sqrt(n)."""
+    from scipy import stats  # late: a listing must not pay for it
+
     found = _flat(scene, actual)
     if np.isnan(found).any():
         return float("nan")

@@ -9,7 +9,6 @@ Source: IEEE Std 952-1997, annex C: angle random walk, bias instability, rate ra
 """
 
 import numpy as np
-from scipy.signal import lfilter
 
 from harness.scene import AxisNoise
 from harness.sensors.seeds import generator
@@ -26,6 +25,8 @@ def axis_noise(noise: AxisNoise, count: int, interval: float, seed: int, sensor:
 
     A longer record begins with the shorter one: each process draws from a generator of its own, in the order of time.
     """
+    from scipy.signal import lfilter  # late: a listing must not pay for it
+
     total = np.full(count, noise.bias)
     if noise.density > 0:
         white = generator(seed, sensor, f"{channel}/white", axis).standard_normal(count)

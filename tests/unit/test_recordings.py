@@ -161,7 +161,7 @@ def test_every_recording_is_whole_and_stands_under_its_case_alone(folder: Folder
     for case in ("rise_zoo", "rise_again"):
         folder.add(record(case, "mujoco"), zoo(), rising(zoo()), rising(zoo(), 2.0))
     paths = folder.write()
-    assert [path.name for path in paths] == ["rise_zoo.rrd", "rise_again.rrd"]
+    assert [path.name for path in paths] == ["rise_again.rrd", "rise_zoo.rrd"]
     assert sorted(path.name for path in (folder.path / "recordings").iterdir()) == ["rise_again.rrd", "rise_zoo.rrd"]
     verdict = subprocess.run(
         [*viewer_command(), "rrd", "verify", *map(str, paths)], capture_output=True, text=True, check=False

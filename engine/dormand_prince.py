@@ -3,9 +3,9 @@
     k_i = f(y + h sum_j a_ij k_j),  y <- y + h sum_i a_7i k_i,  e = h sum_i e_i k_i
     accept if |e| <= tolerance,  h <- h clip(0.9 (tolerance / |e|)^(1/5), 0.2, 5)
 
-State y = (p, v, q, m), m the angular momentum in the body's principal frame. The error is relative to |v|, |q| and |m|; that of p
-is the integral of that of v. Each body has its own step, kept from one dt to the next, and lands on the end of dt exactly. The
-step depends on the state alone, so that the same input gives the same bits.
+State y = (p, v, q, m), m the angular momentum in the body's principal frame. The error is relative to |v|, |q| and |m|; that of
+p is the integral of that of v. Each body has its own step, kept from one dt to the next, and lands on the end of dt exactly.
+The step depends on the state alone, so that the same input gives the same bits.
 
 Source: Dormand, Prince, J. Comput. Appl. Math. 6 (1980) 19; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
 table II.5.2 and equation (II.4.13).

@@ -1,8 +1,8 @@
 """What the integrators of untouched bodies share: the principal frame, the rates of motion, and kicks by loads and damping.
 
 In the principal frame P the inertia is diagonal. A body's rotation is (q_WP, m) with its angular momentum m in P:
-q' = q (0, w) / 2,  m' = m x w + R^T tau - d m,  w = m / I. Without the gyroscopic effect the term m x w is left out, which keeps
-the angular velocity of a body that nothing turns.
+q' = q (0, w) / 2,  m' = m x w + R^T tau - d m,  w = m / I. Without the gyroscopic effect the term m x w is left out, which
+keeps the angular velocity of a body that nothing turns.
 
 Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.5 (Euler's equations).
 """
@@ -19,6 +19,7 @@ from engine.vec import (
     add,
     axpy,
     cross,
+    dot,
     load3,
     load4,
     mat_vec,
@@ -48,10 +49,22 @@ def is_pushed(state: Floats, kind: Ints, b: int, h: float) -> bool:
 
 
 @kernel
+def as_long(turned: Vec, v: Vec) -> Vec:
+    """The turned vector with the length of v, which rounding changed.
+
+    |q|^2 lies about one, where numbers are twice as dense below as above, so that a matrix made from q lengthens on average,
+    by up to half a rounding: 5e-12 of the energy in 1e5 steps, far more than the exact methods err otherwise.
+    """
+    have = dot(turned, turned)
+    return axpy(0.5 * (dot(v, v) - have) / have, turned, turned) if have > 0.0 else turned
+
+
+@kernel
 def to_principal(state: Floats, principal: Floats, b: int) -> tuple[Quat, Vec]:
     """q_WP and the angular momentum [kg m2/s] of body b in P."""
     q = quat_mul(load4(state, b, Q), load4(principal, b, AXES))
-    w, moments = tmat_vec(quat_mat(q), load3(state, b, W)), load3(principal, b, MOMENTS)
+    w_W, moments = load3(state, b, W), load3(principal, b, MOMENTS)
+    w = as_long(tmat_vec(quat_mat(q), w_W), w_W)
     return q, (moments[0] * w[0], moments[1] * w[1], moments[2] * w[2])
 
 
@@ -59,7 +72,8 @@ def to_principal(state: Floats, principal: Floats, b: int) -> tuple[Quat, Vec]:
 def from_principal(state: Floats, principal: Floats, b: int, q: Quat, m: Vec) -> None:
     """Write the rotation (q_WP, m) of body b as q_WB and w_WB."""
     store4(state, b, Q, quat_unit(quat_mul(q, quat_conj(load4(principal, b, AXES)))))
-    store3(state, b, W, mat_vec(quat_mat(q), velocities_of(m, load3(principal, b, MOMENTS))))
+    w = velocities_of(m, load3(principal, b, MOMENTS))
+    store3(state, b, W, as_long(mat_vec(quat_mat(q), w), w))
 
 
 @kernel

@@ -28,7 +28,7 @@ class Options:
     Terms:
         dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
-        relative error of one step of dormand_prince (None: 1e-12), which no other integrator takes; contact_hertz [Hz] (None: as stiff as
+        relative error of one step of dormand_prince alone (None: 1e-12); contact_hertz [Hz] (None: as stiff as
         a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
         correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
         a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
@@ -62,7 +62,9 @@ class Options:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
         if self.step_tolerance is not None:
             if self.integrator != ADAPTIVE:
-                raise ValueError(f"options: step_tolerance {self.step_tolerance}, but integrator '{self.integrator}' does not adapt")
+                raise ValueError(
+                    f"options: step_tolerance {self.step_tolerance}, but integrator '{self.integrator}' does not adapt"
+                )
             # Below 1e-14 the estimate is round-off, which no shorter step makes smaller.
             if not 1e-14 <= self.step_tolerance <= 1e-2:
                 raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")

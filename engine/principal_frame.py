@@ -13,8 +13,8 @@ def principal_frame(inertia: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     Args: inertia (3, 3) kg m2, symmetric, in B.
     Returns: moments (3,) kg m2 in ascending order, and q_BP (w, x, y, z).
-    Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.4; Markley, J. Guid. Control Dyn. 31 (2008) 440 (the
-    quaternion of a matrix from its largest column).
+    Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.4; Markley, J. Guid. Control Dyn. 31 (2008) 440
+    (the quaternion of a matrix from its largest column).
     """
     if np.count_nonzero(inertia - np.diag(np.diag(inertia))) == 0:
         # The axes of a diagonal inertia are those of B: only their order may change, and nothing is rounded.

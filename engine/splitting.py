@@ -1,13 +1,13 @@
 """High-order splitting for bodies that nothing touches: a symmetric second-order step, composed to order four or eight.
 
-With moments I1 <= I2 <= I3 the energy of a free rotor is |m|^2 / (2 I2) + (1/I1 - 1/I2) m1^2 / 2 + (1/I3 - 1/I2) m3^2 / 2: a turn
-C about L, which commutes with the rest, and turns A about axis 1 and B about axis 3. Each is exact, so is every kick K by loads
+With moments I1 <= I2 <= I3 a free rotor's energy is |m|^2 / (2 I2) + (1/I1 - 1/I2) m1^2 / 2 + (1/I3 - 1/I2) m3^2 / 2: a turn C
+about L, which commutes with the rest, and turns A about axis 1 and B about axis 3. Each is exact, so is every kick K by loads
 and damping at rest and every drift D without them:
 
     S(h) = K(h/2) A(h/2) B(h) A(h/2) C(h) D(h) K(h/2),    step(h) = S(g_s h) ... S(g_2 h) S(g_1 h)
 
-Source: Fasso, J. Comput. Phys. 189 (2003) 527 (the splitting); Suzuki, Phys. Lett. A 146 (1990) 319 (order four); Kahan, Li, Math.
-Comput. 66 (1997) 1089 (order eight, 17 stages); Hairer, Lubich, Wanner, Geometric Numerical Integration, section V.3.2.
+Source: Fasso, J. Comput. Phys. 189 (2003) 527 (the splitting); Suzuki, Phys. Lett. A 146 (1990) 319 (order four); Kahan, Li,
+Math. Comput. 66 (1997) 1089 (order eight, 17 stages); Hairer, Lubich, Wanner, Geometric Numerical Integration, section V.3.2.
 """
 
 from typing import Final
@@ -87,8 +87,8 @@ def kicked_rotor(
 
 @kernel
 def splitting(
-    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, weights: Floats, h: float,
-    gyroscopic: int,
+    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, weights: Floats,
+    h: float, gyroscopic: int,
 ) -> None:  # fmt: skip
     """Advance body b by h."""
     if not is_pushed(state, kind, b, h):

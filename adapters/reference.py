@@ -11,6 +11,7 @@ Deviations:
     * Approaches slower than four times what gravity gives in one sub-step do not bounce.
     * Without the effect `continuous_collision`, contacts are made ahead of time up to half the thickness of the thinner shape.
     * Bodies that nothing touches in a step follow the integrator; touched ones follow semi-implicit Euler in sub-steps.
+    * The integrators of free bodies (all but semi-implicit Euler and Runge-Kutta) build no scene with joints or contacts.
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
     * A cylinder touches spheres and planes; where it meets a box, a capsule or another cylinder, `step` raises `Unsupported`.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together.
@@ -54,6 +55,7 @@ __all__ = ["ADAPTER"]
 SOLVER = "tgs_soft"
 OPTIONS: Mapping[str, type] = {
     "relaxations": int,
+    "step_tolerance": float,
     "broad_phase": str,
     "contact_hertz": float,
     "contact_damping_ratio": float,
@@ -100,6 +102,7 @@ def _resolved(settings: Settings, used: "engine.Options") -> Settings:
     """What the engine uses, defaults filled in."""
     filled = {name: getattr(used, name) for name in OPTIONS}
     filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
+    filled["step_tolerance"] = used.used_step_tolerance
     return replace(
         settings,
         substeps=used.substeps,
@@ -350,7 +353,10 @@ ADAPTER = _Reference(
     knobs={
         "substeps": (1, 2, 4, 8, 16),
         "iterations": (1, 2, 4, 8),
-        "integrator": ("semi_implicit_euler", "rk4"),
+        "integrator": (
+            "semi_implicit_euler", "rk4", "explicit_euler", "velocity_verlet", "implicit_midpoint", "splitting_4",
+            "splitting_8", "dormand_prince",
+        ),
         "options.contact_hertz": (60.0, 120.0, 240.0, 480.0, 960.0),
     },
     deviations=(

@@ -37,7 +37,8 @@ OLD_POINT: Final = 19
 SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
 SETTING: Final = 21  # (1, 24)
 CLIP: Final = 22  # (32, 8): scratch of the clipping
-FLOAT_TABLES: Final = 23
+PRINCIPAL: Final = 23  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
+FLOAT_TABLES: Final = 24
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -71,6 +72,11 @@ INV_INERTIA: Final = 8  # 6, in B
 LINEAR_DAMPING: Final = 14
 ANGULAR_DAMPING: Final = 15
 ROUND: Final = 16  # 1 where the inertia is the same about every axis
+
+# Columns of PRINCIPAL.
+MOMENTS: Final = 0  # 3, ascending
+AXES: Final = 3  # 4: q_BP
+STRIDE: Final = 7  # the adaptive integrator's next step [s], 0 before the first
 
 # Columns of BODY_KIND.
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
@@ -186,6 +192,7 @@ DAMPING_RATIO: Final = 5
 MAX_PUSH: Final = 6
 BOUNCE_SPEED: Final = 7  # below it there is no restitution; negative: chosen from the sub-step
 MARGIN: Final = 8
+STEP_TOLERANCE: Final = 9
 
 # Columns of COUNT.
 BODIES: Final = 0

@@ -12,7 +12,8 @@ from engine.bodies import Body, Surface
 from engine.check import finite, spd_inertia, unit_quaternion
 from engine.errors import NotSupported
 from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
-from engine.options import BROAD_PHASES, Options
+from engine.options import BROAD_PHASES, FREE_INTEGRATORS, Options
+from engine.principal_frame import principal_frame
 from engine.shapes import Box, Capsule, Cylinder, Placed, Plane, Sphere
 
 __all__ = ["assemble_world", "grow"]
@@ -93,6 +94,7 @@ def assemble_world(
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 6),
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32),
         (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8),
+        (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
     ]  # fmt: skip
     int_shapes = [
         (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2),
@@ -129,6 +131,7 @@ def assemble_world(
     hertz = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
     setting[at.HERTZ], setting[at.DAMPING_RATIO] = hertz, options.contact_damping_ratio
     setting[at.MAX_PUSH], setting[at.MARGIN] = options.max_push, options.margin
+    setting[at.STEP_TOLERANCE] = options.used_step_tolerance or 0.0
     setting[at.BOUNCE_SPEED] = -1.0 if options.bounce_speed is None else options.bounce_speed
     count = int_table(ints, at.COUNT)[0]
     count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = n, ns, nj
@@ -144,6 +147,7 @@ def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) ->
     """Fill the tables of states, masses and kinds."""
     state, table = float_table(floats, ints, at.STATE), float_table(floats, ints, at.BODY)
     turned, kind = float_table(floats, ints, at.TURNED), int_table(ints, at.BODY_KIND)
+    principal = float_table(floats, ints, at.PRINCIPAL)
     state[:, at.Q] = 1.0
     for i, body in enumerate(bodies):
         label = f"body '{body.name}'"
@@ -160,6 +164,8 @@ def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) ->
         table[i, at.INERTIA : at.INERTIA + 6], table[i, at.INV_INERTIA : at.INV_INERTIA + 6] = six(inertia), six(inverse)
         table[i, at.LINEAR_DAMPING], table[i, at.ANGULAR_DAMPING] = body.linear_damping, body.angular_damping
         table[i, at.ROUND] = float(np.array_equal(inertia, inertia[0, 0] * np.eye(3)))
+        if len(principal) > 0:
+            principal[i, at.MOMENTS : at.MOMENTS + 3], principal[i, at.AXES : at.AXES + 4] = principal_frame(inertia)
         r = quat_mat(q)
         turned[i] = six(r @ inverse @ r.T)
 

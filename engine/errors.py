@@ -12,8 +12,8 @@ class NotSupported(Exception):
 
 
 class Diverged(Exception):
-    """The state stopped being finite in step number `step`, counted from 1."""
+    """The motion could not be followed beyond step number `step`, counted from 1."""
 
-    def __init__(self, step: int) -> None:
-        super().__init__(f"the state is not finite after step {step}")
+    def __init__(self, step: int, why: str = "the state is not finite") -> None:
+        super().__init__(f"{why} after step {step}")
         self.step = step

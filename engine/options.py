@@ -5,9 +5,19 @@ from dataclasses import dataclass
 
 from engine.check import not_negative, positive
 
-__all__ = ["BROAD_PHASES", "INTEGRATORS", "Options"]
+__all__ = ["ADAPTIVE", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "Options"]
 
-INTEGRATORS = ("semi_implicit_euler", "rk4")
+ADAPTIVE = "dormand_prince"
+FREE_INTEGRATORS = {
+    "explicit_euler": "engine.explicit_euler",
+    "velocity_verlet": "engine.velocity_verlet",
+    "implicit_midpoint": "engine.implicit_midpoint",
+    "splitting_4": "engine.splitting",
+    "splitting_8": "engine.splitting",
+    ADAPTIVE: "engine.dormand_prince",
+}
+"""Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
+INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
 BROAD_PHASES = ("sweep_and_prune", "brute_force")
 
 
@@ -16,8 +26,9 @@ class Options:
     """The choices of a solver.
 
     Terms:
-        dt [s]; substeps per dt of contacts and of semi-implicit Euler; iterations: sweeps with the position error; relaxations:
-        sweeps without it; integrator: of bodies that no contact touches; contact_hertz [Hz] (None: as stiff as
+        dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
+        relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
+        relative error of one step of dormand_prince alone (None: 1e-12); contact_hertz [Hz] (None: as stiff as
         a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
         correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
         a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
@@ -29,6 +40,7 @@ class Options:
     iterations: int = 2
     relaxations: int = 1
     integrator: str = "semi_implicit_euler"
+    step_tolerance: float | None = None
     broad_phase: str = "sweep_and_prune"
     contact_hertz: float | None = None
     contact_damping_ratio: float = 10.0
@@ -48,6 +60,14 @@ class Options:
             raise ValueError(f"options: relaxations {self.relaxations}, expected at least 0")
         if self.integrator not in INTEGRATORS:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
+        if self.step_tolerance is not None:
+            if self.integrator != ADAPTIVE:
+                raise ValueError(
+                    f"options: step_tolerance {self.step_tolerance}, but integrator '{self.integrator}' does not adapt"
+                )
+            # Below 1e-14 the estimate is round-off, which no shorter step makes smaller.
+            if not 1e-14 <= self.step_tolerance <= 1e-2:
+                raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
         if self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
         if self.contact_hertz is not None:
@@ -57,6 +77,11 @@ class Options:
         not_negative("options", "margin", self.margin, "m")
         if self.bounce_speed is not None and not (math.isfinite(self.bounce_speed) and self.bounce_speed >= 0):
             raise ValueError(f"options: bounce_speed {self.bounce_speed} m/s, expected at least 0")
+
+    @property
+    def used_step_tolerance(self) -> float | None:
+        """The relative error [1] of a step that the adaptive integrator aims at; None for the others."""
+        return (self.step_tolerance or 1e-12) if self.integrator == ADAPTIVE else None
 
     @property
     def stiffest_hertz(self) -> float:

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from importlib import import_module
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from engine.bodies import Body, Surface
 from engine.check import finite
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
-from engine.options import Options
+from engine.options import FREE_INTEGRATORS, Options
 
 __all__ = ["Contacts", "Hits", "World"]
 
@@ -56,7 +57,8 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch.
-    Raises: ValueError naming the element, field and value; NotSupported for hulls.
+    Raises: ValueError naming the element, field and value; NotSupported for hulls, and for an integrator of free bodies
+        where there are joints or contacts.
     """
 
     def __init__(
@@ -100,6 +102,8 @@ class World:
             done, status = self._step(self._floats, self._ints, count)
             if status == 1:
                 raise Diverged(self.steps)
+            if status == 4:
+                raise Diverged(self.steps, f"integrator '{self.options.integrator}' found no solution for so long a step")
             count -= done
             if status == 3:
                 raise NotSupported("contact of a cylinder", "the engine knows it with spheres and planes only")
@@ -188,7 +192,14 @@ def _may_touch(bodies: Sequence[Body]) -> bool:
 
 
 def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
-    """The compiled step that runs exactly the stages needed."""
+    """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
+    if integrator in FREE_INTEGRATORS:
+        if touching or jointed:
+            raise NotSupported(
+                f"integrator '{integrator}' with {'contacts' if touching else 'joints'}",
+                "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
+            )
+        return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
     if touching and jointed:
         from engine.steps_contact_jointed import step_contact_jointed
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 from engine.check import not_negative, positive
 
-__all__ = ["BROAD_PHASES", "INTEGRATORS", "Options"]
+__all__ = ["BROAD_PHASES", "INTEGRATORS", "SOLVERS", "Options"]
 
 INTEGRATORS = ("semi_implicit_euler", "rk4")
 BROAD_PHASES = ("sweep_and_prune", "brute_force")
+SOLVERS = ("tgs_soft", "exact")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,7 +22,8 @@ class Options:
         a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
         correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
         a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
-        effects are simulated.
+        effects are simulated; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations,
+        relaxations and springs, down to the relative residual `tolerance`.
     """
 
     dt: float = 1 / 240
@@ -38,6 +40,8 @@ class Options:
     contacts: bool = True
     gyroscopic: bool = True
     continuous: bool = False
+    solver: str = "tgs_soft"
+    tolerance: float = 1e-11
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
@@ -50,6 +54,9 @@ class Options:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
         if self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
+        if self.solver not in SOLVERS:
+            raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
+        positive("options", "tolerance", self.tolerance, "")
         if self.contact_hertz is not None:
             positive("options", "contact_hertz", self.contact_hertz, "Hz")
         not_negative("options", "contact_damping_ratio", self.contact_damping_ratio, "")

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from engine.check import finite
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
 from engine.options import Options
+
+if TYPE_CHECKING:
+    from engine.exact.steps import Certificate
 
 __all__ = ["Contacts", "Hits", "World"]
 
@@ -56,7 +59,7 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch.
-    Raises: ValueError naming the element, field and value; NotSupported for hulls.
+    Raises: ValueError naming the element, field and value; NotSupported for hulls, and for what the exact solver lacks.
     """
 
     def __init__(
@@ -76,7 +79,17 @@ class World:
         self._first_shape = np.searchsorted(owner, np.arange(len(bodies) + 1))
         self.touching = self.options.contacts and _may_touch(bodies)
         self.jointed = bool(joints)
-        self._step = _choose_step(self.touching, self.jointed, self.options.integrator)
+        self._exact = None
+        if self.touching and self.options.solver == "exact":
+            from engine.exact.steps import ExactSteps
+
+            self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
+        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options.integrator)
+
+    @property
+    def certificate(self) -> "Certificate | None":
+        """What the exact solver certifies of all steps done so far; None where another solver, or none, was at work."""
+        return None if self._exact is None else self._exact.certificate
 
     @property
     def stages(self) -> tuple[str, ...]:

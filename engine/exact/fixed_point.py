@@ -4,7 +4,8 @@ For given s = mu |u_T| Coulomb's law is the optimality of a convex problem with 
 solution returns is fed back.
 
 Source: Acary, Cadoux, Lemarechal, Malick, A formulation of the linear discrete Coulomb friction problem via convex
-optimization, ZAMM 91, 2011 (fixed point); Walker, Ni, Anderson acceleration for fixed-point iterations, SIAM J. Numer. Anal. 49, 2011.
+optimization, ZAMM 91, 2011 (fixed point);
+Walker, Ni, Anderson acceleration for fixed-point iterations, SIAM J. Numer. Anal. 49, 2011.
 """
 
 from collections.abc import Iterator

@@ -7,8 +7,8 @@ In the Nesterov-Todd scaling T y = T^-1 x = lambda of each cone the central path
 a predictor (sigma = 0) and a corrector per round on one factorisation.
 
 Source: Nesterov, Todd, Math. Oper. Res. 22, 1997; Mehrotra, SIAM J. Optim. 2, 1992; Vandenberghe, The CVXOPT linear and
-quadratic cone program solvers, 2010 (sections 4 and 7); Acary, Armand, Nguyen, Shpakovych, Second-order cone programming for frictional
-contact mechanics using interior point algorithm, Optim. Methods Softw., 2024.
+quadratic cone program solvers, 2010 (sections 4 and 7); Acary, Armand, Nguyen, Shpakovych, Second-order cone programming for
+frictional contact mechanics using interior point algorithm, Optim. Methods Softw., 2024.
 """
 
 import numpy as np

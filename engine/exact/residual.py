@@ -5,8 +5,8 @@ The natural map of each contact,
     F = r - P_K(r - m (u + (mu |u_T|, 0, 0))),
 
 with P_K the projection onto Coulomb's cone and m an effective mass of the contact, vanishes exactly at the solutions. As a
-velocity, |F| / m, and relative to the speed that the step starts from, it judges light and heavy bodies alike: where the ratio of
-masses is R, an error that is seen only relative to the largest impulse could be R times larger.
+velocity, |F| / m, and relative to the speed that the step starts from, it judges light and heavy bodies alike: where the ratio
+of masses is R, an error that is seen only relative to the largest impulse could be R times larger.
 
 Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991; Acary, Bremond, Huber, On solving contact problems with
 Coulomb friction, 2018 (section 3.2).

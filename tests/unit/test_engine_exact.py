@@ -235,3 +235,42 @@ def test_what_the_law_does_not_hold_is_refused() -> None:
     assert refused(engine.Surface(rolling_friction=0.1)) == "rolling or torsional friction"
     with pytest.raises(ValueError, match="solver 'magic', expected one of tgs_soft, exact"):
         engine.Options(solver="magic")
+
+
+# --- the adapter ----------------------------------------------------------------------------------
+
+
+def _scene(**law: float) -> Any:
+    from harness.scene import Body, Box, PlacedShape, Plane, Scene, Surface
+
+    box, plane = Box(half_extents=(0.1, 0.1, 0.1)), Plane()
+    cube = Body(name="cube", collision=(PlacedShape(shape=box),), p_WB=(0.0, 0.0, 0.1))
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=plane),))
+    return Scene(bodies=(ground, cube), surfaces=(Surface(between=DEFAULT, **law),))
+
+
+def test_the_adapter_names_the_largest_residual_in_warnings_and_resolved() -> None:
+    from adapters.reference import ADAPTER
+    from harness.adapter import Settings
+
+    simulation = ADAPTER.build(_scene(static_friction=0.5, kinetic_friction=0.5), Settings(dt=DT, solver="exact"))
+    assert simulation.warnings() == ()
+    simulation.step(12)
+    (said,) = simulation.warnings()
+    assert said.startswith("exact: relative residual at most ")
+    assert said.endswith(" over 12 solves")
+    assert simulation.resolved.solver == "exact"
+    assert 0 <= simulation.resolved.options["residual"] <= EXACT
+
+
+def test_the_adapter_refuses_settings_and_laws_that_the_exact_solver_would_ignore() -> None:
+    from adapters.reference import ADAPTER
+    from harness.adapter import Settings, SettingsError, Unsupported
+
+    scene = _scene(static_friction=0.5, kinetic_friction=0.5)
+    with pytest.raises(SettingsError, match="iterations 2"):
+        ADAPTER.build(scene, Settings(solver="exact", iterations=2))
+    with pytest.raises(SettingsError, match="'contact_hertz' belongs to the solver 'tgs_soft'"):
+        ADAPTER.build(scene, Settings(solver="exact", options={"contact_hertz": 60.0}))
+    with pytest.raises(Unsupported, match="static friction above kinetic"):
+        ADAPTER.build(_scene(static_friction=0.5, kinetic_friction=0.4), Settings(solver="exact"))

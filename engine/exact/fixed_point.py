@@ -35,7 +35,7 @@ CENTRED = 1e-7
 
 
 def rounds(scaled: Scaled, x: FloatArray) -> Iterator[tuple[FloatArray, int]]:
-    """Scaled impulses (k, 3) after each round, and its Newton steps; endless. Args: x: where to start."""
+    """Scaled impulses (k, 3) after each round, and its Newton steps; ends when they are not finite. Args: x: where to start."""
     blocks = Blocks(scaled.w + PROXIMAL * np.eye(scaled.w.shape[0]))
     width, goal = WIDEST, 1e-4
     tried: list[FloatArray] = []
@@ -45,6 +45,8 @@ def rounds(scaled: Scaled, x: FloatArray) -> Iterator[tuple[FloatArray, int]]:
         q = scaled.q - PROXIMAL * x
         q[:, 0] += s
         x, steps = convex(blocks, q, scaled.kept, x, width, goal)
+        if not np.isfinite(x).all():
+            return
         yield x, steps
         tried, missed = [*tried, s][-DEPTH - 1 :], [*missed, sliding(scaled, x) - s][-DEPTH - 1 :]
         s = np.maximum(accelerate(tried, missed), 0.0)

@@ -91,6 +91,8 @@ def central_point(blocks: Blocks, q: FloatArray, goal: float, most: int) -> tupl
                 share = (1.0 - way) ** 3
                 rest = -square - product(dx_scaled, dy_scaled)
                 rest[:, 0] += share * mean
+        if not (np.isfinite(dx).all() and np.isfinite(dy).all()):
+            return x, float(np.sqrt(mean)), count
         x, y = x + way * dx, y + way * dy
     return x, float(np.sqrt(mean)), most
 

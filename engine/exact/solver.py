@@ -48,6 +48,7 @@ class Solution:
     steps: int
 
 
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # a method that fails is seen by its residual
 def solve(problem: Problem, tolerance: float = 1e-11, most: int = 40, guess: FloatArray | None = None) -> Solution:
     """Impulses under Signorini's and Coulomb's law.
 

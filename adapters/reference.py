@@ -15,6 +15,9 @@ Deviations:
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
     * A cylinder touches spheres and planes; where it meets a box, a capsule or another cylinder, `step` raises `Unsupported`.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together.
+    * With the solver 'exact' contacts are hard: Coulomb's law is solved once per sub-step (one, unless set), and
+      `warnings` and `resolved` name the largest residual. Depths are kept from growing, not worked off. It knows neither joints
+      beside contacts, nor static above kinetic friction, nor rolling and torsional friction: `build` raises `Unsupported`.
 """
 
 from collections.abc import Mapping
@@ -53,6 +56,7 @@ if TYPE_CHECKING:
 __all__ = ["ADAPTER"]
 
 SOLVER = "tgs_soft"
+EXACT = "exact"
 OPTIONS: Mapping[str, type] = {
     "relaxations": int,
     "step_tolerance": float,
@@ -64,6 +68,9 @@ OPTIONS: Mapping[str, type] = {
     "margin": float,
 }
 
+SWEPT = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push")
+"""Options of the soft solver alone."""
+
 # --- settings -------------------------------------------------------------------------------------
 
 
@@ -71,11 +78,16 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
     """The engine's options under the effects of the scene. Raises: SettingsError."""
     import engine
 
-    if settings.solver not in (None, SOLVER):
-        raise SettingsError(f"settings: solver '{settings.solver}', expected '{SOLVER}'")
-    if settings.tolerance is not None:
+    if settings.solver not in (None, SOLVER, EXACT):
+        raise SettingsError(f"settings: solver '{settings.solver}', expected '{SOLVER}' or '{EXACT}'")
+    exact = settings.solver == EXACT
+    if settings.tolerance is not None and not exact:
         raise SettingsError(f"settings: tolerance {settings.tolerance}, but the solver sweeps a fixed number of times")
-    chosen: dict[str, Any] = {"dt": settings.dt}
+    if settings.iterations is not None and exact:
+        raise SettingsError(f"settings: iterations {settings.iterations}, but '{EXACT}' goes on until its tolerance is met")
+    chosen: dict[str, Any] = {"dt": settings.dt, "solver": EXACT, "substeps": 1} if exact else {"dt": settings.dt}
+    if settings.tolerance is not None:
+        chosen["tolerance"] = settings.tolerance
     for name in ("substeps", "iterations", "integrator"):
         if getattr(settings, name) is not None:
             chosen[name] = getattr(settings, name)
@@ -83,6 +95,8 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
         kind = OPTIONS.get(name)
         if kind is None:
             raise SettingsError(f"settings: option '{name}' is unknown, expected one of {', '.join(OPTIONS)}")
+        if exact and name in SWEPT:
+            raise SettingsError(f"settings: option '{name}' belongs to the solver '{SOLVER}', '{EXACT}' has no use for it")
         if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else kind):
             raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
         chosen[name] = value
@@ -100,6 +114,16 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
 
 def _resolved(settings: Settings, used: "engine.Options") -> Settings:
     """What the engine uses, defaults filled in."""
+    if used.solver == EXACT:
+        return replace(
+            settings,
+            substeps=used.substeps,
+            iterations=None,
+            integrator=used.integrator,
+            solver=EXACT,
+            tolerance=used.tolerance,
+            options={n: getattr(used, n) for n in OPTIONS if n not in SWEPT and getattr(used, n) is not None},
+        )
     filled = {name: getattr(used, name) for name in OPTIONS}
     filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
     filled["step_tolerance"] = used.used_step_tolerance
@@ -241,7 +265,11 @@ class _Simulation:
 
     @property
     def resolved(self) -> Settings:
-        return self._resolved
+        certificate = self._world.certificate
+        if certificate is None or certificate.solves == 0:
+            return self._resolved
+        worst = {"residual": certificate.residual}
+        return replace(self._resolved, options={**self._resolved.options, **worst})
 
     def step(self, count: int = 1) -> None:
         import engine
@@ -278,7 +306,14 @@ class _Simulation:
         self._world.set_load(f_B_W, tau_B_W)
 
     def warnings(self) -> tuple[str, ...]:
-        return ()
+        certificate = self._world.certificate
+        if certificate is None or certificate.solves == 0:
+            return ()
+        said = f"exact: relative residual at most {certificate.residual:.1g} over {certificate.solves} solves"
+        missed = (
+            f", {certificate.missed} of them above the tolerance {self._resolved.tolerance:g}" if certificate.missed else ""
+        )
+        return (said + missed,)
 
     def save(self) -> object:
         return self._world.save()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from engine.check import not_negative, positive
 
-__all__ = ["ADAPTIVE", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "Options"]
+__all__ = ["ADAPTIVE", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
@@ -19,6 +19,7 @@ FREE_INTEGRATORS = {
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
 BROAD_PHASES = ("sweep_and_prune", "brute_force")
+SOLVERS = ("tgs_soft", "exact")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +33,8 @@ class Options:
         a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
         correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
         a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
-        effects are simulated.
+        effects are simulated; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations,
+        relaxations and springs, down to the relative residual `tolerance`.
     """
 
     dt: float = 1 / 240
@@ -50,6 +52,8 @@ class Options:
     contacts: bool = True
     gyroscopic: bool = True
     continuous: bool = False
+    solver: str = "tgs_soft"
+    tolerance: float = 1e-11
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
@@ -70,6 +74,9 @@ class Options:
                 raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
         if self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
+        if self.solver not in SOLVERS:
+            raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
+        positive("options", "tolerance", self.tolerance, "")
         if self.contact_hertz is not None:
             positive("options", "contact_hertz", self.contact_hertz, "Hz")
         not_negative("options", "contact_damping_ratio", self.contact_damping_ratio, "")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from engine.check import finite
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
 from engine.options import FREE_INTEGRATORS, Options
+
+if TYPE_CHECKING:
+    from engine.exact.steps import Certificate
 
 __all__ = ["Contacts", "Hits", "World"]
 
@@ -57,8 +60,8 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch.
-    Raises: ValueError naming the element, field and value; NotSupported for hulls, and for an integrator of free bodies
-        where there are joints or contacts.
+    Raises: ValueError naming the element, field and value; NotSupported for hulls, for an integrator of free bodies where
+        there are joints or contacts, and for what the exact solver lacks.
     """
 
     def __init__(
@@ -78,7 +81,17 @@ class World:
         self._first_shape = np.searchsorted(owner, np.arange(len(bodies) + 1))
         self.touching = self.options.contacts and _may_touch(bodies)
         self.jointed = bool(joints)
-        self._step = _choose_step(self.touching, self.jointed, self.options.integrator)
+        self._exact = None
+        if self.touching and self.options.solver == "exact":
+            from engine.exact.steps import ExactSteps
+
+            self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
+        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options.integrator)
+
+    @property
+    def certificate(self) -> "Certificate | None":
+        """What the exact solver certifies of all steps done so far; None where another solver, or none, was at work."""
+        return None if self._exact is None else self._exact.certificate
 
     @property
     def stages(self) -> tuple[str, ...]:

@@ -41,7 +41,7 @@ VERTEX: Final = 23  # (corners of all polyhedra, 3), in S
 FACE: Final = 24  # (faces of all polyhedra, 3): outward normal in S
 CONVEX_NORMAL: Final = 25  # (pairs, 3): of the pairs that the convex narrow phase answered
 CONVEX_POINT: Final = 26  # (4 pairs, 32): their points, as POINT
-WORK: Final = 27  # (corners and faces, 10): scratch of GJK and EPA
+SIMPLEX: Final = 27  # (corners and faces, 10): scratch of GJK and EPA
 POLYGON: Final = 28  # (three polygons, 3): scratch of the clipping of features
 FLOAT_TABLES: Final = 29
 
@@ -66,7 +66,7 @@ SPAN: Final = 16  # (faces, 2): first corner and number of corners in LOOP
 LOOP: Final = 17  # (corners of all faces, 1): row of VERTEX
 CONVEX_KEY: Final = 18  # (pairs, 1): number of points
 CONVEX_POINT_KEY: Final = 19  # (4 pairs, 2)
-WORK_KEY: Final = 20  # (corners and faces, 6)
+SIMPLEX_KEY: Final = 20  # (corners and faces, 6)
 POLYGON_KEY: Final = 21  # (three polygons, 1)
 INT_TABLES: Final = 22
 

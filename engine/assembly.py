@@ -81,6 +81,8 @@ def assemble_world(
         int_table(ints, at.ORDER)[s, 0] = s
         int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
     _write_polyhedra(floats, ints, polyhedra)
+    for j, joint in enumerate(joints):
+        _write_joint(floats, ints, j, joint, index, bodies)
     for (one, two), law in surfaces.items():
         for a, b in ((one, two), (two, one)):
             float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), :5] = (

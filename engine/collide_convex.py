@@ -20,12 +20,12 @@ from engine.arena import (
     SETTING,
     SHAPE,
     SHAPE_KIND,
+    SIMPLEX,
+    SIMPLEX_KEY,
     SPAN,
     STATE,
     TYPE,
     VERTEX,
-    WORK,
-    WORK_KEY,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
 from engine.jit import entry, kernel
@@ -66,7 +66,7 @@ def collide_convex(floats: Floats, ints: Ints) -> None:
         floats_of(floats, ints, CONVEX_POINT),
         ints_of(ints, CONVEX_KEY),
     )
-    point_key, work, work_key = ints_of(ints, CONVEX_POINT_KEY), floats_of(floats, ints, WORK), ints_of(ints, WORK_KEY)
+    point_key, work, work_key = ints_of(ints, CONVEX_POINT_KEY), floats_of(floats, ints, SIMPLEX), ints_of(ints, SIMPLEX_KEY)
     polygon, polygon_key = floats_of(floats, ints, POLYGON), ints_of(ints, POLYGON_KEY)
     for p in range(count[0, PAIRS]):
         a, b = ordered(t.shape_kind, pair[p, 0], pair[p, 1])

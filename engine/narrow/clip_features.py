@@ -15,6 +15,8 @@ __all__ = ["clip_features", "crossing_lines"]
 
 ON_SIDE = 1e-7
 """Share of the reference face's size [1] within which a corner counts as on its side: it keeps its feature."""
+LEVEL = 1e-4
+"""Tilt [rad] of an incident feature below which the same corners are kept, whichever is deepest."""
 CROSSING = 4096
 """Features of corners that the clipping made count from here."""
 
@@ -78,7 +80,10 @@ def clip_features(
                 polygon[base + found, m] = polygon[base + c, m]
             key[base + found, 0] = key[base + c, 0]
             found += 1
-    found = keep_four(polygon, key, base, found)
+    wide = 0.0
+    for c in range(1, found):
+        wide = max(wide, abs(polygon[base + c, 0] - polygon[base, 0]), abs(polygon[base + c, 1] - polygon[base, 1]))
+    found = keep_four(polygon, key, base, found, LEVEL * wide)
     for c in range(found):
         gap = polygon[base + c, 2] - radius
         place = axpy(polygon[base + c, 0], u, axpy(polygon[base + c, 1], v, axpy(0.5 * gap, n, origin)))

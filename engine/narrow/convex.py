@@ -82,7 +82,7 @@ def convex_contact(
     else:
         gap_a, gap_b = separation_along(t, a, b, d, na), separation_along(t, a, b, d, neg(nb))
         on_a, on_b = gap - gap_a <= slack, gap - gap_b <= slack
-        if on_a and on_b and gap_b > gap_a + slack:
+        if on_b and (one_sided or gap_b > gap_a + slack):
             on_a = False
     if on_a and on_b:
         on_a = not (t.shape_kind[a, TYPE] == CYLINDER and dot(na, nb) < -SAME)

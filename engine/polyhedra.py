@@ -53,7 +53,8 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     kept = np.unique(facets)
     corners = points[kept]
     open_facets = list(np.argsort(-_areas(points, facets), kind="stable"))
-    normals, loops = [], []
+    normals: list[NDArray[np.float64]] = []
+    loops: list[tuple[int, ...]] = []
     while open_facets:
         first = open_facets[0]
         n, offset = planes[first, :3], planes[first, 3]

@@ -171,7 +171,7 @@ def face_face(
 
 @kernel
 def keep_four(clip: Floats, clip_key: Ints, base: int, count: int, tie: float) -> int:
-    """Keep the deepest point (by more than `tie` [m]), the one farthest from it, and the two that span most area on either side.
+    """Keep the deepest point (by more than `tie` [m]), the one farthest from it, and the two that span most area at its sides.
 
     Returns: their number.
     """

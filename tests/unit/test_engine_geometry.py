@@ -193,8 +193,10 @@ UPRIGHT: dict[str, tuple[engine.Shape, float, int]] = {
     "cylinder": (engine.Cylinder(0.1, 0.1), 0.1, 4),
     "hull": (engine.ConvexHull(CUBE.tolist()), 0.1, 4),
 }
-BLOCK_FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7),
-               (1, 7, 3)]  # fmt: skip
+BLOCK_FACES = [
+    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7),
+    (1, 7, 3),
+]  # fmt: skip
 BLOCK = engine.TriangleMesh((CUBE * (5, 5, 1)).tolist(), BLOCK_FACES)
 
 

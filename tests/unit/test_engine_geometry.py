@@ -135,7 +135,7 @@ def _check(pair: tuple[str, str], seed: int, count: int, exact: int) -> None:
     for way in ways[: 200 if count <= 1000 else 20]:
         n = np.broadcast_to(way, (count, 3))
         along = (b[0] - a[0]) @ way - _reach_each(one, a[1], n) - _reach_each(two, b[1], -n)
-        assert (along <= found[:, 0] + bound)[~apart].all()
+        assert (along <= found[:, 0] + bound)[np.logical_not(apart)].all()
     if "cylinder" not in pair:
         for k in range(exact):
             r = a[1][k].T @ b[1][k]

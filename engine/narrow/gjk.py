@@ -16,6 +16,10 @@ __all__ = ["SHARE", "corner", "distance", "put_corner"]
 MAX_ROUNDS = 128
 CLOSE = 1e-14
 """Relative gap between upper and lower bound of the squared distance at which the search ends."""
+SLIM = 1e-10
+"""Height of a tetrahedron against its edges [1] below which it encloses nothing: less than what counts as touching."""
+ROUGH = 1e-14
+"""Relative rounding of a volume, with a margin: a smaller one has no sign, and so tells no side of a face."""
 SHARE = 9
 """Column of a simplex row: the barycentric coordinate; before it stand the difference, the point of A and that of B."""
 
@@ -89,7 +93,8 @@ def closest_of_simplex(work: Floats, count: int) -> bool:
         p, q, r, top = corner(work, i), corner(work, j), corner(work, k), corner(work, apex)
         n = cross(sub(q, p), sub(r, p))
         here, there = -dot(p, n), dot(sub(top, p), n)
-        if here * there > 0.0 and abs(there) > 1e-15 * norm(n) * norm(sub(top, p)):
+        sliver = ROUGH * norm(sub(q, p)) * norm(sub(r, p)) * (norm(sub(top, p)) + norm(p))
+        if here * there > 0.0 and abs(there) > max(SLIM * norm(n) * norm(sub(top, p)), sliver) and abs(here) > sliver:
             continue
         inside = False
         s = on_triangle(p, q, r)

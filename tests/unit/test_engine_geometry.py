@@ -33,7 +33,8 @@ ROUNDING = 1e-11
 """Rounding of a distance [m] of shapes below 1 m in size, some hundred operations of 1e-16 each, the search's own bound
 (1e-14 relative in the square) included with a margin of ten."""
 STALLED = 1e-8
-"""As above for a cylinder: the search ends where |v|^2 falls by rounding only, 1e-16, and v then errs by its square root."""
+"""As above for a cylinder: the search ends where |v|^2 falls by rounding only, 1e-16 m / gap of
+it, and the normal then errs by the square root."""
 CURVED = 2e-6
 """Error [m] of the depth of a round shape where the polytope runs out of its 160 corners: the sagitta s^2 / 8 r of the last
 facets, s = 1 mm and r = .1 m."""
@@ -107,8 +108,11 @@ def _certify(one: engine.Shape, two: engine.Shape, a: tuple[Array, Array], b: tu
     high = np.einsum("ki,ki->k", pa, n) + _reach_each(one, ra, n)
     low = np.einsum("ki,ki->k", pb, n) - _reach_each(two, rb, -n)
     assert np.abs(np.linalg.norm(n, axis=1) - 1).max() < 1e-12
-    bound = STALLED if isinstance(one, engine.Cylinder) or isinstance(two, engine.Cylinder) else ROUNDING
-    assert np.abs(low - high - gap).max() < bound
+    # Rounding of v by 1e-16 m turns a short v by 1e-16 / gap, and the slab of shapes 1 m in size shifts by as much.
+    bound = ROUNDING + 1e-15 / np.abs(gap)
+    if isinstance(one, engine.Cylinder) or isinstance(two, engine.Cylinder):
+        bound = STALLED + STALLED / np.sqrt(np.abs(gap))
+    assert (np.abs(low - high - gap) < bound).all()
     apart = gap > 0
     if apart.any():
         # The points' own way may lean from the normal by the square root of the search's bound, times 1 m.

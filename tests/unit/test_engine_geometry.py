@@ -109,9 +109,10 @@ def _certify(one: engine.Shape, two: engine.Shape, a: tuple[Array, Array], b: tu
     low = np.einsum("ki,ki->k", pb, n) - _reach_each(two, rb, -n)
     assert np.abs(np.linalg.norm(n, axis=1) - 1).max() < 1e-12
     # Rounding of v by 1e-16 m turns a short v by 1e-16 / gap, and the slab of shapes 1 m in size shifts by as much.
-    bound = ROUNDING + 1e-15 / np.abs(gap)
+    core = np.abs(gap + sum(s.radius for s in (one, two) if isinstance(s, engine.Sphere | engine.Capsule)))
+    bound = ROUNDING + 1e-15 / core
     if isinstance(one, engine.Cylinder) or isinstance(two, engine.Cylinder):
-        bound = STALLED + STALLED / np.sqrt(np.abs(gap))
+        bound = STALLED + STALLED / np.sqrt(core)
     assert (np.abs(low - high - gap) < bound).all()
     apart = gap > 0
     if apart.any():

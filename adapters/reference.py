@@ -13,7 +13,8 @@ Deviations:
     * Bodies that nothing touches in a step follow the integrator; touched ones follow semi-implicit Euler in sub-steps.
     * The integrators of free bodies (all but semi-implicit Euler and Runge-Kutta) build no scene with joints or contacts.
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
-    * A cylinder touches spheres and planes; where it meets a box, a capsule or another cylinder, `step` raises `Unsupported`.
+    * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
+    * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together.
     * With the solver 'exact' contacts are hard: Coulomb's law is solved once per sub-step (one, unless set), and
       `warnings` and `resolved` name the largest residual. Depths are kept from growing, not worked off. It knows neither joints
@@ -140,8 +141,8 @@ def _resolved(settings: Settings, used: "engine.Options") -> Settings:
 # --- the scene ------------------------------------------------------------------------------------
 
 
-def _placed(body: Body, part: PlacedShape) -> "engine.Placed":
-    """A shape in the engine's words. Raises: Unsupported."""
+def _placed(part: PlacedShape) -> "engine.Placed":
+    """A shape in the engine's words."""
     import engine
 
     shape = part.shape
@@ -158,9 +159,9 @@ def _placed(body: Body, part: PlacedShape) -> "engine.Placed":
         case Cylinder():
             made = engine.Cylinder(shape.radius, shape.half_length)
         case ConvexHull():
-            raise Unsupported(f"convex hull of body '{body.name}'", "the engine has no hulls yet")
+            made = engine.ConvexHull(shape.vertices)
         case TriangleMesh():
-            raise Unsupported(f"triangle mesh of body '{body.name}'", "the engine has no meshes yet")
+            made = engine.TriangleMesh(shape.vertices, shape.faces)
         case _:
             assert_never(shape)
     return engine.Placed(made, part.p_BS, part.q_BS)
@@ -174,7 +175,7 @@ def _body(body: Body, effects: Effect) -> "engine.Body":
         name=body.name,
         mass=body.mass,
         inertia=body.inertia,
-        shapes=tuple(_placed(body, part) for part in body.collision),
+        shapes=tuple(_placed(part) for part in body.collision),
         material=body.material,
         p_WB=body.p_WB,
         q_WB=body.q_WB,
@@ -365,8 +366,8 @@ ADAPTER = _Reference(
     name="reference",
     title="Plumbline reference engine",
     distribution="plumbline",
-    features=F.SPHERE | F.BOX | F.CAPSULE | F.CYLINDER | F.PLANE | F.COMPOUND | F.FULL_INERTIA | F.KINEMATIC
-    | F.FIXED | F.BALL | F.REVOLUTE | F.PRISMATIC | F.DISTANCE | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES
+    features=F.SPHERE | F.BOX | F.CAPSULE | F.CYLINDER | F.PLANE | F.CONVEX_HULL | F.TRIANGLE_MESH | F.COMPOUND | F.FULL_INERTIA
+    | F.KINEMATIC | F.FIXED | F.BALL | F.REVOLUTE | F.PRISMATIC | F.DISTANCE | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES
     | F.PAIR_FRICTION | F.STATIC_FRICTION | F.ROLLING_FRICTION | F.TORSIONAL_FRICTION | F.RESTITUTION
     | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS | F.WRENCH
     | F.SAVE | F.NATIVE_STEPS,
@@ -397,6 +398,7 @@ ADAPTER = _Reference(
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
         "Approaches slower than four times what gravity gives in one sub-step do not bounce.",
-        "A cylinder that meets a box, a capsule or another cylinder ends the run as unsupported.",
+        "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
+        "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",
     ),
 )  # fmt: skip

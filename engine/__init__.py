@@ -6,7 +6,7 @@ from engine.bodies import Body, Surface
 from engine.errors import Diverged, NotSupported
 from engine.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from engine.options import Options
-from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere
+from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh
 
 if TYPE_CHECKING:
     from engine.world import Contacts, Hits, World
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = [
     "WORLD", "Ball", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged", "Drive", "Fixed",
     "Hits", "Joint", "Limits", "NotSupported", "Options", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere",
-    "Spring", "Surface", "World",
+    "Spring", "Surface", "TriangleMesh", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

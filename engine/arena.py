@@ -37,8 +37,14 @@ OLD_POINT: Final = 19
 SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
 SETTING: Final = 21  # (1, 24)
 CLIP: Final = 22  # (32, 8): scratch of the clipping
-PRINCIPAL: Final = 23  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
-FLOAT_TABLES: Final = 24
+VERTEX: Final = 23  # (corners of all polyhedra, 3), in S
+FACE: Final = 24  # (faces of all polyhedra, 3): outward normal in S
+CONVEX_NORMAL: Final = 25  # (pairs, 3): of the pairs that the convex narrow phase answered
+CONVEX_POINT: Final = 26  # (4 pairs, 32): their points, as POINT
+SIMPLEX: Final = 27  # (corners and faces, 10): scratch of GJK and EPA
+POLYGON: Final = 28  # (three polygons, 3): scratch of the clipping of features
+PRINCIPAL: Final = 29  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
+FLOAT_TABLES: Final = 30
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -56,7 +62,21 @@ ORDER: Final = 11  # (shapes, 1): the sorted axis
 EXCLUDED: Final = 12  # (excluded pairs of bodies, 2)
 COUNT: Final = 13  # (1, 16)
 CLIP_KEY: Final = 14  # (32, 2)
-INT_TABLES: Final = 15
+POLYHEDRON: Final = 15  # (shapes, 5)
+SPAN: Final = 16  # (faces, 2): first corner and number of corners in LOOP
+LOOP: Final = 17  # (corners of all faces, 1): row of VERTEX
+CONVEX_KEY: Final = 18  # (pairs, 1): number of points
+CONVEX_POINT_KEY: Final = 19  # (4 pairs, 2)
+SIMPLEX_KEY: Final = 20  # (corners and faces, 6)
+POLYGON_KEY: Final = 21  # (three polygons, 1)
+INT_TABLES: Final = 22
+
+# Columns of POLYHEDRON.
+FIRST_VERTEX: Final = 0
+VERTICES: Final = 1
+FIRST_FACE: Final = 2
+FACES: Final = 3
+INNER: Final = 4  # bits of a triangle's edges that do not stick out
 
 # Columns of STATE: position, orientation, velocity, angular velocity.
 P: Final = 0
@@ -95,11 +115,14 @@ BALL_RADIUS: Final = 10  # of the bounding sphere; inf for a plane
 TYPE: Final = 0
 OWNER: Final = 1
 MATERIAL: Final = 2
+PART: Final = 3  # which of its body's shapes it is, or belongs to
 SPHERE: Final = 0
 CAPSULE: Final = 1
 BOX: Final = 2
 CYLINDER: Final = 3
 PLANE: Final = 4
+HULL: Final = 5
+TRIANGLE: Final = 6
 
 # Columns of JOINT.
 ANCHOR_A: Final = 0  # 3, in A
@@ -211,6 +234,8 @@ MATERIALS: Final = 12
 EXCLUSIONS: Final = 13
 STEPS: Final = 14
 NEW: Final = 15  # manifolds of this step that the last one did not have
+CONVEX_READY: Final = 16  # 1 where the convex narrow phase has answered the pairs of the coming step
+PAIRS: Final = 17  # pairs that wait for its answer
 
 
 def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:

@@ -13,8 +13,9 @@ from engine.check import finite, spd_inertia, unit_quaternion
 from engine.errors import NotSupported
 from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
 from engine.options import BROAD_PHASES, FREE_INTEGRATORS, Options
+from engine.polyhedra import Polyhedron
 from engine.principal_frame import principal_frame
-from engine.shapes import Box, Capsule, Cylinder, Placed, Plane, Sphere
+from engine.solids import body_solids, quat_mat, quat_mul
 
 __all__ = ["assemble_world", "grow"]
 
@@ -25,46 +26,9 @@ ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
 
 
-def quat_mul(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Hamilton product: first b, then a."""
-    w = a[0] * b[0] - a[1:] @ b[1:]
-    return np.concatenate(([w], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])))
-
-
-def quat_mat(q: FloatArray) -> FloatArray:
-    """The rotation matrix (3, 3) of a unit quaternion."""
-    x = np.array([[0, -q[3], q[2]], [q[3], 0, -q[1]], [-q[2], q[1], 0]])
-    return np.asarray(np.eye(3) + 2 * q[0] * x + 2 * x @ x)
-
-
 def six(m: FloatArray) -> list[float]:
     """(xx, yy, zz, xy, xz, yz) of a symmetric matrix."""
     return [m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]]
-
-
-def from_z(n: FloatArray) -> FloatArray:
-    """The shortest rotation that takes z to the unit vector n."""
-    if n[2] < -1 + 1e-12:
-        return np.array([0.0, 1.0, 0.0, 0.0])
-    q = np.array([1 + n[2], -n[1], n[0], 0.0])
-    return np.asarray(q / np.linalg.norm(q))
-
-
-def shape_row(placed: Placed) -> tuple[int, list[float], float, FloatArray]:
-    """Type, three sizes, bounding radius and the shape's own turn of a placed shape. Raises: NotSupported."""
-    shape, turn = placed.shape, np.array([1.0, 0.0, 0.0, 0.0])
-    if isinstance(shape, Sphere):
-        return at.SPHERE, [shape.radius, 0.0, 0.0], shape.radius, turn
-    if isinstance(shape, Box):
-        return at.BOX, list(shape.half_extents), float(np.linalg.norm(np.asarray(shape.half_extents, float))), turn
-    if isinstance(shape, Capsule):
-        return at.CAPSULE, [shape.radius, shape.half_length, 0.0], shape.radius + shape.half_length, turn
-    if isinstance(shape, Cylinder):
-        return at.CYLINDER, [shape.radius, shape.half_length, 0.0], math.hypot(shape.radius, shape.half_length), turn
-    if isinstance(shape, Plane):
-        normal = np.asarray(shape.normal, float)
-        return at.PLANE, [0.0, 0.0, 0.0], math.inf, from_z(normal / np.linalg.norm(normal))
-    raise NotSupported("convex hull", "the engine has no contact and no rays for it")
 
 
 def assemble_world(
@@ -79,8 +43,10 @@ def assemble_world(
             raise ValueError(f"body '{body.name}': the name is taken")
         index[body.name] = i
     index[WORLD] = n
-    shapes = [(i, placed) for i, body in enumerate(bodies) for placed in body.shapes]
+    shapes = [(i, solid) for i, body in enumerate(bodies) for solid in body_solids(body)]
     ns = len(shapes)
+    convex = any(solid.kind in (at.CYLINDER, at.HULL, at.TRIANGLE) for _, solid in shapes)
+    polyhedra = [(s, solid.polyhedron) for s, (_, solid) in enumerate(shapes) if convex and solid.polyhedron is not None]
     rows = sum(ROWS[type(joint)] + 3 for joint in joints) + 1
     movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
     pairs = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
@@ -90,29 +56,33 @@ def assemble_world(
         for joint in joints
         if not joint.collide and joint.parent in index and joint.child in index
     ]
+    float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 6),
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32),
-        (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8),
+        (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
         (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
     ]  # fmt: skip
     int_shapes = [
         (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2),
-        (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 16), (32, 2),
+        (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 18), (32, 2), *int_rooms,
     ]  # fmt: skip
     floats, ints = new_arena(float_shapes, int_shapes)
     _write_bodies(floats, ints, bodies)
-    for s, (i, placed) in enumerate(shapes):
-        kind, size, radius, turn = shape_row(placed)
-        if kind == at.PLANE and bodies[i].motion == "dynamic":
+    for s, (i, solid) in enumerate(shapes):
+        if solid.kind in (at.PLANE, at.TRIANGLE) and bodies[i].motion == "dynamic":
+            if solid.kind == at.TRIANGLE:
+                raise NotSupported(f"triangle mesh of body '{bodies[i].name}'", "a mesh is a surface that forces do not move")
             raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
         row = float_table(floats, ints, at.SHAPE)[s]
-        row[at.OFFSET : at.OFFSET + 3] = placed.p_BS
-        row[at.TURN : at.TURN + 4] = quat_mul(unit_quaternion("placed shape", "q_BS", placed.q_BS), turn)
-        row[at.SIZE : at.SIZE + 3] = size
-        row[at.BALL_RADIUS] = radius
-        int_table(ints, at.SHAPE_KIND)[s, :3] = kind, i, materials.index(bodies[i].material)
+        row[at.OFFSET : at.OFFSET + 3] = solid.offset
+        row[at.TURN : at.TURN + 4] = solid.turn
+        row[at.SIZE : at.SIZE + 3] = solid.size
+        row[at.BALL_RADIUS] = solid.radius
+        int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
         int_table(ints, at.ORDER)[s, 0] = s
+        int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
+    _write_polyhedra(floats, ints, polyhedra)
     for j, joint in enumerate(joints):
         _write_joint(floats, ints, j, joint, index, bodies)
     for (one, two), law in surfaces.items():
@@ -141,6 +111,35 @@ def assemble_world(
     count[at.BROAD] = int(options.broad_phase == BROAD_PHASES[0])
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
     return floats, ints
+
+
+def _convex_rooms(
+    polyhedra: Sequence[Polyhedron], shapes: int, pairs: int, convex: bool
+) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+    """Rows and columns of the tables of the convex narrow phase, empty where a world has none."""
+    faces, corners = sum(len(one.loops) for one in polyhedra), sum(len(loop) for one in polyhedra for loop in one.loops)
+    widest = max((len(loop) for one in polyhedra for loop in one.loops), default=0)
+    work, polygon = (560, 3 * (2 * max(widest, 16) + 2)) if convex else (0, 0)
+    vertices = sum(len(one.vertices) for one in polyhedra)
+    return (
+        [(vertices, 3), (faces, 3), (pairs, 3), (4 * pairs, 32), (work, 10), (polygon, 3)],
+        [(shapes, 5), (faces, 2), (corners, 1), (pairs, 1), (4 * pairs, 2), (work, 6), (polygon, 1)],
+    )
+
+
+def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
+    """Fill the tables of corners and faces; the number in front of each polyhedron is its shape."""
+    vertex, face = float_table(floats, ints, at.VERTEX), float_table(floats, ints, at.FACE)
+    table, span, loop = int_table(ints, at.POLYHEDRON), int_table(ints, at.SPAN), int_table(ints, at.LOOP)
+    v, f, c = 0, 0, 0
+    for s, one in polyhedra:
+        table[s, : at.INNER] = v, len(one.vertices), f, len(one.loops)
+        vertex[v : v + len(one.vertices)], face[f : f + len(one.loops)] = one.vertices, one.normals
+        for corners in one.loops:
+            span[f] = c, len(corners)
+            loop[c : c + len(corners), 0] = np.array(corners) + v
+            f, c = f + 1, c + len(corners)
+        v += len(one.vertices)
 
 
 def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) -> None:
@@ -223,8 +222,9 @@ def _write_joint(
 
 def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
     """The same world in an arena with room for twice as many pairs."""
-    by_pair = {at.MANIFOLD, at.POINT, at.OLD_MANIFOLD, at.OLD_POINT}
+    by_pair = {at.MANIFOLD, at.POINT, at.OLD_MANIFOLD, at.OLD_POINT, at.CONVEX_NORMAL, at.CONVEX_POINT}
     ints_by_pair = {at.PAIR, at.MANIFOLD_KEY, at.POINT_KEY, at.OLD_KEY, at.OLD_POINT_KEY, at.NEXT}
+    ints_by_pair |= {at.CONVEX_KEY, at.CONVEX_POINT_KEY}
     old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
     old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
     new_floats, new_ints = new_arena(

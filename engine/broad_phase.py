@@ -12,6 +12,7 @@ from engine.arena import (
     BOX,
     CAPSULE,
     DYNAMIC,
+    HULL,
     MATERIAL,
     MOTION,
     OFFSET,
@@ -60,7 +61,7 @@ def write_bounds(
                 half = shape[s, SIZE]
             elif kind == CAPSULE:
                 half = shape[s, SIZE] + shape[s, SIZE + 1] * abs(m[3 * k + 2])
-            elif kind == BOX:
+            elif kind == BOX or kind >= HULL:
                 half = (
                     shape[s, SIZE] * abs(m[3 * k])
                     + shape[s, SIZE + 1] * abs(m[3 * k + 1])

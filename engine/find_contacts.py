@@ -8,8 +8,12 @@ from engine.arena import (
     BROAD,
     CLIP,
     CLIP_KEY,
+    CONVEX_KEY,
+    CONVEX_NORMAL,
+    CONVEX_POINT,
+    CONVEX_POINT_KEY,
+    CONVEX_READY,
     COUNT,
-    CYLINDER,
     DT,
     EXCLUDED,
     EXCLUSIONS,
@@ -26,7 +30,7 @@ from engine.arena import (
     OLD_POINT_KEY,
     ORDER,
     PAIR,
-    PLANE,
+    PAIRS,
     POINT,
     POINT_KEY,
     POSE,
@@ -34,7 +38,6 @@ from engine.arena import (
     SHAPE,
     SHAPE_KIND,
     SHAPES,
-    SPHERE,
     STATE,
     SURFACE,
     TOUCHED,
@@ -45,24 +48,19 @@ from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_
 from engine.carve import floats_of, ints_of
 from engine.contact_solver import prepare
 from engine.jit import kernel
-from engine.manifolds import build_manifolds, keep_old
+from engine.manifolds import build_manifolds, keep_old, ordered
+from engine.narrow.collide import is_convex_pair
 from engine.vec import Floats, Ints
 
 __all__ = ["find_contacts"]
 
 
 @kernel
-def known_pair(one: int, two: int) -> bool:
-    """Whether two types of shapes have a narrow phase: a cylinder has one with spheres and planes only."""
-    other = two if one == CYLINDER else one
-    return (one != CYLINDER and two != CYLINDER) or other in (SPHERE, PLANE)
-
-
-@kernel
 def find_contacts(floats: Floats, ints: Ints) -> int:
     """Find and prepare the contacts of this step, and mark the bodies they touch.
 
-    Returns: 0, or 2 if the arena has no room for all pairs, or 3 if a pair has no narrow phase; then nothing has changed.
+    Returns: 0, or 2 if the arena has no room for all pairs, or 3 if pairs wait for the convex narrow phase; then nothing has
+    changed but the list of pairs.
     """
     state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
     bounds, setting = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, SETTING)
@@ -85,15 +83,19 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     if pairs > pair.shape[0]:
         return 2
     for p in range(pairs):
-        if not known_pair(shape_kind[pair[p, 0], TYPE], shape_kind[pair[p, 1], TYPE]):
+        a, b = ordered(shape_kind, pair[p, 0], pair[p, 1])
+        if count[0, CONVEX_READY] == 0 and is_convex_pair(shape_kind[a, TYPE], shape_kind[b, TYPE]):
+            count[0, PAIRS] = pairs
             return 3
+    count[0, CONVEX_READY] = 0
     for b in range(count[0, BODIES] + 1):
         kind[b, TOUCHED] = 0
     keep_old(count, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
     build_manifolds(
         state, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
         point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints,
-        CLIP_KEY),
+        CLIP_KEY), floats_of(floats, ints, CONVEX_NORMAL), floats_of(floats, ints, CONVEX_POINT), ints_of(ints, CONVEX_KEY),
+        ints_of(ints, CONVEX_POINT_KEY),
     )  # fmt: skip
     prepare(state, body, turned, shape, shape_kind, pose, count[0, MANIFOLDS], manifold, key, point)
     return 0

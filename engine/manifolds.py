@@ -18,6 +18,7 @@ from engine.arena import (
     CYLINDER,
     DT,
     FIRST_GAP,
+    HULL,
     LAW,
     LEADS,
     MANIFOLDS,
@@ -39,6 +40,7 @@ from engine.arena import (
     SPIN_IMPULSE,
     TANGENT_IMPULSE,
     TOUCHED,
+    TRIANGLE,
     TYPE,
     P,
     V,
@@ -46,11 +48,13 @@ from engine.arena import (
 )  # fmt: skip
 from engine.jit import kernel
 from engine.narrow.box_box import FACE_OF_B
-from engine.narrow.collide import collide
+from engine.narrow.collide import collide, is_convex_pair
 from engine.vec import Floats, Ints, add, axpy, cross, dot, load3, norm, store3, sub
 
-__all__ = ["build_manifolds", "keep_old", "look_ahead"]
+__all__ = ["CORNERS_OF_B", "build_manifolds", "keep_old", "look_ahead", "ordered", "thinnest"]
 
+CORNERS_OF_B = 1 << 24
+"""Features of convex pairs from here belong to corners of B on a face of A."""
 NEAR = 0.02
 """Share of half the thickness of the thinner shape [1] within which points of different features match."""
 AT_REST = 1e-6
@@ -85,12 +89,20 @@ def keep_old(
 
 @kernel
 def thinnest(shape: Floats, shape_kind: Ints, s: int) -> float:
-    """Half the smallest width of a shape [m]."""
+    """Half the smallest width of a shape [m]; inf for planes and triangles, which bound a solid."""
     if shape_kind[s, TYPE] == CYLINDER:
         return float(min(shape[s, SIZE], shape[s, SIZE + 1]))
-    if shape_kind[s, TYPE] == BOX:
+    if shape_kind[s, TYPE] == BOX or shape_kind[s, TYPE] == HULL:
         return float(min(min(shape[s, SIZE], shape[s, SIZE + 1]), shape[s, SIZE + 2]))
+    if shape_kind[s, TYPE] == TRIANGLE:
+        return math.inf
     return float(shape[s, SIZE]) if shape[s, BALL_RADIUS] < math.inf else math.inf
+
+
+@kernel
+def ordered(shape_kind: Ints, one: int, two: int) -> tuple[int, int]:
+    """Two shapes, that of the lower type first."""
+    return (two, one) if shape_kind[one, TYPE] > shape_kind[two, TYPE] else (one, two)
 
 
 @kernel
@@ -130,16 +142,24 @@ def build_manifolds(
     count: Ints,
     pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
     old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, clip: Floats, clip_key: Ints,
+    convex_normal: Floats, convex_point: Floats, convex_key: Ints, convex_point_key: Ints,
 ) -> None:  # fmt: skip
     """Run the narrow phase on all pairs and match the points found with the old ones."""
     found, new = 0, 0
     for p in range(pairs):
-        a, b = pair[p, 0], pair[p, 1]
-        if shape_kind[a, TYPE] > shape_kind[b, TYPE]:
-            a, b = b, a
+        a, b = ordered(shape_kind, pair[p, 0], pair[p, 1])
         margin = look_ahead(state, shape, shape_kind, a, b, setting, count[0, CONTINUOUS])
         at = 4 * found
-        points, normal = collide(shape, shape_kind, pose, a, b, margin, point, point_key, at, clip, clip_key)
+        if is_convex_pair(shape_kind[a, TYPE], shape_kind[b, TYPE]):
+            points, normal = convex_key[p, 0], load3(convex_normal, p, 0)
+            for k in range(points):
+                store3(point, at + k, PLACE, load3(convex_point, 4 * p + k, PLACE))
+                point[at + k, FIRST_GAP], point_key[at + k, 0] = (
+                    convex_point[4 * p + k, FIRST_GAP],
+                    convex_point_key[4 * p + k, 0],
+                )
+        else:
+            points, normal = collide(shape, shape_kind, pose, a, b, margin, point, point_key, at, clip, clip_key)
         if points <= 0:
             continue
         for k in range(points):
@@ -157,7 +177,7 @@ def build_manifolds(
         manifold_key[found, BODY_A], manifold_key[found, BODY_B] = i, j
         manifold_key[found, POINTS], manifold_key[found, SLIPS] = points, 0
         corners_of_b = shape_kind[a, TYPE] == BOX and shape_kind[b, TYPE] == BOX and point_key[at, 0] < FACE_OF_B
-        manifold_key[found, LEADS] = 1 if corners_of_b else 0
+        manifold_key[found, LEADS] = 1 if corners_of_b or point_key[at, 0] >= CORNERS_OF_B else 0
         body_kind[i, TOUCHED] = 1
         body_kind[j, TOUCHED] = 1
         m = head[a, 0]

@@ -7,7 +7,7 @@ import numpy as np
 
 from engine.check import finite, positive
 
-__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Placed", "Plane", "Shape", "Sphere"]
+__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Placed", "Plane", "Shape", "Sphere", "TriangleMesh"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Capsule:
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
-    """A right circular cylinder about z, |z| <= half_length. Contact with spheres and planes only."""
+    """A right circular cylinder about z, |z| <= half_length."""
 
     radius: float
     half_length: float
@@ -70,12 +70,37 @@ class Plane:
 
 @dataclass(frozen=True, slots=True)
 class ConvexHull:
-    """The convex hull of vertices (n, 3). Described here; neither contact nor rays know it."""
+    """The convex hull of vertices (n, 3)."""
 
     vertices: Sequence[Sequence[float]]
 
+    def __post_init__(self) -> None:
+        finite("convex hull", "vertices", self.vertices, (len(self.vertices), 3), "m")
 
-Shape = Sphere | Box | Capsule | Cylinder | Plane | ConvexHull
+
+@dataclass(frozen=True, slots=True)
+class TriangleMesh:
+    """A surface of vertices (n, 3) and faces (m, 3), counter-clockwise seen from outside, of a body that forces do not move."""
+
+    vertices: Sequence[Sequence[float]]
+    faces: Sequence[Sequence[int]]
+
+    def __post_init__(self) -> None:
+        corners = finite("triangle mesh", "vertices", self.vertices, (len(self.vertices), 3), "m")
+        faces = np.asarray(self.faces)
+        if faces.ndim != 2 or faces.shape[1] != 3 or not np.issubdtype(faces.dtype, np.integer) or len(faces) == 0:
+            raise ValueError(f"triangle mesh: faces have shape {faces.shape}, expected (m, 3) integers, m at least 1")
+        if faces.min() < 0 or faces.max() >= len(corners):
+            raise ValueError(
+                f"triangle mesh: faces name vertices {faces.min()} to {faces.max()}, expected 0 to {len(corners) - 1}"
+            )
+        a, b, c = (corners[faces[:, k]] for k in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        if area.min() <= 0.0:
+            raise ValueError(f"triangle mesh: face {int(area.argmin())} has no area")
+
+
+Shape = Sphere | Box | Capsule | Cylinder | Plane | ConvexHull | TriangleMesh
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,7 +71,7 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact.
 
     Returns: steps done, and 0, or 1 if the state stopped being finite, or 2 if the arena must grow before the next step, or 3
-    if two shapes came together that have no narrow phase.
+    if pairs wait for the convex narrow phase.
     """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)

@@ -60,8 +60,8 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch.
-    Raises: ValueError naming the element, field and value; NotSupported for hulls, for an integrator of free bodies where
-        there are joints or contacts, and for what the exact solver lacks.
+    Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for an integrator of free
+        bodies where there are joints or contacts, and for what the exact solver lacks.
     """
 
     def __init__(
@@ -77,8 +77,9 @@ class World:
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart)
         self._joints = {joint.name: j for j, joint in enumerate(joints)}
         self._names = [body.name for body in bodies]
-        owner = int_table(self._ints, at.SHAPE_KIND)[:, at.OWNER]
-        self._first_shape = np.searchsorted(owner, np.arange(len(bodies) + 1))
+        kinds = int_table(self._ints, at.SHAPE_KIND)
+        self._part = kinds[:, at.PART].copy()
+        self._polyhedral = bool((kinds[:, at.TYPE] >= at.HULL).any())
         self.touching = self.options.contacts and _may_touch(bodies)
         self.jointed = bool(joints)
         self._exact = None
@@ -107,7 +108,7 @@ class World:
     def step(self, count: int = 1) -> None:
         """Advance by count * dt in one compiled call.
 
-        Raises: Diverged, NotSupported, ValueError for count < 0.
+        Raises: Diverged, ValueError for count < 0.
         """
         if count < 0:
             raise ValueError(f"world: step count {count}, expected at least 0")
@@ -119,7 +120,9 @@ class World:
                 raise Diverged(self.steps, f"integrator '{self.options.integrator}' found no solution for so long a step")
             count -= done
             if status == 3:
-                raise NotSupported("contact of a cylinder", "the engine knows it with spheres and planes only")
+                from engine.collide_convex import collide_convex
+
+                collide_convex(self._floats, self._ints)
             if status == 2:
                 self._floats, self._ints = grow(self._floats, self._ints)
 
@@ -186,7 +189,11 @@ class World:
         distance, normal, who = np.empty((1, len(o))), np.empty((len(o), 3)), np.empty((len(o), 2), np.int64)
         unit = np.ascontiguousarray(np.where(np.abs(length - 1) < 1e-15, d, d / length))
         cast_rays(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
-        shape = np.where(who[:, 0] >= 0, who[:, 1] - self._first_shape[who[:, 0]], -1)
+        if self._polyhedral:
+            from engine.rays_polyhedra import cast_on_polyhedra
+
+            cast_on_polyhedra(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
+        shape = np.where(who[:, 0] >= 0, self._part[who[:, 1]], -1) if len(self._part) else who[:, 1].copy()
         return Hits(distance=distance[0], body=who[:, 0].copy(), shape=shape, normal=normal)
 
     def save(self) -> tuple[FloatArray, IntArray]:

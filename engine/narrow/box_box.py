@@ -160,7 +160,7 @@ def face_face(
                 clip[base + found, m] = clip[base + c, m]
             clip_key[base + found, 0] = clip_key[base + c, 0]
             found += 1
-    found = keep_four(clip, clip_key, base, found)
+    found = keep_four(clip, clip_key, base, found, 1e-9)
     marker = 32 * (2 * (3 * code + incident) + (1 if sign > 0.0 else 0))
     for c in range(found):
         height = clip[base + c, 2]
@@ -170,8 +170,8 @@ def face_face(
 
 
 @kernel
-def keep_four(clip: Floats, clip_key: Ints, base: int, count: int) -> int:
-    """Keep the deepest point, the one farthest from it, and the two that span most area on either side.
+def keep_four(clip: Floats, clip_key: Ints, base: int, count: int, tie: float) -> int:
+    """Keep the deepest point (by more than `tie` [m]), the one farthest from it, and the two that span most area at its sides.
 
     Returns: their number.
     """
@@ -179,7 +179,7 @@ def keep_four(clip: Floats, clip_key: Ints, base: int, count: int) -> int:
         return count
     first = 0
     for c in range(1, count):
-        if clip[base + c, 2] < clip[base + first, 2] - 1e-9:
+        if clip[base + c, 2] < clip[base + first, 2] - tie:
             first = c
     second, far = first, -1.0
     for c in range(count):

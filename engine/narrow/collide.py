@@ -1,6 +1,6 @@
 """Choose the narrow phase of a pair by the types of its shapes; the lower type is always shape A."""
 
-from engine.arena import BOX, CAPSULE, CYLINDER, PLANE, SIZE, SPHERE, TYPE
+from engine.arena import BOX, CAPSULE, CYLINDER, HULL, PLANE, SIZE, SPHERE, TYPE
 from engine.jit import kernel
 from engine.narrow.box_box import box_box
 from engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
@@ -8,10 +8,16 @@ from engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
 from engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
 from engine.vec import Floats, Ints, Vec, load3, load9
 
-__all__ = ["UNKNOWN", "collide"]
+__all__ = ["UNKNOWN", "collide", "is_convex_pair"]
 
 UNKNOWN = -1
 """The number of points of a pair of shapes that has no narrow phase."""
+
+
+@kernel
+def is_convex_pair(ta: int, tb: int) -> bool:
+    """Whether a pair of types, ta <= tb, has no closed form here, so that the convex narrow phase answers it."""
+    return tb >= HULL or (tb == CYLINDER and ta != SPHERE)
 
 
 @kernel

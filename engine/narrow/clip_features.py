@@ -1,0 +1,121 @@
+"""Contact points of two features: the incident polygon, line or point clipped by the sides of the reference face.
+
+Source: Ericson, Real-Time Collision Detection, section 8.3.4 (Sutherland-Hodgman); Gregorius, The Separating Axis Test between
+Convex Polyhedra, GDC 2013.
+"""
+
+import math
+
+from engine.jit import kernel
+from engine.narrow.box_box import keep_four
+from engine.narrow.point import put_point
+from engine.vec import Floats, Ints, Vec, axpy, cross, dot, load3, perpendicular, sub
+
+__all__ = ["clip_features", "crossing_lines"]
+
+ON_SIDE = 1e-7
+"""Share of the reference face's size [1] within which a corner counts as on its side: it keeps its feature."""
+LEVEL = 1e-4
+"""Tilt [rad] of an incident feature below which the same corners are kept, whichever is deepest."""
+CROSSING = 4096
+"""Features of corners that the clipping made count from here."""
+
+
+@kernel
+def flatten(polygon: Floats, at: int, count: int, origin: Vec, u: Vec, v: Vec, n: Vec) -> None:
+    """Turn corners from W into two coordinates in the reference plane and the height above it."""
+    for k in range(at, at + count):
+        x = sub(load3(polygon, k, 0), origin)
+        polygon[k, 0], polygon[k, 1], polygon[k, 2] = dot(x, u), dot(x, v), dot(x, n)
+
+
+@kernel
+def clip_features(
+    polygon: Floats, key: Ints, sides: int, count: int, n: Vec, radius: float, margin: float, point: Floats, point_key: Ints,
+    at: int, marker: int,
+) -> int:  # fmt: skip
+    """Write the points of the incident feature that lie under the reference face.
+
+    Args: polygon: the reference face in the first third of its rows, the incident feature of `count` corners in the second;
+    n: outward normal of the reference face; radius [m] around the incident feature; marker: added to every feature.
+    Returns: the number of points, at most four.
+    """
+    third = polygon.shape[0] // 3
+    origin = load3(polygon, 0, 0)
+    u = perpendicular(n)
+    v = cross(n, u)
+    flatten(polygon, third, count, origin, u, v, n)
+    flatten(polygon, 0, sides, origin, u, v, n)
+    size = 0.0
+    for k in range(sides):
+        size = max(size, abs(polygon[k, 0]), abs(polygon[k, 1]))
+    near, base, into = ON_SIDE * size, third, 2 * third
+    for side in range(sides):
+        after = (side + 1) % sides
+        ex, ey = polygon[after, 0] - polygon[side, 0], polygon[after, 1] - polygon[side, 1]
+        length = math.sqrt(ex * ex + ey * ey)
+        kept = 0
+        for c in range(count):
+            a, b = base + c, base + (c + 1) % count
+            da = (ey * (polygon[a, 0] - polygon[side, 0]) - ex * (polygon[a, 1] - polygon[side, 1])) / length
+            db = (ey * (polygon[b, 0] - polygon[side, 0]) - ex * (polygon[b, 1] - polygon[side, 1])) / length
+            if da <= near:
+                for m in range(3):
+                    polygon[into + kept, m] = polygon[a, m]
+                key[into + kept, 0] = key[a, 0]
+                kept += 1
+            if (da <= near) != (db <= near) and not (count == 2 and c == 1):
+                share = min(max(da / (da - db), 0.0), 1.0)
+                for m in range(3):
+                    polygon[into + kept, m] = polygon[a, m] + share * (polygon[b, m] - polygon[a, m])
+                key[into + kept, 0] = CROSSING + 2 * side + (1 if da <= near else 0)
+                kept += 1
+        base, into, count = into, base, kept
+        if count == 0:
+            return 0
+    found = 0
+    for c in range(count):
+        if polygon[base + c, 2] - radius <= margin:
+            for m in range(3):
+                polygon[base + found, m] = polygon[base + c, m]
+            key[base + found, 0] = key[base + c, 0]
+            found += 1
+    wide = 0.0
+    for c in range(1, found):
+        wide = max(wide, abs(polygon[base + c, 0] - polygon[base, 0]), abs(polygon[base + c, 1] - polygon[base, 1]))
+    found = keep_four(polygon, key, base, found, LEVEL * wide)
+    for c in range(found):
+        gap = polygon[base + c, 2] - radius
+        place = axpy(polygon[base + c, 0], u, axpy(polygon[base + c, 1], v, axpy(0.5 * gap, n, origin)))
+        put_point(point, point_key, at + c, place, gap, marker + key[base + c, 0])
+    return found
+
+
+@kernel
+def crossing_lines(polygon: Floats, margin: float, n: Vec, ra: float, rb: float, point: Floats, key: Ints, at: int) -> int:
+    """The two ends of the common part of two parallel lines, of A in the first rows, of B in the second third.
+
+    Args: n: normal from A to B; ra, rb [m]: radii around the lines.
+    Returns: the number of points, 0 where the lines are not parallel.
+    """
+    third = polygon.shape[0] // 3
+    a, b = load3(polygon, 0, 0), load3(polygon, third, 0)
+    ea, eb = sub(load3(polygon, 1, 0), a), sub(load3(polygon, third + 1, 0), b)
+    la, lb = math.sqrt(dot(ea, ea)), math.sqrt(dot(eb, eb))
+    across = cross(ea, eb)
+    if math.sqrt(dot(across, across)) > 1e-3 * la * lb:
+        return 0
+    one, two = dot(sub(b, a), ea) / (la * la), dot(sub(axpy(1.0, eb, b), a), ea) / (la * la)
+    low, high = max(0.0, min(one, two)), min(1.0, max(one, two))
+    if high <= low:
+        return 0
+    found = 0
+    for k in range(2):
+        s = low if k == 0 else high
+        x = axpy(s, ea, a)
+        other = axpy((s - one) / (two - one), eb, b)
+        gap = dot(sub(other, x), n) - ra - rb
+        if gap <= margin:
+            put_point(point, key, at + found, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
+            found += 1
+    return found

@@ -1,0 +1,135 @@
+"""Contacts of any two convex shapes: the normal by GJK or EPA, or a face that is as good, then the features clipped.
+
+Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003, sections 4.3.4 (radii around cores), 4.3.8;
+Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (preferring faces).
+"""
+
+from engine.arena import BALL_RADIUS, CYLINDER, INNER, SPHERE, TRIANGLE, TYPE
+from engine.jit import kernel
+from engine.manifolds import CORNERS_OF_B
+from engine.narrow.clip_features import clip_features, crossing_lines
+from engine.narrow.epa import depth
+from engine.narrow.features import facing, is_line, write_feature
+from engine.narrow.gjk import SHARE, distance
+from engine.narrow.point import put_point
+from engine.narrow.support import Solids, core_radius, separation_along
+from engine.narrow.triangle import leans_over
+from engine.vec import Floats, Ints, Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
+
+__all__ = ["convex_contact", "part_cores", "plane_contact"]
+
+FACE = 1 << 13
+"""Features of one reference face lie within this many numbers."""
+TOUCHING = 1e-9
+"""Share of the size [1] of a distance whose direction rounding spoils: EPA answers such pairs, with a depth of either sign."""
+ALIGNED = 0.9999
+"""Cosine between a normal and a face above which a capsule lies on the face."""
+SAME = 1.0 - 1e-10
+"""Cosine above which two faces are parallel."""
+
+
+@kernel
+def part_cores(
+    t: Solids, a: int, b: int, d: Vec, size: float, most: float, work: Floats, key: Ints
+) -> tuple[float, Vec, Vec, Vec]:
+    """The signed distance [m] of two cores whose centres lie d apart.
+
+    Returns: the gap (a larger one than `most` may be too small), the normal from A to B, and the closest points of A and B,
+    from the centre of A.
+    """
+    gap, v, count = distance(t, a, b, d, size, most, work)
+    if gap > TOUCHING * size:
+        qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for k in range(count):
+            qa, qb = axpy(work[k, SHARE], load3(work, k, 3), qa), axpy(work[k, SHARE], load3(work, k, 6), qb)
+        return gap, scale(-1.0 / norm(v), v), qa, qb
+    deep, n, qa, qb = depth(t, a, b, d, size, count, work, key)
+    return -deep, n, qa, qb
+
+
+@kernel
+def convex_contact(
+    t: Solids, a: int, b: int, margin: float, slack: float, work: Floats, work_key: Ints, polygon: Floats, polygon_key: Ints,
+    point: Floats, key: Ints, at: int,
+) -> tuple[int, Vec]:  # fmt: skip
+    """Convex shape A against convex shape B, or against the outer side of a triangle B.
+
+    Args: slack [m]: what a face may lose against the best normal and still be taken.
+    Returns: number of points, normal from A to B.
+    """
+    pa, pb = load3(t.pose, a, 0), load3(t.pose, b, 0)
+    d = sub(pb, pa)
+    ra, rb = core_radius(t, a), core_radius(t, b)
+    size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
+    one_sided = t.shape_kind[b, TYPE] == TRIANGLE
+    out = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
+    if one_sided and dot(d, out) > 0.0:
+        return 0, out
+    gap, n, qa, qb = part_cores(t, a, b, d, size, margin + ra + rb, work, work_key)
+    if gap - ra - rb > margin:
+        return 0, n
+    forced = False
+    if one_sided and leans_over(t, b, sub(qb, d), neg(n), t.polyhedron[b, INNER]):
+        n, forced = neg(out), True
+    fa, na, ca = facing(t, a, n)
+    fb, nb, cb = facing(t, b, neg(n))
+    on_a, on_b = False, forced
+    if forced:
+        pass
+    elif ra + rb > 0.0:
+        flat = t.shape_kind[a, TYPE] != SPHERE and t.shape_kind[b, TYPE] != SPHERE
+        on_a, on_b = flat and ca > ALIGNED, flat and cb > ALIGNED
+    else:
+        gap_a, gap_b = separation_along(t, a, b, d, na), separation_along(t, a, b, d, neg(nb))
+        on_a, on_b = gap - gap_a <= slack, gap - gap_b <= slack
+        if on_b and (one_sided or gap_b > gap_a + slack):
+            on_a = False
+    if on_a and on_b:
+        on_a = not (t.shape_kind[a, TYPE] == CYLINDER and dot(na, nb) < -SAME)
+    if on_a:
+        n = na
+    elif on_b:
+        n = neg(nb)
+    third, found = polygon.shape[0] // 3, 0
+    if on_a:
+        fb, nb, cb = facing(t, b, neg(n))
+        sides = write_feature(t, a, fa, n, polygon, polygon_key, 0)
+        count = write_feature(t, b, fb, neg(n), polygon, polygon_key, third)
+        marker = CORNERS_OF_B + FACE * (fa + 2)
+        found = clip_features(polygon, polygon_key, sides, count, n, rb, margin, point, key, at, marker)
+    elif on_b:
+        fa, na, ca = facing(t, a, n)
+        sides = write_feature(t, b, fb, neg(n), polygon, polygon_key, 0)
+        count = write_feature(t, a, fa, n, polygon, polygon_key, third)
+        marker = FACE * (fb + 2)
+        found = clip_features(polygon, polygon_key, sides, count, neg(n), ra, margin, point, key, at, marker)
+    elif is_line(t, a, n) and is_line(t, b, neg(n)):
+        write_feature(t, a, fa, n, polygon, polygon_key, 0)
+        write_feature(t, b, fb, neg(n), polygon, polygon_key, third)
+        found = crossing_lines(polygon, margin, n, ra, rb, point, key, at)
+    if found == 0 and not forced:
+        if on_a or on_b:
+            gap = separation_along(t, a, b, d, n)
+        gap = gap - ra - rb
+        if gap > margin:
+            return 0, n
+        middle = add(pa, scale(0.5, add(axpy(ra, n, qa), axpy(-rb, n, qb))))
+        put_point(point, key, at, middle, gap, 1)
+        found = 1
+    return found, n
+
+
+@kernel
+def plane_contact(
+    t: Solids, a: int, b: int, margin: float, polygon: Floats, polygon_key: Ints, point: Floats, key: Ints, at: int
+) -> tuple[int, Vec]:
+    """Plane A against polyhedron B: the corners of the face through the deepest corner that looks most at the plane.
+
+    Returns: number of points, normal from A to B.
+    """
+    up = (t.pose[a, 5], t.pose[a, 8], t.pose[a, 11])
+    face, _, _ = facing(t, b, neg(up))
+    store3(polygon, 0, 0, load3(t.pose, a, 0))
+    count = write_feature(t, b, face, neg(up), polygon, polygon_key, polygon.shape[0] // 3)
+    marker = CORNERS_OF_B + FACE * (face + 2)
+    return clip_features(polygon, polygon_key, 0, count, up, 0.0, margin, point, key, at, marker), up

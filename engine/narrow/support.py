@@ -1,0 +1,71 @@
+"""The farthest point of a shape's core along a direction.
+
+The core of a ball is its centre, that of a capsule its axis; around it lies the radius. Other shapes are their own core.
+
+Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003, section 4.3.4.
+"""
+
+import math
+from typing import NamedTuple
+
+from engine.arena import BOX, CAPSULE, CYLINDER, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
+from engine.jit import kernel
+from engine.vec import Floats, Ints, Vec, dot, load3, load9, mat_vec, tmat_vec
+
+__all__ = ["Solids", "core_radius", "core_support", "separation_along"]
+
+
+class Solids(NamedTuple):
+    """The tables that describe shapes: sizes, poses in W, corners and faces of polyhedra."""
+
+    shape: Floats
+    pose: Floats
+    vertex: Floats
+    face: Floats
+    shape_kind: Ints
+    polyhedron: Ints
+    span: Ints
+    loop: Ints
+
+
+@kernel
+def core_radius(t: Solids, s: int) -> float:
+    """How far [m] the surface lies around the core."""
+    if t.shape_kind[s, TYPE] == SPHERE or t.shape_kind[s, TYPE] == CAPSULE:
+        return float(t.shape[s, SIZE])
+    return 0.0
+
+
+@kernel
+def core_support(t: Solids, s: int, n: Vec) -> Vec:
+    """The point of the core farthest along n, from the shape's centre, along the axes of W."""
+    kind = t.shape_kind[s, TYPE]
+    if kind == SPHERE:
+        return 0.0, 0.0, 0.0
+    m = load9(t.pose, s, 3)
+    u = tmat_vec(m, n)
+    if kind == CAPSULE:
+        x, y, z = 0.0, 0.0, math.copysign(t.shape[s, SIZE + 1], u[2])
+    elif kind == BOX:
+        x, y, z = math.copysign(t.shape[s, SIZE], u[0]), math.copysign(t.shape[s, SIZE + 1], u[1]), 0.0
+        z = math.copysign(t.shape[s, SIZE + 2], u[2])
+    elif kind == CYLINDER:
+        across = math.sqrt(u[0] * u[0] + u[1] * u[1])
+        share = t.shape[s, SIZE] / across if across > 1e-300 else 0.0
+        x, y, z = share * u[0], share * u[1], math.copysign(t.shape[s, SIZE + 1], u[2])
+    else:
+        first = t.polyhedron[s, FIRST_VERTEX]
+        best, most = first, -math.inf
+        for k in range(first, first + t.polyhedron[s, VERTICES]):
+            reach = dot(u, load3(t.vertex, k, 0))
+            if reach > most:
+                best, most = k, reach
+        x, y, z = load3(t.vertex, best, 0)
+    return mat_vec(m, (x, y, z))
+
+
+@kernel
+def separation_along(t: Solids, a: int, b: int, d: Vec, n: Vec) -> float:
+    """The gap [m] between the cores of a and b along the unit vector n, d being the way from centre a to centre b."""
+    minus = (-n[0], -n[1], -n[2])
+    return dot(n, d) + dot(n, core_support(t, b, minus)) - dot(n, core_support(t, a, n))

@@ -1,0 +1,112 @@
+"""Faces of boxes, convex hulls and triangles, found once when a world is built.
+
+Source: Barber, Dobkin, Huhdanpaa, The Quickhull Algorithm for Convex Hulls, 1996 (through SciPy).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FLAT", "Polyhedron", "box_polyhedron", "hull_polyhedron", "inner_edges", "triangle_polyhedron"]
+
+FLAT = 1e-9
+"""Share of the size within which facets lie in one plane [1]: quickhull's own facets of one face differ by rounding only."""
+
+
+@dataclass(frozen=True, slots=True)
+class Polyhedron:
+    """A convex polyhedron about the origin of its frame.
+
+    Terms: vertices (n, 3) m; normals (f, 3) outward; loops: the corners of each face, counter-clockwise seen from outside.
+    """
+
+    vertices: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    loops: tuple[tuple[int, ...], ...]
+
+
+def box_polyhedron(half_extents: Sequence[float]) -> Polyhedron:
+    """The eight corners and six faces of a box."""
+    signs = np.array([[1 if k >> axis & 1 else -1 for axis in range(3)] for k in range(8)], float)
+    normals, loops = [], []
+    for axis in range(3):
+        one, two = 1 << (axis + 1) % 3, 1 << (axis + 2) % 3
+        loops += [(0, two, one + two, one), tuple(k + (1 << axis) for k in (0, one, one + two, two))]
+        normals += [-np.eye(3)[axis], np.eye(3)[axis]]
+    return Polyhedron(signs * np.asarray(half_extents, float), np.array(normals), tuple(loops))
+
+
+def hull_polyhedron(vertices: Any) -> Polyhedron:
+    """The convex hull of points (n, 3), coplanar facets merged to one face. Raises: ValueError for points without a volume."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    points = np.asarray(vertices, float)
+    try:
+        hull = ConvexHull(points)
+    except (QhullError, ValueError) as error:
+        raise ValueError("convex hull: the vertices span no volume") from error
+    size = float(np.ptp(points, axis=0).max())
+    facets, planes = hull.simplices, hull.equations
+    kept = np.unique(facets)
+    corners = points[kept]
+    open_facets = list(np.argsort(-_areas(points, facets), kind="stable"))
+    normals: list[NDArray[np.float64]] = []
+    loops: list[tuple[int, ...]] = []
+    while open_facets:
+        first = open_facets[0]
+        n, offset = planes[first, :3], planes[first, 3]
+        on = np.abs(corners @ n + offset) <= FLAT * size
+        mine = [k for k in open_facets if k == first or on[np.searchsorted(kept, facets[k])].all()]
+        open_facets = [k for k in open_facets if k not in set(mine)]
+        ring = np.unique(np.searchsorted(kept, facets[mine]))
+        if any(set(ring.tolist()) <= set(loop) for loop in loops):
+            continue
+        middle = corners[ring].mean(axis=0)
+        u = corners[ring[0]] - middle
+        v = np.cross(n, u)
+        angle = np.arctan2((corners[ring] - middle) @ v, (corners[ring] - middle) @ u)
+        loops.append(tuple(int(k) for k in ring[np.argsort(angle)]))
+        normals.append(n / np.linalg.norm(n))
+    return Polyhedron(corners, np.array(normals), tuple(loops))
+
+
+def _areas(points: NDArray[np.float64], facets: NDArray[Any]) -> NDArray[np.float64]:
+    """Twice the areas of triangles [m2]."""
+    a, b, c = (points[facets[:, k]] for k in range(3))
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1))
+
+
+def triangle_polyhedron(corners: NDArray[np.float64]) -> Polyhedron:
+    """A triangle (3, 3) as a solid without thickness; the first face is the outer one."""
+    n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    n = n / np.linalg.norm(n)
+    return Polyhedron(corners, np.array([n, -n]), ((0, 1, 2), (0, 2, 1)))
+
+
+def inner_edges(vertices: NDArray[np.float64], faces: NDArray[Any]) -> NDArray[np.int64]:
+    """For each triangle, bit k is set where no edge sticks out between its corners k and k + 1: there its neighbour lies in
+    its plane or above it.
+
+    Args: vertices (n, 3) m, faces (m, 3), counter-clockwise seen from outside. Corners at one place are the same corner.
+    """
+    _, same = np.unique(vertices, axis=0, return_inverse=True)
+    ring = np.asarray(same).reshape(-1)[faces]
+    size = float(np.ptp(vertices, axis=0).max())
+    beyond = {(int(t[k]), int(t[(k + 1) % 3])): f for f, t in enumerate(ring) for k in range(3)}
+    bits = np.zeros(len(faces), np.int64)
+    for f, t in enumerate(ring):
+        a, b, c = vertices[faces[f]]
+        n = np.cross(b - a, c - a)
+        n = n / np.linalg.norm(n)
+        for k in range(3):
+            other = beyond.get((int(t[(k + 1) % 3]), int(t[k])))
+            if (
+                other is not None
+                and (((vertices[faces[other]] - a) @ n).max() >= 0.0)
+                and (((vertices[faces[other]] - a) @ n).min() >= -1e-6 * size)
+            ):
+                bits[f] |= 1 << k
+    return bits

@@ -96,9 +96,10 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
         raise SettingsError(str(error)) from error
 
 
-def _resolved(settings: Settings, used: "engine.Options") -> Settings:
+def _resolved(settings: Settings, used: "engine.Options", world: "engine.World") -> Settings:
     """What the engine uses, defaults filled in."""
     filled = {name: getattr(used, name) for name in OPTIONS}
+    filled["broad_phase"] = world.broad_phase
     filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
     return replace(
         settings,
@@ -303,7 +304,7 @@ def _build(scene: Scene, settings: Settings) -> Simulation:
         )
     except engine.NotSupported as error:
         raise Unsupported(error.what, error.why) from error
-    return _Simulation(world, scene, _resolved(settings, options))
+    return _Simulation(world, scene, _resolved(settings, options, world))
 
 
 # --- the adapter ----------------------------------------------------------------------------------

@@ -37,7 +37,12 @@ OLD_POINT: Final = 19
 SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
 SETTING: Final = 21  # (1, 24)
 CLIP: Final = 22  # (32, 8): scratch of the clipping
-FLOAT_TABLES: Final = 23
+FAT: Final = 23  # (shapes, 6): widened bounds, which candidates were found for
+TOUCH: Final = 24  # (pairs of spheres, 16): what the sphere solver sweeps over
+TOUCH_REST: Final = 25  # (pairs of spheres, 16): what it needs less often
+OLD_TOUCH: Final = 26  # (pairs of spheres, 4): impulses of the last step
+MOVER: Final = 27  # (bodies + 1, 12): what the sphere solver reads and writes of a body
+FLOAT_TABLES: Final = 28
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -55,7 +60,11 @@ ORDER: Final = 11  # (shapes, 1): the sorted axis
 EXCLUDED: Final = 12  # (excluded pairs of bodies, 2)
 COUNT: Final = 13  # (1, 16)
 CLIP_KEY: Final = 14  # (32, 2)
-INT_TABLES: Final = 15
+CANDIDATE: Final = 15  # (pairs, 2): pairs whose widened bounds overlap
+TOUCH_KEY: Final = 16  # (pairs of spheres, 6)
+OLD_TOUCH_KEY: Final = 17  # (pairs of spheres, 2)
+PROGRESS: Final = 18  # (1, 8)
+INT_TABLES: Final = 19
 
 # Columns of STATE: position, orientation, velocity, angular velocity.
 P: Final = 0
@@ -199,11 +208,52 @@ RELAXATIONS: Final = 7
 RUNGE_KUTTA: Final = 8
 GYROSCOPIC: Final = 9
 CONTINUOUS: Final = 10
-BROAD: Final = 11  # 0 brute force, 1 sweep and prune
+BROAD: Final = 11  # 0 brute force inside the step, 1 found before it
 MATERIALS: Final = 12
 EXCLUSIONS: Final = 13
 STEPS: Final = 14
 NEW: Final = 15  # manifolds of this step that the last one did not have
+
+# Columns of PROGRESS.
+PAIRS: Final = 0  # in PAIR
+CANDIDATES: Final = 1  # in CANDIDATE; -1 before the first search
+AXIS: Final = 2  # along which the shapes are sorted
+
+# Columns of TOUCH, after the normal.
+T_GAP: Final = 3
+T_NORMAL: Final = 4  # normal impulse
+T_TANGENT: Final = 5  # 3, in W
+T_NORMAL_MASS: Final = 8
+T_TANGENT_MASS: Final = 9
+T_FRICTION: Final = 10  # the coefficient now in force
+T_RADIUS_A: Final = 11
+T_RADIUS_B: Final = 12  # 0 for a plane or a box
+T_BASE: Final = 13  # of a plane or a box: n . p_A + gap, which stays
+
+# Columns of TOUCH_REST.
+R_PLACE: Final = 0  # 3, in W
+R_FIRST_GAP: Final = 3
+R_SUM: Final = 4  # 3: impulse on B over the step
+R_STATIC: Final = 7
+R_KINETIC: Final = 8
+R_RESTITUTION: Final = 9
+R_APPROACH: Final = 10
+R_STRUCK: Final = 11
+R_SPIKE: Final = 12
+R_NORMAL: Final = 13  # 3: at the start of the step
+
+# Columns of TOUCH_KEY.
+K_BODY_A: Final = 0
+K_BODY_B: Final = 1
+K_PAIR: Final = 2  # first shape times the number of shapes, plus second
+K_SLIPS: Final = 3
+K_ROUND: Final = 4  # 1 where B is a sphere too
+K_MOVES: Final = 5  # 1 where B is dynamic
+
+# Columns of MOVER: velocity and angular velocity first.
+M_INV_MASS: Final = 6
+M_INV_INERTIA: Final = 7
+M_PLACE: Final = 8  # 3
 
 
 def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:

@@ -1,4 +1,4 @@
-"""The collision stages of a step, in order: poses, bounds, broad phase, narrow phase with matching, preparation."""
+"""The collision stages of a step, in order: poses, bounds, broad phase unless done, narrow phase with matching, preparation."""
 
 from engine.arena import (
     BODIES,
@@ -24,12 +24,13 @@ from engine.arena import (
     OLD_MANIFOLD,
     OLD_POINT,
     OLD_POINT_KEY,
-    ORDER,
     PAIR,
+    PAIRS,
     PLANE,
     POINT,
     POINT_KEY,
     POSE,
+    PROGRESS,
     SETTING,
     SHAPE,
     SHAPE_KIND,
@@ -41,7 +42,7 @@ from engine.arena import (
     TURNED,
     TYPE,
 )  # fmt: skip
-from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_bounds
+from engine.broad_phase import brute_force, pose_shapes, write_bounds
 from engine.carve import floats_of, ints_of
 from engine.contact_solver import prepare
 from engine.jit import kernel
@@ -69,19 +70,19 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     body, turned = floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     manifold, point = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     kind, shape_kind = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
-    excluded, order, pair = ints_of(ints, EXCLUDED), ints_of(ints, ORDER), ints_of(ints, PAIR)
+    excluded, pair, progress = ints_of(ints, EXCLUDED), ints_of(ints, PAIR), ints_of(ints, PROGRESS)
     key, point_key = ints_of(ints, MANIFOLD_KEY), ints_of(ints, POINT_KEY)
     old, old_point = floats_of(floats, ints, OLD_MANIFOLD), floats_of(floats, ints, OLD_POINT)
     old_key, old_point_key = ints_of(ints, OLD_KEY), ints_of(ints, OLD_POINT_KEY)
     head, following, count = ints_of(ints, HEAD), ints_of(ints, NEXT), ints_of(ints, COUNT)
     surface, materials = floats_of(floats, ints, SURFACE), count[0, MATERIALS]
     shapes, exclusions = count[0, SHAPES], count[0, EXCLUSIONS]
-    pose_shapes(state, shape, shape_kind, shapes, pose)
-    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
     if count[0, BROAD] == 0:
-        pairs = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
+        pose_shapes(state, shape, shape_kind, shapes, pose)
+        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
+        pairs = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, shape, pose, shapes, pair)
     else:
-        pairs = sweep_and_prune(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, order, pair)
+        pairs = progress[0, PAIRS]
     if pairs > pair.shape[0]:
         return 2
     for p in range(pairs):

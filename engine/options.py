@@ -8,7 +8,7 @@ from engine.check import not_negative, positive
 __all__ = ["BROAD_PHASES", "INTEGRATORS", "Options"]
 
 INTEGRATORS = ("semi_implicit_euler", "rk4")
-BROAD_PHASES = ("sweep_and_prune", "brute_force")
+BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +29,7 @@ class Options:
     iterations: int = 2
     relaxations: int = 1
     integrator: str = "semi_implicit_euler"
-    broad_phase: str = "sweep_and_prune"
+    broad_phase: str | None = None
     contact_hertz: float | None = None
     contact_damping_ratio: float = 10.0
     max_push: float = 3.0
@@ -48,7 +48,7 @@ class Options:
             raise ValueError(f"options: relaxations {self.relaxations}, expected at least 0")
         if self.integrator not in INTEGRATORS:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
-        if self.broad_phase not in BROAD_PHASES:
+        if self.broad_phase is not None and self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
         if self.contact_hertz is not None:
             positive("options", "contact_hertz", self.contact_hertz, "Hz")

@@ -17,11 +17,11 @@ class Options:
 
     Terms:
         dt [s]; substeps per dt of contacts and of semi-implicit Euler; iterations: sweeps with the position error; relaxations:
-        sweeps without it; integrator: of bodies that no contact touches; contact_hertz [Hz] (None: as stiff as
-        a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
-        correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
-        a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
-        effects are simulated.
+        sweeps without it; integrator: of bodies that no contact touches; broad_phase (None: by the number of shapes);
+        contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft
+        contact; max_push [m/s]: fastest correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None:
+        four times what gravity gives in a sub-step); margin [m]: contacts are made at least this far ahead; contacts,
+        gyroscopic, continuous: whether these effects are simulated.
     """
 
     dt: float = 1 / 240

@@ -41,7 +41,8 @@ def width(fat: Floats, s: int) -> float:
 @kernel
 def cell_of(fat: Floats, s: int, k: int, side: float) -> int:
     """The cell of the centre of shape s along axis k."""
-    return math.floor(min(max(0.5 * (fat[s, k] + fat[s, k + 3]) / side, -FAR), FAR))
+    middle = 0.5 * float(fat[s, k] + fat[s, k + 3])
+    return math.floor(min(max(middle / side, -FAR), FAR))
 
 
 @kernel

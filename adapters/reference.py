@@ -354,8 +354,9 @@ class _Reference(Adapter):
 
     def version(self) -> str:
         import engine
+        from engine.sources import source_digest
 
-        return engine.__version__
+        return f"{engine.__version__}+{source_digest()[:8]}"
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         return _build(scene, settings)

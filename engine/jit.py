@@ -15,6 +15,8 @@ from typing import Any, TypeVar, cast
 
 import platformdirs
 
+from engine.sources import source_digest
+
 __all__ = ["FLAGS", "cache_directory", "entry", "kernel"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -30,12 +32,8 @@ def cache_directory() -> Path:
     """
     import numba
 
-    digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
-    digest.update(" ".join(sorted(FLAGS)).encode())
-    digest.update(numba.__version__.encode())
+    key = " ".join((source_digest(), *sorted(FLAGS), numba.__version__))
+    digest = hashlib.sha256(key.encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
 

@@ -60,7 +60,10 @@ def _timing(trials: Sequence[Trial], records: Mapping[str, Record], journal: Jou
     due = [
         trial
         for trial in trials
-        if trial.experiment.timing and trial.trial not in journal.timings and records[trial.trial].status in _TIMED
+        if trial.experiment.timing
+        and trial.trial not in journal.timings
+        and trial.trial in records
+        and records[trial.trial].status in _TIMED
     ]
     shuffle, troubles = random.Random(0), list[str]()
     with Progress("timing", len(due)) as progress:

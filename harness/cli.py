@@ -275,11 +275,7 @@ def serve(folder: Path, port: int) -> None:
     from harness.store import Store
     from reports import serve as serve_reports
 
-    serve_reports(Store(folder).folder, port, announce=_say)
-
-
-def _say(message: str) -> None:
-    click.echo(message)
+    serve_reports(Store(folder).folder, port, announce=click.echo)
 
 
 @main.command()

@@ -26,7 +26,7 @@ from harness.record import Sample, Timing
 from harness.study import Trial
 from harness.worker import confine, context
 
-__all__ = ["clock_group", "clock_steps", "summarise"]
+__all__ = ["Clocked", "clock_group", "clock_steps", "summarise"]
 
 _LONGEST = 10.0
 """A single run of a scene is cut off after this many times the sample's length."""
@@ -100,14 +100,20 @@ def _calibrate(build: Callable[[], Simulation], whole: int, seconds: float) -> _
 
 
 @dataclass(slots=True)
-class _Clocked:
-    """The parent's end of one child."""
+class Clocked:
+    """The parent's end of one child that gives samples when it is asked."""
 
     trial: Trial
     process: BaseProcess
     pipe: Connection
     plan: _Plan | None = None
     trouble: str = ""
+
+    def sample(self, block: int, seconds: float) -> object:
+        """The message that answers a block's number, or None as `answer`; a child that died while it waited is trouble too."""
+        with contextlib.suppress(BrokenPipeError, ConnectionError):
+            self.pipe.send(block)
+        return self.answer(seconds)
 
     def answer(self, seconds: float) -> object:
         """The next message, or None with `trouble` set after death, an exception or the deadline."""
@@ -168,14 +174,14 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "") -> Timing
     )
 
 
-def _start(trial: Trial, folder: Path, core: int | None) -> _Clocked:
+def _start(trial: Trial, folder: Path, core: int | None) -> Clocked:
     forkserver = context()
     ours, theirs = forkserver.Pipe()
     log = folder / f".timing-{trial.trial}.log"
     process = forkserver.Process(target=_child, args=(theirs, trial, core, log), daemon=True)
     process.start()
     theirs.close()
-    return _Clocked(trial, process, ours)
+    return Clocked(trial, process, ours)
 
 
 def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -> Iterator[Timing]:
@@ -193,8 +199,7 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
             for block in range(experiment.samples):
                 ready = [child for child in children if not child.trouble]
                 for child in shuffle.sample(ready, len(ready)):
-                    child.pipe.send(block)
-                    message = child.answer(experiment.deadline)
+                    message = child.sample(block, experiment.deadline)
                     if isinstance(message, tuple):
                         _, steps, cpu, wall, canary, switches = message
                         samples[child.trial.trial].append(

@@ -42,15 +42,17 @@ def _place(document: Any, path: tuple[str | int, ...]) -> str:
     """A path into the document in words: indices become the names of the elements where they have one."""
     words: list[str] = []
     here = document
-    for part in path:
+    for depth, part in enumerate(path):
+        if isinstance(here, dict) and part not in here and depth < len(path) - 1:
+            continue  # the tag of a union, which pydantic puts between a field and what stands in it
         try:
             here = here[part]
         except (KeyError, IndexError, TypeError):
             here = None
-        if isinstance(part, int):
+        if isinstance(part, int) and words:
             name = here.get("name") if isinstance(here, dict) else None
             words[-1] += f"[{part}]" + (f" '{name}'" if isinstance(name, str) else "")
-        elif not (isinstance(here, type(None)) and part in {"sphere", "box", "capsule", "cylinder", "plane"}):
+        else:
             words.append(str(part))
     return " > ".join(words)
 

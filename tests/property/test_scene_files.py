@@ -164,6 +164,12 @@ BROKEN = {
     "duplicate name": ('name = "ground"', 'name = "ball"', ("body 'ball'", "name", "2 times")),
     "unknown field": ("mass = 1.0", "mas = 1.0", ("bodies[0] 'ball'", "mas")),
     "unknown shape": ('type = "sphere"', 'type = "spere"', ("bodies[0] 'ball'", "shape", "spere")),
+    "broken limits": (
+        "axis_W = [0.0, 1.0, 0.0]",
+        "axis_W = [0.0, 1.0, 0.0]\nlimits = { lower = nan }",
+        ("joints[0] 'hinge' > limits > lower", "nan"),
+    ),
+    "broken sphere": ("radius = 0.1", "radius = -0.1", ("bodies[0] 'ball' > collision[0] > shape > radius", "-0.1")),
     "no toml": ("mass = 1.0", "mass = = 1.0", ("not readable",)),
 }
 

@@ -1,9 +1,10 @@
 """The clock: its statistics are what they claim on samples whose answer is known; no time is asserted."""
 
 import dataclasses
+import multiprocessing
 
 from harness.adapter import Settings
-from harness.clock import summarise
+from harness.clock import Clocked, summarise
 from harness.record import Sample
 from harness.study import Experiment, Trial
 
@@ -55,3 +56,15 @@ def test_no_sample_is_said_and_not_made_up() -> None:
     timing = summarise(TRIAL, [], "process ended with exit code -11")
     assert timing.cpu_per_sim_s is None
     assert "exit code -11" in timing.note
+
+
+def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
+    ours, theirs = multiprocessing.Pipe()
+    process = multiprocessing.get_context("spawn").Process(target=int)
+    process.start()
+    process.join()
+    theirs.close()
+    child = Clocked(TRIAL, process, ours)
+    assert child.sample(0, 1.0) is None
+    assert "exit code 0" in child.trouble
+    child.stop()

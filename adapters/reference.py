@@ -67,9 +67,22 @@ OPTIONS: Mapping[str, type] = {
     "max_push": float,
     "bounce_speed": float,
     "margin": float,
+    "threads": int,
+    "sleeping": bool,
+    "sleep_speed": float,
+    "sleep_time": float,
 }
 
-SWEPT = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push")
+SWEPT = (
+    "relaxations",
+    "contact_hertz",
+    "contact_damping_ratio",
+    "max_push",
+    "threads",
+    "sleeping",
+    "sleep_speed",
+    "sleep_time",
+)
 """Options of the soft solver alone."""
 
 # --- settings -------------------------------------------------------------------------------------
@@ -98,7 +111,7 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
             raise SettingsError(f"settings: option '{name}' is unknown, expected one of {', '.join(OPTIONS)}")
         if exact and name in SWEPT:
             raise SettingsError(f"settings: option '{name}' belongs to the solver '{SOLVER}', '{EXACT}' has no use for it")
-        if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else kind):
+        if isinstance(value, bool) != (kind is bool) or not isinstance(value, (int, float) if kind is float else kind):
             raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
         chosen[name] = value
     effects = scene.effects
@@ -128,6 +141,8 @@ def _resolved(settings: Settings, used: "engine.Options") -> Settings:
     filled = {name: getattr(used, name) for name in OPTIONS}
     filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
     filled["step_tolerance"] = used.used_step_tolerance
+    if not used.sleeping:
+        del filled["sleep_speed"], filled["sleep_time"]
     return replace(
         settings,
         substeps=used.substeps,

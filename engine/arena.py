@@ -44,7 +44,17 @@ CONVEX_POINT: Final = 26  # (4 pairs, 32): their points, as POINT
 SIMPLEX: Final = 27  # (corners and faces, 10): scratch of GJK and EPA
 POLYGON: Final = 28  # (three polygons, 3): scratch of the clipping of features
 PRINCIPAL: Final = 29  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
-FLOAT_TABLES: Final = 30
+LOCAL_STATE: Final = 30  # (locals, 13): the bodies of every island beside each other, fixed ones once for each island
+LOCAL_BODY: Final = 31  # (locals, 18)
+LOCAL_TURNED: Final = 32  # (locals, 6)
+LOCAL_LOAD: Final = 33  # (locals, 6)
+LOCAL_JOINT: Final = 34  # (joints, 40)
+CALM: Final = 35  # (bodies + 1, 1): for how long [s] a body has been slow
+REMEMBERED: Final = 36  # (bodies + 1, 19): state and load of asleep and fixed bodies, to notice a change from outside
+RESTING_MANIFOLD: Final = 37  # (pairs, 20): contacts of asleep islands
+RESTING_POINT: Final = 38  # (4 pairs, 32)
+SLEEP: Final = 39  # (1, 2)
+FLOAT_TABLES: Final = 40
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -69,7 +79,17 @@ CONVEX_KEY: Final = 18  # (pairs, 1): number of points
 CONVEX_POINT_KEY: Final = 19  # (4 pairs, 2)
 SIMPLEX_KEY: Final = 20  # (corners and faces, 6)
 POLYGON_KEY: Final = 21  # (three polygons, 1)
-INT_TABLES: Final = 22
+ISLAND: Final = 22  # (bodies + 1, 8) where islands are wanted, or no rows
+SPAN_OF_ISLAND: Final = 23  # (bodies + 2, 10): where each island begins in the lists below
+GROUPED: Final = 24  # (pairs, 1): manifolds, island by island
+GROUPED_JOINT: Final = 25  # (joints, 1)
+LOCAL_KIND: Final = 26  # (locals, 4)
+LOCAL_OWNER: Final = 27  # (locals, 1): body
+LOCAL_JOINT_KIND: Final = 28  # (joints, 6)
+RESTING_KEY: Final = 29  # (pairs, 8)
+RESTING_POINT_KEY: Final = 30  # (4 pairs, 2)
+TALLY: Final = 31  # (1, 8)
+INT_TABLES: Final = 32
 
 # Columns of POLYHEDRON.
 FIRST_VERTEX: Final = 0
@@ -104,6 +124,40 @@ TOUCHED: Final = 1  # 1 where contacts or joints act in this step
 STATIC: Final = 0
 KINEMATIC: Final = 1
 DYNAMIC: Final = 2
+
+# Columns of ISLAND.
+ROOT: Final = 0  # parent in the forest of union-find
+NUMBER: Final = 1  # of the body's island, -1 for bodies that do not move
+MEMBER: Final = 2  # not of this body: the touched bodies, island by island
+STAMP: Final = 3  # scratch
+LOCAL: Final = 4  # row of the body in the island that was written last
+ASLEEP: Final = 5  # 0 awake, else 1 + the lowest body of the island that fell asleep together
+WAKES: Final = 6  # 1 at the lowest body of an island that is to wake
+RESTLESS: Final = 7  # 1 for a static or kinematic body that moves
+
+# Columns of SPAN_OF_ISLAND, beside STAMP.
+FIRST_BODY: Final = 0
+FIRST_MANIFOLD: Final = 1
+FIRST_JOINT: Final = 2
+FIRST_LOCAL: Final = 4
+FIRST_ROW: Final = 5
+HIT: Final = 6  # 1 if a surface with restitution was struck in this sub-step
+UNEASY: Final = 7  # bodies that are not slow, or not for long
+ROWS: Final = 8
+EQUALITIES: Final = 9
+
+# Columns of SLEEP.
+SLEEP_SPEED: Final = 0
+SLEEP_TIME: Final = 1  # 0 where nothing sleeps
+
+# Columns of TALLY.
+ISLANDS: Final = 0
+ELASTIC: Final = 1  # 1 if any manifold of this step has restitution
+AROUSED: Final = 2  # new manifolds, over all searches of one step
+RESTING: Final = 3  # manifolds of asleep islands
+AWAKE: Final = 4  # dynamic bodies that are awake
+RESTLESS_BODIES: Final = 5
+THREADS: Final = 6
 
 # Columns of SHAPE.
 OFFSET: Final = 0  # 3, in B

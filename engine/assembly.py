@@ -57,15 +57,16 @@ def assemble_world(
         if not joint.collide and joint.parent in index and joint.child in index
     ]
     float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
+    island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options)
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 6),
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32),
         (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
-        (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
+        (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8), *island_float_rooms,
     ]  # fmt: skip
     int_shapes = [
         (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2),
-        (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 18), (32, 2), *int_rooms,
+        (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 18), (32, 2), *int_rooms, *island_int_rooms,
     ]  # fmt: skip
     floats, ints = new_arena(float_shapes, int_shapes)
     _write_bodies(floats, ints, bodies)
@@ -110,6 +111,9 @@ def assemble_world(
     count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), int(options.continuous)
     count[at.BROAD] = int(options.broad_phase == BROAD_PHASES[0])
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
+    int_table(ints, at.TALLY)[0, at.THREADS] = options.threads
+    if options.sleeping:
+        float_table(floats, ints, at.SLEEP)[0] = options.sleep_speed, options.sleep_time
     return floats, ints
 
 
@@ -125,6 +129,26 @@ def _convex_rooms(
         [(vertices, 3), (faces, 3), (pairs, 3), (4 * pairs, 32), (work, 10), (polygon, 3)],
         [(shapes, 5), (faces, 2), (corners, 1), (pairs, 1), (4 * pairs, 2), (work, 6), (polygon, 1)],
     )
+
+
+def _island_rooms(
+    bodies: int, joints: int, pairs: int, options: Options
+) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+    """Rows and columns of the tables of islands and of sleep, empty where a world has none."""
+    wanted = options.threads > 1 or options.sleeping
+    members, spans, owners = (bodies + 1, bodies + 2, bodies + 1 + pairs + 2 * joints) if wanted else (0, 0, 0)
+    links, ties = (pairs, joints) if wanted else (0, 0)
+    sleepers, rests = (bodies + 1, pairs) if options.sleeping else (0, 0)
+    return (
+        [
+            (owners, 13), (owners, 18), (owners, 6), (owners, 6), (ties, 40), (sleepers, 1), (sleepers, 19), (rests, 20),
+            (4 * rests, 32), (1, 2),
+        ],
+        [
+            (members, 8), (spans, 10), (links, 1), (ties, 1), (owners, 4), (owners, 1), (ties, 6), (rests, 8), (4 * rests, 2),
+            (1, 8),
+        ],
+    )  # fmt: skip
 
 
 def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
@@ -223,8 +247,10 @@ def _write_joint(
 def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
     """The same world in an arena with room for twice as many pairs."""
     by_pair = {at.MANIFOLD, at.POINT, at.OLD_MANIFOLD, at.OLD_POINT, at.CONVEX_NORMAL, at.CONVEX_POINT}
+    by_pair |= {at.LOCAL_STATE, at.LOCAL_BODY, at.LOCAL_TURNED, at.LOCAL_LOAD, at.RESTING_MANIFOLD, at.RESTING_POINT}
     ints_by_pair = {at.PAIR, at.MANIFOLD_KEY, at.POINT_KEY, at.OLD_KEY, at.OLD_POINT_KEY, at.NEXT}
     ints_by_pair |= {at.CONVEX_KEY, at.CONVEX_POINT_KEY}
+    ints_by_pair |= {at.GROUPED, at.LOCAL_KIND, at.LOCAL_OWNER, at.RESTING_KEY, at.RESTING_POINT_KEY}
     old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
     old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
     new_floats, new_ints = new_arena(

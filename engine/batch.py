@@ -29,7 +29,8 @@ class Batch:
     A world in a batch ends with the same bits as alone, on any number of threads.
 
     Args:
-        worlds: of any kinds, with the same number of bodies; they are copied. threads: how many run at once at most.
+        worlds: of any kinds, with the same number of bodies; they are copied. threads: how many run at once at most, of those
+        that Numba was started with (NUMBA_NUM_THREADS).
     Raises: ValueError for no world, for worlds of other numbers of bodies, and for worlds with threads of their own;
         NotSupported for the exact solver.
     """
@@ -43,6 +44,8 @@ class Batch:
         for k, world in enumerate(worlds):
             if len(world.state()) != self._bodies:
                 raise ValueError(f"batch: world {k} has {len(world.state())} bodies, expected {self._bodies} as world 0")
+            if world.options.threads > 1:
+                raise ValueError(f"batch: world {k} has {world.options.threads} threads, expected 1: a batch has its own")
             if world.certificate is not None:
                 raise NotSupported("a batch of worlds with the solver 'exact'", "it does not run in one compiled step")
         self._threads = threads

@@ -34,7 +34,11 @@ class Options:
         correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
         a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
         effects are simulated; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations,
-        relaxations and springs, down to the relative residual `tolerance`.
+        relaxations and springs, down to the relative residual `tolerance`; threads: how many, of those
+        that Numba was started with, work at once on the islands of a world with contact, which changes no bit of the answer;
+        sleeping: whether an island of which all bodies have been slower than sleep_speed [m/s] for sleep_time [s] stands still
+        until something outside of it changes, where sqrt(2 E / m) of the kinetic energy E is a body's speed; it errs by up to
+        sleep_speed in velocity, and keeps down what accelerates by less than sleep_speed / sleep_time.
     """
 
     dt: float = 1 / 240
@@ -54,6 +58,10 @@ class Options:
     continuous: bool = False
     solver: str = "tgs_soft"
     tolerance: float = 1e-11
+    threads: int = 1
+    sleeping: bool = False
+    sleep_speed: float = 1e-3
+    sleep_time: float = 0.5
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
@@ -84,6 +92,11 @@ class Options:
         not_negative("options", "margin", self.margin, "m")
         if self.bounce_speed is not None and not (math.isfinite(self.bounce_speed) and self.bounce_speed >= 0):
             raise ValueError(f"options: bounce_speed {self.bounce_speed} m/s, expected at least 0")
+
+        if self.threads < 1:
+            raise ValueError(f"options: threads {self.threads}, expected at least 1")
+        positive("options", "sleep_speed", self.sleep_speed, "m/s")
+        positive("options", "sleep_time", self.sleep_time, "s")
 
     @property
     def used_step_tolerance(self) -> float | None:

@@ -84,10 +84,12 @@ class World:
         self.jointed = bool(joints)
         self._exact = None
         if self.touching and self.options.solver == "exact":
+            if self.options.sleeping:
+                raise NotSupported("sleep", "the exact solver knows no islands")
             from engine.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options.integrator)
+        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options)
 
     @property
     def certificate(self) -> "Certificate | None":
@@ -130,6 +132,12 @@ class World:
         """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step."""
         return float_table(self._floats, self._ints, at.STATE)[:-1]
 
+    def asleep(self) -> NDArray[np.bool_]:
+        """Which bodies (n,) sleep."""
+        if not (self.touching and self.options.sleeping):
+            return np.zeros(len(self._names), bool)
+        return int_table(self._ints, at.ISLAND)[:-1, at.ASLEEP] > 0
+
     def set_load(self, f_B_W: Any, tau_B_W: Any) -> None:
         """Apply forces (n, 3) N at the centres of mass and torques (n, 3) N m, in W, from now on. Raises: ValueError."""
         n = len(self._names)
@@ -159,8 +167,14 @@ class World:
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
         key = int_table(self._ints, at.MANIFOLD_KEY)[:count]
         manifold = float_table(self._floats, self._ints, at.MANIFOLD)[:count]
-        rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
-        point = float_table(self._floats, self._ints, at.POINT)[rows]
+        point = float_table(self._floats, self._ints, at.POINT)[: 4 * count]
+        resting = int(int_table(self._ints, at.TALLY)[0, at.RESTING])
+        if resting > 0:
+            key = np.vstack((key, int_table(self._ints, at.RESTING_KEY)[:resting]))
+            manifold = np.vstack((manifold, float_table(self._floats, self._ints, at.RESTING_MANIFOLD)[:resting]))
+            point = np.vstack((point, float_table(self._floats, self._ints, at.RESTING_POINT)[: 4 * resting]))
+        rows = np.array([4 * m + k for m in range(count + resting) for k in range(key[m, at.POINTS])], np.int64)
+        point = point[rows]
         near = point[:, at.FIRST_GAP] <= self.options.margin
         hit = near | (np.abs(point[:, at.SUM : at.SUM + 3]).max(axis=1, initial=0.0) > 0.0)
         rows, point = rows[hit], point[hit]
@@ -220,8 +234,9 @@ def _may_touch(bodies: Sequence[Body]) -> bool:
     return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
 
 
-def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
+def _choose_step(touching: bool, jointed: bool, options: Options) -> Step:
     """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
+    integrator = options.integrator
     if integrator in FREE_INTEGRATORS:
         if touching or jointed:
             raise NotSupported(
@@ -229,6 +244,17 @@ def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
                 "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
             )
         return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
+    if touching and (options.sleeping or options.threads > 1):
+        if jointed:
+            from engine import steps_islands_jointed
+
+            parallel = options.threads > 1
+            return (
+                steps_islands_jointed.step_islands_jointed_parallel if parallel else steps_islands_jointed.step_islands_jointed
+            )
+        from engine import steps_islands
+
+        return steps_islands.step_islands_parallel if options.threads > 1 else steps_islands.step_islands
     if touching and jointed:
         from engine.steps_contact_jointed import step_contact_jointed
 

@@ -134,6 +134,8 @@ def test_batches_refuse_what_they_cannot_advance() -> None:
         engine.Batch([])
     with pytest.raises(ValueError, match="world 1 has 2 bodies, expected 1"):
         engine.Batch([one, two])
+    with pytest.raises(ValueError, match="world 1 has 3 threads"):
+        engine.Batch([one, engine.World([engine.Body()], options=engine.Options(threads=3))])
     with pytest.raises(ValueError, match="threads 0"):
         engine.Batch([one], threads=0)
     with pytest.raises(ValueError, match="step count -1"):

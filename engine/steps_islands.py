@@ -1,0 +1,61 @@
+"""Steps of worlds with contact, without joints, island by island: one after the other, or on several threads."""
+
+from numba import prange
+
+from engine.arena import COUNT, ISLANDS, SPAN_OF_ISLAND, SUBSTEPS, TALLY, THREADS
+from engine.carve import ints_of
+from engine.island_contacts import advance_island
+from engine.island_stages import any_hit, begin_islands, end_islands, skip_sleep, stages_at_once
+from engine.islands import share
+from engine.jit import entry, parallel_entry
+from engine.vec import Floats, Ints
+
+__all__ = ["step_islands", "step_islands_parallel"]
+
+
+@entry
+def step_islands(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance bodies in contact, one island after the other. Returns: as `step_contact`."""
+    stages, tally = ints_of(ints, COUNT)[0, SUBSTEPS] + 1, ints_of(ints, TALLY)
+    for step in range(steps):
+        if skip_sleep(floats, ints, steps - step):
+            return steps, 0
+        status = begin_islands(floats, ints)
+        if status != 0:
+            return step, status
+        hit, some = 0, stages_at_once(ints)
+        for first in range(0, stages, some):
+            for i in range(tally[0, ISLANDS]):
+                for stage in range(first, first + some):
+                    advance_island(floats, ints, i, stage, hit)
+            hit = any_hit(ints) if some == 1 else 0
+        status = end_islands(floats, ints)
+        if status != 0:
+            return step + 1, status
+    return steps, 0
+
+
+@parallel_entry
+def step_islands_parallel(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """As `step_islands`, to the last bit, with neighbouring islands of about as many contacts on each thread.
+
+    A bounce anywhere gives all islands more sweeps, so where surfaces bounce the threads meet in every sub-step.
+    """
+    stages, tally, span = ints_of(ints, COUNT)[0, SUBSTEPS] + 1, ints_of(ints, TALLY), ints_of(ints, SPAN_OF_ISLAND)
+    for step in range(steps):
+        if skip_sleep(floats, ints, steps - step):
+            return steps, 0
+        status = begin_islands(floats, ints)
+        if status != 0:
+            return step, status
+        hit, some = 0, stages_at_once(ints)
+        for first in range(0, stages, some):
+            for t in prange(tally[0, THREADS]):
+                for i in range(share(span, tally, t), share(span, tally, t + 1)):
+                    for stage in range(first, first + some):
+                        advance_island(floats, ints, i, stage, hit)
+            hit = any_hit(ints) if some == 1 else 0
+        status = end_islands(floats, ints)
+        if status != 0:
+            return step + 1, status
+    return steps, 0

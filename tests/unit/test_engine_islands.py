@@ -1,0 +1,119 @@
+"""Islands: connected components as another program finds them, and solved on threads with the same bits."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components as scipy_components
+
+import engine
+from engine import arena as at
+from engine.islands import connected_components
+
+GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
+
+
+def islands_of(links: np.ndarray, movable: np.ndarray) -> tuple[int, np.ndarray]:
+    """How many islands there are, and that of each body."""
+    kind = np.zeros((len(movable), 4), np.int64)
+    kind[:, at.MOTION] = np.where(movable, at.DYNAMIC, at.STATIC)
+    island = np.zeros((len(movable), 8), np.int64)
+    return int(connected_components(np.asarray(links, np.int64).reshape(-1, 2), kind, island)), island[:, at.NUMBER]
+
+
+def test_islands_by_hand() -> None:
+    """0-2 and 4-5 touch; 1 is alone; 3 is the ground, on which 2 and 4 stand without being joined by it."""
+    count, number = islands_of(np.array([[2, 0], [3, 2], [4, 3], [5, 4]]), np.array([True, True, True, False, True, True]))
+    assert count == 3
+    assert number.tolist() == [0, 1, 0, -1, 2, 2]
+
+
+@pytest.mark.parametrize("links", [0, 40, 90, 140, 400])
+def test_islands_are_the_connected_components_that_scipy_finds(links: int) -> None:
+    """Random graphs from many islands to one; a quarter of the bodies is fixed and joins nothing."""
+    rng = np.random.default_rng(links)
+    for _ in range(20):
+        movable = rng.random(120) < 0.75
+        pairs = rng.integers(0, 120, (links, 2))
+        count, number = islands_of(pairs, movable)
+        both = pairs[movable[pairs].all(axis=1)]
+        graph = coo_array((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(120, 120))
+        _, label = scipy_components(graph, directed=False)
+        assert (number[~movable] == -1).all()
+        same = number[movable][:, None] == number[movable][None, :]
+        assert np.array_equal(same, label[movable][:, None] == label[movable][None, :])
+        lowest = [np.flatnonzero(number == i)[0] for i in range(count)]
+        assert lowest == sorted(lowest)
+
+
+def stacks(count: int, restitution: float = 0.0, tied: bool = False, **options: object) -> engine.World:
+    """`count` stacks of two boxes and a ball, set down a little askew; where tied, ball and upper box hang together."""
+    inertia, bodies, joints = 0.04 / 6 * np.eye(3), [GROUND], []
+    for i in range(count):
+        for k in range(3):
+            shape = engine.Sphere(0.1) if k == 2 else engine.Box((0.1, 0.1, 0.1))
+            place = (0.5 * i + 0.01 * k, 0.003 * i * k, 0.1 + 0.2 * k + 0.001 * i * (k + 1))
+            bodies.append(engine.Body(name=f"{i}-{k}", inertia=inertia, shapes=[engine.Placed(shape)], p_WB=place))
+        if tied:
+            tie = engine.Distance(
+                name=f"tie {i}", parent=f"{i}-1", child=f"{i}-2", anchor_W=tuple(bodies[-2].p_WB),
+                child_anchor_W=tuple(bodies[-1].p_WB),
+            )  # fmt: skip
+            joints.append(tie)
+    law = engine.Surface(static_friction=0.6, kinetic_friction=0.5, restitution=restitution)
+    return engine.World(bodies, joints, {("default", "default"): law}, options=engine.Options(**options))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("tied", [False, True])
+@pytest.mark.parametrize("restitution", [0.0, 0.4])
+def test_islands_solved_apart_end_with_the_bits_of_all_solved_together(restitution: float, tied: bool) -> None:
+    """Islands share no body that moves, so the order in which they are swept cannot matter; none has time to sleep here."""
+    together, apart = stacks(6, restitution, tied), stacks(6, restitution, tied, sleeping=True, sleep_time=1e6)
+    together.step(200)
+    apart.step(200)
+    assert np.array_equal(together.state(), apart.state())
+    for name in ("bodies", "point", "normal", "gap", "force"):
+        assert np.array_equal(getattr(together.contacts(), name), getattr(apart.contacts(), name))
+
+
+THREADS = """
+import hashlib, sys
+sys.path.insert(0, sys.argv[1])
+from test_engine_islands import stacks
+for threads in (1, 2, 4):
+    world = stacks(30, float(sys.argv[2]), sys.argv[3] == "True", threads=threads)
+    world.step(500)
+    print(hashlib.sha256(world.state().tobytes() + world.contacts().force.tobytes()).hexdigest())
+"""
+
+
+@pytest.mark.parametrize(("restitution", "tied"), [(0.0, False), (0.4, False), (0.4, True)])
+def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restitution: float, tied: bool) -> None:
+    """Four threads exist in a process that is told so, however many cores there are."""
+    told = os.environ | {"NUMBA_NUM_THREADS": "4"}
+    given = [sys.executable, "-c", THREADS, str(Path(__file__).parent), str(restitution), str(tied)]
+    said = subprocess.run(given, check=True, capture_output=True, text=True, env=told).stdout.split()
+    assert len(said) == 3
+    assert len(set(said)) == 1
+
+
+def test_one_thread_compiles_nothing_parallel() -> None:
+    """A world of one thread never loads the module of islands."""
+    code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('engine.steps_islands' in sys.modules)"
+    given = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}"]
+    assert subprocess.run(given, check=True, capture_output=True, text=True).stdout.split() == ["False"]
+
+
+def test_options_of_islands_are_checked() -> None:
+    with pytest.raises(ValueError, match="threads 0, expected at least 1"):
+        engine.Options(threads=0)
+    with pytest.raises(ValueError, match=r"sleep_speed 0.0 m/s"):
+        engine.Options(sleep_speed=0.0)
+    with pytest.raises(ValueError, match=r"sleep_time -1.0 s"):
+        engine.Options(sleep_time=-1.0)
+    with pytest.raises(engine.NotSupported, match="sleep"):
+        stacks(1, solver="exact", sleeping=True)

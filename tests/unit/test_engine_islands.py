@@ -68,6 +68,7 @@ def stacks(count: int, restitution: float = 0.0, tied: bool = False, **options: 
     return engine.World(bodies, joints, {("default", "default"): law}, options=engine.Options(**options))  # type: ignore[arg-type]
 
 
+@pytest.mark.timeout(1200)
 @pytest.mark.parametrize("tied", [False, True])
 @pytest.mark.parametrize("restitution", [0.0, 0.4])
 def test_islands_solved_apart_end_with_the_bits_of_all_solved_together(restitution: float, tied: bool) -> None:
@@ -91,7 +92,8 @@ for threads in (1, 2, 4):
 """
 
 
-@pytest.mark.parametrize(("restitution", "tied"), [(0.0, False), (0.4, False), (0.4, True)])
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize(("restitution", "tied"), [(0.0, False), (0.4, False), pytest.param(0.4, True, marks=pytest.mark.slow)])
 def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restitution: float, tied: bool) -> None:
     """Four threads exist in a process that is told so, however many cores there are."""
     told = os.environ | {"NUMBA_NUM_THREADS": "4"}

@@ -1,0 +1,114 @@
+"""Where the reference engine takes five worlds, as hashes of their last states, for each kind of machine that has been asked.
+
+The bits depend on the processor, which may or may not fuse a product and a sum, and on the compiler, so a hash holds for one
+processor, one Numba and one LLVM. After an intended change of the engine, renew those of this machine by
+
+    python tests/golden/engine_states.py
+
+and say in the commit what changed them; hashes of other machines are dropped then, for they are of the old engine.
+"""
+
+import hashlib
+import json
+import platform
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import engine
+
+FILE = Path(__file__).parent / "engine_states.json"
+STEPS = 240
+GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
+ROUGH = {("default", "default"): engine.Surface(static_friction=0.6, kinetic_friction=0.5, restitution=0.2)}
+
+
+def machine() -> str:
+    """The processor with a digest of its features, and the versions of Numba and LLVM."""
+    import llvmlite.binding as llvm
+    import numba
+
+    features = hashlib.sha256(llvm.get_host_cpu_features().flatten().encode()).hexdigest()[:8]
+    versions = f"numba {numba.__version__}, LLVM {'.'.join(map(str, llvm.llvm_version_info))}"
+    return f"{platform.machine()} {llvm.get_host_cpu_name()} {features}, {versions}"
+
+
+def free_box(threads: int) -> engine.World:
+    """A box that spins about its middle axis."""
+    body = engine.Body(inertia=np.diag([1.0, 2.0, 3.0]), w_WB=(0.01, 5.0, 0.02), v_WB=(1.0, 0.5, 3.0))
+    return engine.World([body], options=engine.Options(threads=threads))
+
+
+def stack(threads: int) -> engine.World:
+    """Two stacks of boxes, set down askew."""
+    bodies = [
+        engine.Body(
+            name=f"{i}-{k}", inertia=0.04 / 6 * np.eye(3), shapes=[engine.Placed(engine.Box((0.1, 0.1, 0.1)))],
+            p_WB=(i + 0.01 * k, 0, 0.101 + 0.201 * k),
+        )
+        for i in range(2)
+        for k in range(5)
+    ]  # fmt: skip
+    return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(threads=threads))
+
+
+def pile(threads: int) -> engine.World:
+    """A heap of every shape beside another."""
+    rng = np.random.default_rng(5)
+    wedge = engine.ConvexHull([(-0.1, -0.1, -0.08), (0.1, -0.1, -0.08), (0, 0.12, -0.08), (0, 0, 0.12)])
+    shapes = (engine.Sphere(0.1), engine.Box((0.1, 0.08, 0.12)), engine.Capsule(0.06, 0.1), engine.Cylinder(0.08, 0.1), wedge)
+    bodies = [
+        engine.Body(
+            name=f"b{k}", inertia=np.diag([0.01, 0.012, 0.014]), shapes=[engine.Placed(shapes[k % 5])], q_WB=rng.normal(size=4),
+            p_WB=(3.0 * (k % 2) + rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), 0.2 + 0.12 * k),
+        )
+        for k in range(10)
+    ]  # fmt: skip
+    return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(threads=threads))
+
+
+def chain(threads: int) -> engine.World:
+    """A chain of five links that swings from the horizontal."""
+    links = [engine.Body(name=f"b{k}", inertia=0.01 * np.eye(3), p_WB=(0.2 * k + 0.1, 0, 0)) for k in range(5)]
+    ends = [engine.WORLD, *(body.name for body in links)]
+    joints = [
+        engine.Revolute(name=f"j{k}", parent=ends[k], child=ends[k + 1], anchor_W=(0.2 * k, 0, 0), axis_W=(0, 1, 0.1 * k))
+        for k in range(5)
+    ]
+    return engine.World(links, joints, options=engine.Options(threads=threads))
+
+
+def spheres(threads: int) -> engine.World:
+    """Thirty balls that fall into two heaps."""
+    rng = np.random.default_rng(11)
+    bodies = [
+        engine.Body(
+            name=f"b{k}", inertia=0.004 * np.eye(3), shapes=[engine.Placed(engine.Sphere(0.1))],
+            p_WB=(4.0 * (k % 2) + rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2), 0.15 + 0.1 * k),
+        )
+        for k in range(30)
+    ]  # fmt: skip
+    return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(threads=threads))
+
+
+WORLDS: dict[str, Callable[[int], engine.World]] = {
+    build.__name__: build for build in (free_box, stack, pile, chain, spheres)
+}  # fmt: skip
+
+
+def last_state(name: str, threads: int) -> str:
+    """The hash of the state of a world after a second."""
+    world = WORLDS[name](threads)
+    world.step(STEPS)
+    return hashlib.sha256(world.state().tobytes()).hexdigest()
+
+
+def known() -> dict[str, dict[str, str]]:
+    """The hashes of each world on each machine."""
+    stored: dict[str, dict[str, str]] = json.loads(FILE.read_text())
+    return stored
+
+
+if __name__ == "__main__":
+    FILE.write_text(json.dumps({machine(): {name: last_state(name, 1) for name in WORLDS}}, indent=2) + "\n")

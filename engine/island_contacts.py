@@ -98,13 +98,15 @@ def take_island(floats: Floats, ints: Ints, i: int) -> None:
     manifold, point, key = contacts_of(floats, ints, i)
     span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
     first = span[i, FIRST_LOCAL]
+    all_states, all_bodies, all_kinds = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), ints_of(ints, BODY_KIND)
+    all_turned, all_loads = floats_of(floats, ints, TURNED), floats_of(floats, ints, LOAD)
     for r in range(state.shape[0]):
         b = owner[first + r, 0]
-        copy_row(floats_of(floats, ints, STATE), b, state, r)
-        copy_row(floats_of(floats, ints, BODY), b, body, r)
-        copy_row(floats_of(floats, ints, TURNED), b, turned, r)
-        copy_row(floats_of(floats, ints, LOAD), b, load, r)
-        copy_row(ints_of(ints, BODY_KIND), b, kind, r)
+        copy_row(all_states, b, state, r)
+        copy_row(all_bodies, b, body, r)
+        copy_row(all_turned, b, turned, r)
+        copy_row(all_loads, b, load, r)
+        copy_row(all_kinds, b, kind, r)
     all_manifolds, all_points = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     all_keys = ints_of(ints, MANIFOLD_KEY)
     first = span[i, FIRST_MANIFOLD]
@@ -119,17 +121,14 @@ def take_island(floats: Floats, ints: Ints, i: int) -> None:
 
 
 @kernel
-def press_island(floats: Floats, ints: Ints, i: int, substep: int) -> bool:
-    """Kick, solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
-    state, body, turned, load, kind = bodies_of(floats, ints, i)
-    if state.shape[0] == 0:
-        return False
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+def press_island(
+    state: Floats, body: Floats, turned: Floats, load: Floats, kind: Ints, manifold: Floats, point: Floats, key: Ints,
+    setting: Floats, count: Ints, patience: int,
+) -> bool:  # fmt: skip
+    """Kick, solve with the position error, drift, and relax an island. Returns: whether it is to bounce."""
     n, h = manifold.shape[0], setting[0, DT] / count[0, SUBSTEPS]
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
-    patience = FRESH if substep == 0 and ints_of(ints, TALLY)[0, AROUSED] > 0 else 1
     for b in range(state.shape[0]):
         kick(state, body, kind, turned, load, setting, b, h)
     approach(state, kind, setting, n, manifold, key, point, h, slow)
@@ -145,13 +144,11 @@ def press_island(floats: Floats, ints: Ints, i: int, substep: int) -> bool:
 
 
 @kernel
-def release_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
-    """Restitution of island i, where any island was hit, and the end of the sub-step."""
-    state, body, turned, _, _ = bodies_of(floats, ints, i)
-    if state.shape[0] == 0:
-        return
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+def release_island(
+    state: Floats, body: Floats, turned: Floats, manifold: Floats, point: Floats, key: Ints, setting: Floats, count: Ints,
+    hit: int,
+) -> None:  # fmt: skip
+    """Restitution of an island, where any was hit, and the end of the sub-step."""
     n, h = manifold.shape[0], setting[0, DT] / count[0, SUBSTEPS]
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     if hit == 1:
@@ -168,10 +165,11 @@ def give_island(floats: Floats, ints: Ints, i: int) -> None:
     manifold, point, key = contacts_of(floats, ints, i)
     span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
     first = span[i, FIRST_LOCAL]
+    all_states, all_turned = floats_of(floats, ints, STATE), floats_of(floats, ints, TURNED)
     for r in range(state.shape[0]):
         if kind[r, MOTION] == DYNAMIC:
-            copy_row(state, r, floats_of(floats, ints, STATE), owner[first + r, 0])
-            copy_row(turned, r, floats_of(floats, ints, TURNED), owner[first + r, 0])
+            copy_row(state, r, all_states, owner[first + r, 0])
+            copy_row(turned, r, all_turned, owner[first + r, 0])
     all_manifolds, all_points = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     all_keys = ints_of(ints, MANIFOLD_KEY)
     first = span[i, FIRST_MANIFOLD]
@@ -186,17 +184,27 @@ def give_island(floats: Floats, ints: Ints, i: int) -> None:
 
 
 @kernel
-def advance_island(floats: Floats, ints: Ints, i: int, stage: int, hit: int) -> None:
-    """One stage of the step of island i, out of one more than there are sub-steps.
+def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, hit: int) -> None:
+    """The stages first..end - 1 of the step of island i, out of one more than there are sub-steps.
 
     Each stage ends the sub-step before it and begins the next, for what stands between the two is all that islands have to
     know of each other: whether any of them was hit and is to bounce.
     """
-    if stage == 0:
-        take_island(floats, ints, i)
-    else:
-        release_island(floats, ints, i, hit)
-    if stage < ints_of(ints, COUNT)[0, SUBSTEPS]:
-        ints_of(ints, SPAN_OF_ISLAND)[i, HIT] = press_island(floats, ints, i, stage)
-    else:
-        give_island(floats, ints, i)
+    state, body, turned, load, kind = bodies_of(floats, ints, i)
+    span = ints_of(ints, SPAN_OF_ISLAND)
+    span[i, HIT] = 0
+    if state.shape[0] == 0:
+        return
+    manifold, point, key = contacts_of(floats, ints, i)
+    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    fresh = ints_of(ints, TALLY)[0, AROUSED] > 0
+    for stage in range(first, end):
+        if stage == 0:
+            take_island(floats, ints, i)
+        else:
+            release_island(state, body, turned, manifold, point, key, setting, count, hit)
+        if stage < count[0, SUBSTEPS]:
+            patience = FRESH if stage == 0 and fresh else 1
+            span[i, HIT] = press_island(state, body, turned, load, kind, manifold, point, key, setting, count, patience)
+        else:
+            give_island(floats, ints, i)

@@ -112,9 +112,10 @@ def take_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
         ints_of(ints, GROUPED_JOINT),
         ints_of(ints, JOINT_KIND),
     )
+    all_joints = floats_of(floats, ints, JOINT)
     for k in range(joint.shape[0]):
         j = grouped[first + k, 0]
-        copy_row(floats_of(floats, ints, JOINT), j, joint, k)
+        copy_row(all_joints, j, joint, k)
         for c in range(joint_kind.shape[1]):
             if c not in (PARENT, CHILD):
                 joint_kind[k, c] = all_kinds[j, c]
@@ -185,18 +186,22 @@ def give_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
     give_island(floats, ints, i)
     joint, _, _, _, _ = joints_of(floats, ints, i)
     first, grouped = ints_of(ints, SPAN_OF_ISLAND)[i, FIRST_JOINT], ints_of(ints, GROUPED_JOINT)
+    all_joints = floats_of(floats, ints, JOINT)
     for k in range(joint.shape[0]):
-        copy_row(joint, k, floats_of(floats, ints, JOINT), grouped[first + k, 0])
+        copy_row(joint, k, all_joints, grouped[first + k, 0])
 
 
 @kernel
-def advance_jointed_island(floats: Floats, ints: Ints, i: int, stage: int, hit: int) -> None:
-    """One stage of the step of island i, as `advance_island`."""
-    if stage == 0:
-        take_jointed_island(floats, ints, i)
-    else:
-        release_jointed_island(floats, ints, i, hit)
-    if stage < ints_of(ints, COUNT)[0, SUBSTEPS]:
-        ints_of(ints, SPAN_OF_ISLAND)[i, HIT] = press_jointed_island(floats, ints, i, stage)
-    else:
-        give_jointed_island(floats, ints, i)
+def advance_jointed_island(floats: Floats, ints: Ints, i: int, first: int, end: int, hit: int) -> None:
+    """Some stages of the step of island i, as `advance_island`."""
+    span = ints_of(ints, SPAN_OF_ISLAND)
+    span[i, HIT] = 0
+    for stage in range(first, end):
+        if stage == 0:
+            take_jointed_island(floats, ints, i)
+        else:
+            release_jointed_island(floats, ints, i, hit)
+        if stage < ints_of(ints, COUNT)[0, SUBSTEPS]:
+            span[i, HIT] = press_jointed_island(floats, ints, i, stage)
+        else:
+            give_jointed_island(floats, ints, i)

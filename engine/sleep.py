@@ -264,7 +264,8 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
             move_contact(floats, ints, m, 1, tally[0, RESTING])
             tally[0, RESTING] += 1
         else:
-            copy_contact(manifold, key, point, point_key, m, manifold, key, point, point_key, staying)
+            if staying < m:
+                copy_contact(manifold, key, point, point_key, m, manifold, key, point, point_key, staying)
             staying += 1
     count[0, MANIFOLDS] = staying
     for b in range(count[0, BODIES]):

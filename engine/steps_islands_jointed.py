@@ -27,8 +27,7 @@ def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
         hit, some = 0, stages_at_once(ints)
         for first in range(0, stages, some):
             for i in range(tally[0, ISLANDS]):
-                for stage in range(first, first + some):
-                    advance_jointed_island(floats, ints, i, stage, hit)
+                advance_jointed_island(floats, ints, i, first, first + some, hit)
             hit = any_hit(ints) if some == 1 else 0
         status = end_islands(floats, ints)
         if status != 0:
@@ -54,8 +53,7 @@ def step_islands_jointed_parallel(floats: Floats, ints: Ints, steps: int) -> tup
         for first in range(0, stages, some):
             for t in prange(tally[0, THREADS]):
                 for i in range(share(span, tally, t), share(span, tally, t + 1)):
-                    for stage in range(first, first + some):
-                        advance_jointed_island(floats, ints, i, stage, hit)
+                    advance_jointed_island(floats, ints, i, first, first + some, hit)
             hit = any_hit(ints) if some == 1 else 0
         status = end_islands(floats, ints)
         if status != 0:

@@ -17,7 +17,7 @@ import platformdirs
 
 from engine.sources import source_digest
 
-__all__ = ["FLAGS", "cache_directory", "entry", "kernel"]
+__all__ = ["FLAGS", "cache_directory", "entry", "jit_is_off", "kernel", "parallel_entry"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -36,6 +36,13 @@ def cache_directory() -> Path:
     digest = hashlib.sha256(key.encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
+
+
+def jit_is_off() -> bool:
+    """Whether functions run as plain Python."""
+    import numba
+
+    return bool(numba.config.__dict__["DISABLE_JIT"])
 
 
 def _prepare() -> None:
@@ -68,7 +75,17 @@ def entry(function: Function) -> Function:
     return _one_at_a_time(_compiled(function, cache=True))
 
 
-def _compiled(function: Function, **options: bool) -> Function:
+def parallel_entry(function: Function) -> Function:
+    """As `entry`, with the loops over `numba.prange` shared out among threads, and nothing else.
+
+    Args: function: its `prange` loops must write to places of their own only, so that no order of threads can be seen.
+    Returns: the same function, compiled on first use or loaded from the cache.
+    """
+    no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
+    return _one_at_a_time(_compiled(function, cache=True, parallel={"prange": True, **no_more}))
+
+
+def _compiled(function: Function, **options: bool | dict[str, bool]) -> Function:
     """The function under Numba with the flags of this package; Numba's stubs do not know all options, hence Any."""
     import numba
 

@@ -231,6 +231,15 @@ class World:
         """Back to a saved state of this world."""
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
+    def adopt(self, floats: FloatArray, ints: IntArray) -> None:
+        """Work in this memory from now on, which holds a saved state of this world."""
+        self._floats, self._ints = floats, ints
+
+    @property
+    def compiled_step(self) -> Step:
+        """The compiled function that advances this world in its memory."""
+        return self._step
+
 
 def _may_touch(bodies: Sequence[Body]) -> bool:
     """Whether two bodies have shapes and one of them is dynamic."""

@@ -327,13 +327,12 @@ class _Simulation:
         """Nothing to free: the world is arrays."""
 
 
-def _build(scene: Scene, settings: Settings) -> Simulation:
+def _world(scene: Scene, options: Any) -> Any:
     import engine
 
     effects = scene.effects
-    options = _options(scene, settings)
     try:
-        world = engine.World(
+        return engine.World(
             bodies=[_body(body, effects) for body in scene.bodies],
             joints=[_joint(joint, effects) for joint in scene.joints] if Effect.JOINTS in effects else (),
             surfaces={law.between: _surface(law, effects) for law in scene.surfaces},
@@ -343,6 +342,11 @@ def _build(scene: Scene, settings: Settings) -> Simulation:
         )
     except engine.NotSupported as error:
         raise Unsupported(error.what, error.why) from error
+
+
+def _build(scene: Scene, settings: Settings) -> Simulation:
+    options = _options(scene, settings)
+    world = _world(scene, options)
     return _Simulation(world, scene, _resolved(settings, options, world))
 
 
@@ -358,6 +362,12 @@ class _Reference(Adapter):
         from engine.sources import source_digest
 
         return f"{engine.__version__}+{source_digest()[:8]}"
+
+    def compile(self, scene: Scene, settings: Settings) -> None:
+        world = _world(scene, _options(scene, settings))
+        world.compile()
+        if scene.sensors:
+            world.cast([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 1.0)
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         return _build(scene, settings)
@@ -403,4 +413,5 @@ ADAPTER = _Reference(
         "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
         "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",
     ),
+    compile_allowance=900.0,
 )  # fmt: skip

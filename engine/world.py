@@ -1,6 +1,7 @@
 """A world of bodies, joints and surfaces: advance it, read it, cast rays into it, save it."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
@@ -136,6 +137,15 @@ class World:
                 collide_convex(self._floats, self._ints)
             if status == 2:
                 self._floats, self._ints = grow(self._floats, self._ints)
+
+    def compile(self) -> None:
+        """Compile, or load from the cache, every stage that a step may run, by taking one: for a world to be thrown away."""
+        with suppress(Diverged):
+            self.step(1)
+        if self.touching and self._polyhedral:
+            from engine.collide_convex import collide_convex
+
+            collide_convex(self._floats, self._ints)
 
     def state(self) -> FloatArray:
         """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step."""

@@ -10,6 +10,7 @@ import fcntl
 import hashlib
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -17,7 +18,7 @@ import platformdirs
 
 from engine.sources import source_digest
 
-__all__ = ["FLAGS", "cache_directory", "entry", "jit_is_off", "kernel", "parallel_entry"]
+__all__ = ["FLAGS", "cache_directory", "entry", "jit_is_off", "kernel", "parallel_entry", "stream"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -64,6 +65,15 @@ def kernel(function: Function) -> Function:
     return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
+def stream(function: Function) -> Function:
+    """A kernel whose array arguments do not overlap, so that the compiler may take several steps of a loop at once.
+
+    Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
+    Returns: the same function, compiled on first use for the argument types that it meets.
+    """
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_apart())
+
+
 def entry(function: Function) -> Function:
     """A compiled function that Python calls, kept on disk for the next process.
 
@@ -85,7 +95,20 @@ def parallel_entry(function: Function) -> Function:
     return _one_at_a_time(_compiled(function, cache=True, parallel={"prange": True, **no_more}))
 
 
-def _compiled(function: Function, **options: bool | dict[str, bool]) -> Function:
+@cache
+def _apart() -> type:
+    """Numba's compiler with the promise that arrays do not overlap, which it knows as a flag but not as an option."""
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder
+
+    class Apart(CompilerBase):
+        def define_pipelines(self) -> list[Any]:
+            self.state.flags.noalias = True
+            return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+
+    return Apart
+
+
+def _compiled(function: Function, **options: bool | type | dict[str, bool]) -> Function:
     """The function under Numba with the flags of this package; Numba's stubs do not know all options, hence Any."""
     import numba
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,11 +18,16 @@ from engine.check import finite
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
 from engine.options import FREE_INTEGRATORS, Options
+from engine.shapes import Placed
 
 if TYPE_CHECKING:
     from engine.exact.steps import Certificate
+    from engine.ray_tree import RayTree
 
 __all__ = ["Contacts", "Hits", "World"]
+
+GEOMETRIES = ("collision", "visual")
+METHODS = ("tiles", "brute_force")
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -80,8 +85,10 @@ class World:
         self._joints = {joint.name: j for j, joint in enumerate(joints)}
         self._names = [body.name for body in bodies]
         kinds = int_table(self._ints, at.SHAPE_KIND)
-        self._part = kinds[:, at.PART].copy()
         self._polyhedral = bool((kinds[:, at.TYPE] >= at.HULL).any())
+        self._tree: RayTree | None = None
+        self._bodies = tuple(bodies)
+        self._drawn = self if all(body.visual is None for body in bodies) else None
         self.touching = self.options.contacts and _may_touch(bodies)
         self.jointed = bool(joints)
         self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
@@ -209,29 +216,63 @@ class World:
             force=rest[:, at.R_SUM : at.R_SUM + 3] / self.options.dt,
         )
 
-    def cast(self, origins: Any, directions: Any, max_range: float = np.inf) -> Hits:
+    def cast(
+        self,
+        origins: Any,
+        directions: Any,
+        max_range: float = np.inf,
+        *,
+        geometry: str = "collision",
+        method: str = "tiles",
+        threads: int = 1,
+    ) -> Hits:
         """The first hit of each ray within max_range [m].
 
-        Args: origins (r, 3) m, directions (r, 3) in W; directions are taken as unit vectors after division by their length.
-        Raises: ValueError for shapes that do not fit, values that are not finite, or a direction of length zero.
+        Args:
+            origins (r, 3) m, or (3,) for all rays; directions (r, 3), of any length; both in W. Neighbouring rays are faster
+            when they are alike, row by row in an image or a scan. geometry: 'collision' or 'visual', the shapes that a body is
+            drawn with. method: 'tiles', or 'brute_force' for one ray and shape after the other. threads: of the tiles.
+        Raises: ValueError for shapes that do not fit, values that are not finite, a direction of length zero, or other choices.
         """
-        from engine.rays import cast_rays
+        if geometry not in GEOMETRIES or method not in METHODS or threads < 1:
+            raise ValueError(
+                f"rays: geometry '{geometry}', method '{method}', threads {threads}, expected {' or '.join(GEOMETRIES)}, "
+                f"{' or '.join(METHODS)}, at least 1"
+            )
+        if geometry == "visual" and self._drawn is not self:
+            return self._as_drawn().cast(origins, directions, max_range, method=method, threads=threads)
+        d = np.ascontiguousarray(directions, float)
+        o = np.atleast_2d(np.ascontiguousarray(origins, float))
+        if d.ndim != 2 or d.shape[1] != 3 or o.shape not in (d.shape, (1, 3)):
+            raise ValueError(f"rays: origins {np.shape(origins)} and directions {d.shape}, expected (r, 3) and (r, 3), or (3,)")
+        hits = _room(len(d))
+        answers = (hits.distance, hits.body, hits.shape, hits.normal)
+        if method == "brute_force":
+            from engine.rays import cast_rays
 
-        o, d = np.ascontiguousarray(origins, float), np.asarray(directions, float)
-        finite("rays", "origins", o, (len(o), 3), "m")
-        finite("rays", "directions", d, (len(o), 3), "1")
-        length = np.linalg.norm(d, axis=1, keepdims=True)
-        if len(d) and length.min() < 1e-12:
-            raise ValueError(f"rays: direction {int(length.argmin())} has length 0")
-        distance, normal, who = np.empty((1, len(o))), np.empty((len(o), 3)), np.empty((len(o), 2), np.int64)
-        unit = np.ascontiguousarray(np.where(np.abs(length - 1) < 1e-15, d, d / length))
-        cast_rays(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
+            _check_rays(o, d)
+            d = d / np.linalg.norm(d, axis=1, keepdims=True)
+            cast_rays(self._floats, self._ints, np.broadcast_to(o, d.shape).copy(), d, float(max_range), *answers)
+        elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), *answers):
+            _check_rays(o, d)
         if self._polyhedral:
+            from engine.ray_tree import ray_tree
             from engine.rays_polyhedra import cast_on_polyhedra
 
-            cast_on_polyhedra(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
-        shape = np.where(who[:, 0] >= 0, self._part[who[:, 1]], -1) if len(self._part) else who[:, 1].copy()
-        return Hits(distance=distance[0], body=who[:, 0].copy(), shape=shape, normal=normal)
+            self._tree = tree = self._tree or ray_tree(self._floats, self._ints)
+            branches = (tree.root, tree.node, tree.link, tree.solid, tree.frame)
+            cast_on_polyhedra(self._floats, self._ints, *branches, o, d, float(max_range), *answers)
+        return hits
+
+    def _as_drawn(self) -> "World":
+        """A world of the bodies with their visual shapes, where they are now."""
+        if self._drawn is None:
+            self._drawn = World(
+                [replace(body, shapes=_looks(body), visual=None, motion="kinematic") for body in self._bodies],
+                options=Options(contacts=False),
+            )
+        self._drawn.state()[:] = self.state()
+        return self._drawn
 
     def save(self) -> tuple[FloatArray, IntArray]:
         """All that decides the future, bit for bit, warm-start impulses included."""
@@ -249,6 +290,45 @@ class World:
     def compiled_step(self) -> Step:
         """The compiled function that advances this world in its memory."""
         return self._step
+
+
+def _looks(body: Body) -> Sequence[Placed]:
+    """What a body is drawn with."""
+    return body.shapes if body.visual is None else body.visual
+
+
+def _room(count: int) -> Hits:
+    """Hits to be written, in one piece of memory: asked for in several, it would come back from the system anew each time."""
+    whole = np.empty(6 * count)
+    numbers = whole.view(np.int64)
+    normal = whole[3 * count :].reshape(count, 3)
+    return Hits(whole[:count], numbers[count : 2 * count], numbers[2 * count : 3 * count], normal)
+
+
+def _check_rays(origins: FloatArray, directions: FloatArray) -> None:
+    """Raises: ValueError naming what is wrong with rays."""
+    finite("rays", "origins", origins, origins.shape, "m")
+    finite("rays", "directions", directions, directions.shape, "1")
+    length = np.linalg.norm(directions, axis=1)
+    wrong = (length < 1e-12) | (length == np.inf)
+    if wrong.any():
+        raise ValueError(
+            f"rays: direction {int(wrong.argmax())} has length {length[wrong.argmax()]:g}, expected 1e-12 to 1e150"
+        )
+
+
+def _choose_tiles(threads: int) -> Callable[..., bool]:
+    """The compiled cast for so many threads."""
+    if threads == 1:
+        from engine.ray_tiles import cast_tiles
+
+        return cast_tiles
+    import numba
+
+    from engine.ray_tiles_parallel import cast_tiles_parallel
+
+    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
+    return cast_tiles_parallel
 
 
 def _may_touch(bodies: Sequence[Body]) -> bool:

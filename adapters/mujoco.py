@@ -293,7 +293,7 @@ class MujocoSimulation:
         body = np.where(hit, self._places.scene_body[m.geom_bodyid[np.where(hit, geom, 0)]] if m.ngeom else -1, -1)
         return Hits(np.where(hit, distance, np.inf), body.astype(np.int64), np.where(hit[:, None], normal, 0.0))
 
-    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], tuple[Integers, Floats, Floats]]:
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], tuple[Any, Floats, Floats]]:
         """A function that casts these rays and gives geoms (r,), distances (r,) m, -1 for none, and normals (r, 3)."""
         mj, m, d = self._mj, self._m, self._d
         start = np.ascontiguousarray(origins, dtype=np.float64)
@@ -307,7 +307,7 @@ class MujocoSimulation:
             for a, b in pairwise([0, *turns.tolist(), r] if r else [])
         ]
 
-        def cast() -> tuple[Integers, Floats, Floats]:
+        def cast() -> tuple[Any, Floats, Floats]:
             mj.mj_kinematics(m, d)
             for origin, rays, geoms, distances, normals, count in parts:
                 mj.mj_multiRay(m, d, origin, rays, seen, True, -1, geoms, distances, normals, count, max_range)

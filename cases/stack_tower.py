@@ -2,6 +2,7 @@
 
 from harness.case import Axis, Case, Check
 from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY, STACK_HEIGHT_ERROR, STANDING_HEIGHT
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
@@ -66,6 +67,12 @@ CASE = Case(
             metric=RESIDUAL_KINETIC_ENERGY,
             at_most=lambda dt: (G * dt) ** 2 / 2,
             because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a box before its support takes it away",
             start=SETTLED,
         ),
         Check(

@@ -286,33 +286,34 @@ class MujocoSimulation:
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hit of each ray, one native call for each run of equal origins."""
+        m = self._m
+        geom, distance, normal = self.caster(origins, directions, max_range)()
+        # The engine's cutoff leaves out whole shapes, not hits.
+        hit = (geom >= 0) & (distance >= 0) & (distance <= max_range)
+        body = np.where(hit, self._places.scene_body[m.geom_bodyid[np.where(hit, geom, 0)]] if m.ngeom else -1, -1)
+        return Hits(np.where(hit, distance, np.inf), body.astype(np.int64), np.where(hit[:, None], normal, 0.0))
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], tuple[Any, Floats, Floats]]:
+        """A function that casts these rays and gives geoms (r,), distances (r,) m, -1 for none, and normals (r, 3)."""
         mj, m, d = self._mj, self._m, self._d
-        self._mj.mj_kinematics(m, d)
         start = np.ascontiguousarray(origins, dtype=np.float64)
         ray = np.ascontiguousarray(directions, dtype=np.float64)
         r = len(ray)
         geom, distance, normal = np.full(r, -1, dtype=np.int32), np.full(r, -1.0), np.zeros((r, 3))
         seen = np.array([group in (BOTH_GROUP, COLLISION_GROUP) for group in range(6)], dtype=np.uint8)
         turns = np.flatnonzero((start[1:] != start[:-1]).any(axis=1)) + 1
-        for a, b in pairwise([0, *turns.tolist(), r] if r else []):
-            mj.mj_multiRay(
-                m,
-                d,
-                start[a],
-                ray[a:b].reshape(-1),
-                seen,
-                True,
-                -1,
-                geom[a:b],
-                distance[a:b],
-                normal[a:b].reshape(-1),
-                b - a,
-                max_range,
-            )
-        # The engine's cutoff leaves out whole shapes, not hits.
-        hit = (geom >= 0) & (distance >= 0) & (distance <= max_range)
-        body = np.where(hit, self._places.scene_body[m.geom_bodyid[np.where(hit, geom, 0)]] if m.ngeom else -1, -1)
-        return Hits(np.where(hit, distance, np.inf), body.astype(np.int64), np.where(hit[:, None], normal, 0.0))
+        parts = [
+            (start[a], ray[a:b].reshape(-1), geom[a:b], distance[a:b], normal[a:b].reshape(-1), b - a)
+            for a, b in pairwise([0, *turns.tolist(), r] if r else [])
+        ]
+
+        def cast() -> tuple[Any, Floats, Floats]:
+            mj.mj_kinematics(m, d)
+            for origin, rays, geoms, distances, normals, count in parts:
+                mj.mj_multiRay(m, d, origin, rays, seen, True, -1, geoms, distances, normals, count, max_range)
+            return geom, distance, normal
+
+        return cast
 
     def render(self, camera: Camera) -> Floats:
         """z-depth [m] by OpenGL on EGL."""

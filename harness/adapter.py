@@ -21,6 +21,8 @@ The contract, proven by `harness.conformance`:
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
+* Two things may be offered beyond the protocol, for the clock: `build_batch`, many worlds of one scene on one thread, and
+  `Simulation.caster(origins, directions, max_range)`, a function that casts the same rays again into arrays made beforehand.
 """
 
 from abc import ABC, abstractmethod
@@ -29,6 +31,7 @@ from dataclasses import asdict, dataclass, field, replace
 from enum import Flag, auto
 from typing import Any, Protocol
 
+from harness.batch import Batch, Turns
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, State
 
@@ -216,3 +219,18 @@ class Adapter(ABC):
     @abstractmethod
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
+
+    def build_batch(self, scene: Scene, settings: Settings, count: int) -> Batch:
+        """`count` equal worlds that are stepped together; one simulation each, unless an adapter knows better.
+
+        Raises: Unsupported, Unavailable, SettingsError.
+        """
+        made: list[Simulation] = []
+        try:
+            for _ in range(count):
+                made.append(self.build(scene, settings))
+        except BaseException:
+            for simulation in made:
+                simulation.close()
+            raise
+        return Turns(made)

@@ -30,8 +30,8 @@ REACH: Final = 12  # (rows, 12): mass-weighted Jacobian
 MATRIX: Final = 13  # (rows, rows)
 FACTOR: Final = 14  # (rows, rows)
 VECTOR: Final = 15  # (8, rows)
-MANIFOLD: Final = 16  # (pairs, 20)
-POINT: Final = 17  # (4 pairs, 32)
+MANIFOLD: Final = 16  # (pairs, 46)
+POINT: Final = 17  # (4 pairs, 35)
 OLD_MANIFOLD: Final = 18
 OLD_POINT: Final = 19
 SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
@@ -44,7 +44,8 @@ CONVEX_POINT: Final = 26  # (4 pairs, 32): their points, as POINT
 SIMPLEX: Final = 27  # (corners and faces, 10): scratch of GJK and EPA
 POLYGON: Final = 28  # (three polygons, 3): scratch of the clipping of features
 PRINCIPAL: Final = 29  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
-FLOAT_TABLES: Final = 30
+REST: Final = 30  # (bodies + 1, 7): pose since which a body counts as still
+FLOAT_TABLES: Final = 31
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -92,6 +93,7 @@ INV_INERTIA: Final = 8  # 6, in B
 LINEAR_DAMPING: Final = 14
 ANGULAR_DAMPING: Final = 15
 ROUND: Final = 16  # 1 where the inertia is the same about every axis
+EXTENT: Final = 17  # radius [m] about the centre of mass that holds all shapes
 
 # Columns of PRINCIPAL.
 MOMENTS: Final = 0  # 3, ascending
@@ -101,6 +103,7 @@ STRIDE: Final = 7  # the adaptive integrator's next step [s], 0 before the first
 # Columns of BODY_KIND.
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
+STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
 STATIC: Final = 0
 KINEMATIC: Final = 1
 DYNAMIC: Final = 2
@@ -175,6 +178,12 @@ NORMAL: Final = 0  # 3
 LAW: Final = 3  # 5: static, kinetic, restitution, rolling, torsional
 SPIN_IMPULSE: Final = 8  # 3: rolling and torsional impulse in W
 SPIN_MASS: Final = 11  # rolling, torsional
+TANGENTS: Final = 13  # 6: two unit vectors that make a right-handed frame with the normal
+CENTRE_A: Final = 19  # 3, in W, from the centre of mass of A
+CENTRE_B: Final = 22
+NORMAL_BLOCK: Final = 25  # 6: inverse mass on (V3, W1, W2)
+TANGENT_BLOCK: Final = 31  # 6: on (V1, V2, W3)
+COUPLING: Final = 37  # 9: rows V1, V2, W3 by the forces of the other block
 
 # Columns of MANIFOLD_KEY.
 SHAPE_A: Final = 0
@@ -184,6 +193,7 @@ BODY_B: Final = 3
 POINTS: Final = 4
 SLIPS: Final = 5
 LEADS: Final = 6  # 0 if the points move with A, 1 if with B
+STRIKES: Final = 7  # 1 if a point strikes in this sub-step
 
 # Columns of POINT.
 ARM_A: Final = 0  # 3, in W, from the centre of mass of A
@@ -199,10 +209,12 @@ APPROACH: Final = 19  # normal velocity at impact
 STRUCK: Final = 20
 SUM: Final = 21  # 3: impulse on B over the step
 FIRST_GAP: Final = 24
-SPIKE: Final = 25  # largest normal impulse of the step
+SPIKE: Final = 25  # largest normal impulse of a sub-step in which the point strikes
 PLACE: Final = 26  # 3: the point in W
 ROUND_A: Final = 29  # radius [m] of a round surface: its touching point does not turn with the body
 ROUND_B: Final = 30
+SPREAD: Final = 31  # 2: place about the manifold's centre along its tangents
+HELD: Final = 33  # 2: friction impulse along the tangents
 
 # Columns of SURFACE beside the law's.
 APART: Final = 5

@@ -31,7 +31,7 @@ from engine.arena import (
     TURNED,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
+from engine.contact_solver import approach, bounce, end_substep, friction_mode, refresh, sweep, warm_start
 from engine.find_contacts import find_contacts
 from engine.finite_state import is_finite
 from engine.jit import entry, kernel
@@ -105,14 +105,14 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 for b in range(bodies):
                     if kind[b, TOUCHED] == 1:
                         drift(state, body, kind, turned, b, h, gyroscopic)
-                refresh(state, n, manifold, key, point)
+                refresh(state, 0, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                 if bounce(n, manifold, key, point):
                     for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
                 friction_mode(state, body, n, manifold, key, point)
-                sum_impulses(n, manifold, key, point)
+                end_substep(n, manifold, key, point)
         count[0, STEPS] += 1
         if not is_finite(state, bodies):
             return step + 1, 1

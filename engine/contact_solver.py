@@ -64,6 +64,8 @@ from engine.arena import (
     SPOT_A,
     SPOT_B,
     SPREAD,
+    STOP_BLOCK,
+    STOP_TURN,
     STRIKES,
     STRUCK,
     SUM,
@@ -106,9 +108,13 @@ from engine.vec import (
 )  # fmt: skip
 
 __all__ = [
-    "approach", "bounce", "end_substep", "friction_mode", "prepare", "refresh", "sum_impulses", "sweep", "warm_start"
+    "approach", "bounce", "end_step", "end_substep", "friction_mode", "prepare", "refresh", "sum_impulses", "sweep",
+    "warm_start",
 ]  # fmt: skip
 
+THIN = 1e-6
+"""Squared spread of the points over the squared arm at which they would move the bodies as much by turning as by shifting [1],
+below which they count as one."""
 STUCK = 0.999999
 """Share of the static disc from which a manifold counts as slipping."""
 
@@ -172,6 +178,29 @@ def effective_masses(normals: Sym, tangents: Sym, x: float, y: float) -> tuple[f
 
 
 @kernel
+def write_stop(manifold: Floats, m: int, key: Ints, point: Floats) -> None:
+    """The inverse of the block on (V1, V2, W3), where the points can give a moment; else of that on (V1, V2)."""
+    t = load6(manifold, m, TANGENT_BLOCK)
+    square = 0.0
+    for i in range(4 * m, 4 * m + key[m, POINTS]):
+        square += point[i, SPREAD] * point[i, SPREAD] + point[i, SPREAD + 1] * point[i, SPREAD + 1]
+    spans = square * t[2] > THIN * (t[0] + t[1])
+    if not spans:
+        t = (t[0], t[1], 1.0, t[3], 0.0, 0.0)
+    stop: Sym = (
+        t[1] * t[2] - t[5] * t[5],
+        t[0] * t[2] - t[4] * t[4],
+        t[0] * t[1] - t[3] * t[3],
+        t[4] * t[5] - t[3] * t[2],
+        t[3] * t[5] - t[4] * t[1],
+        t[3] * t[4] - t[0] * t[5],
+    )
+    one = 1.0 / (t[0] * stop[0] + t[3] * stop[3] + t[4] * stop[4])
+    store6(manifold, m, STOP_BLOCK, (one * stop[0], one * stop[1], one * stop[2], one * stop[3], one * stop[4], one * stop[5]))
+    manifold[m, STOP_TURN] = 1.0 / square if spans else 0.0
+
+
+@kernel
 def radius(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> float:
     """The radius [m] along the normal n that does not turn with a round shape; 0 for boxes and planes."""
     if shape_kind[s, TYPE] == SPHERE or shape_kind[s, TYPE] == CAPSULE:
@@ -219,6 +248,7 @@ def prepare(
         point[i, NORMAL_MASS], point[i, TANGENT_MASS] = effective_masses(
             normals, tangents, point[i, SPREAD], point[i, SPREAD + 1]
         )
+    write_stop(manifold, m, key, point)
     if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
         manifold[m, SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
         manifold[m, SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
@@ -277,9 +307,7 @@ def refresh(state: Floats, first: int, end: int, manifold: Floats, key: Ints, po
 
 
 @kernel
-def relative_motion(
-    frame: Mat, ca: Vec, cb: Vec, va: Vec, wa: Vec, vb: Vec, wb: Vec
-) -> tuple[Vec, Vec]:  # fmt: skip
+def relative_motion(frame: Mat, ca: Vec, cb: Vec, va: Vec, wa: Vec, vb: Vec, wb: Vec) -> tuple[Vec, Vec]:
     """(V, W) of B against A at the centre, in the frame."""
     return (
         mat_vec(frame, sub(add(vb, cross(wb, cb)), add(va, cross(wa, ca)))),
@@ -323,7 +351,8 @@ def warm_start(state: Floats, body: Floats, turned: Floats, manifolds: int, mani
 
 @kernel
 def approach(
-    state: Floats, kind: Ints, setting: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float, slow: float
+    state: Floats, kind: Ints, setting: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float,
+    slow: float,
 ) -> None:  # fmt: skip
     """Note the points that are about to strike in this sub-step, with their normal velocity at the moment of impact [m/s].
 
@@ -340,10 +369,12 @@ def approach(
         )  # fmt: skip
         kick = h * dot(load3(manifold, m, NORMAL), g)
         kick *= (1.0 if kind[b, MOTION] == DYNAMIC else 0.0) - (1.0 if kind[a, MOTION] == DYNAMIC else 0.0)
-        key[m, STRIKES] = 0
+        if key[m, STRIKES] == 1:
+            key[m, STRIKES] = 0
+            for i in range(4 * m, 4 * m + key[m, POINTS]):
+                point[i, STRUCK] = 0.0
         for i in range(4 * m, 4 * m + key[m, POINTS]):
             u = v[2] + w[0] * point[i, SPREAD + 1] - w[1] * point[i, SPREAD]
-            point[i, STRUCK] = 0.0
             if u < -slow and point[i, SEPARATION] < -u * h:
                 share = min(max(point[i, SEPARATION] / (-u * h), 0.0), 1.0)
                 key[m, STRIKES] = 1
@@ -355,9 +386,7 @@ def approach(
 
 
 @kernel
-def resist_spin(
-    manifold: Floats, m: int, frame: Mat, w: Vec, total: float
-) -> Vec:  # fmt: skip
+def resist_spin(manifold: Floats, m: int, frame: Mat, w: Vec, total: float) -> Vec:
     """Rolling and torsional friction under the normal impulse `total` [N s]: the change of their moment, in the frame."""
     before = mat_vec(frame, load3(manifold, m, SPIN_IMPULSE))
     rolling, torsional = manifold[m, LAW + 3] * total, manifold[m, LAW + 4] * total
@@ -368,6 +397,49 @@ def resist_spin(
     after = (one, two, min(max(before[2] - manifold[m, SPIN_MASS + 1] * w[2], -torsional), torsional))
     store3(manifold, m, SPIN_IMPULSE, tmat_vec(frame, after))
     return sub(after, before)
+
+
+@kernel
+def stick(manifold: Floats, m: int, slide: Vec, friction: float, first: int, end: int, point: Floats) -> Vec:
+    """Stop the tangential motion (V1, V2, W3) of a manifold by impulses spread over its points first..end - 1, as a pair.
+
+    Returns: force and moment, given to the points; or inf, and nothing given, where a point would leave its disc.
+    """
+    stop = sym_vec(load6(manifold, m, STOP_BLOCK), slide)
+    f1, f2, turn = -stop[0] / (end - first), -stop[1] / (end - first), -stop[2] * manifold[m, STOP_TURN]
+    inside, square = True, 0.0
+    for i in range(first, end):
+        x, y, most = point[i, SPREAD], point[i, SPREAD + 1], friction * point[i, NORMAL_IMPULSE]
+        one, two = point[i, HELD] + f1 - y * turn, point[i, HELD + 1] + f2 + x * turn
+        inside = inside and one * one + two * two <= most * most
+        square += x * x + y * y
+    if not inside:
+        return math.inf, 0.0, 0.0
+    for i in range(first, end):
+        point[i, HELD] += f1 - point[i, SPREAD + 1] * turn
+        point[i, HELD + 1] += f2 + point[i, SPREAD] * turn
+    return -stop[0], -stop[1], turn * square
+
+
+@kernel
+def rub(tangents: Sym, slide: Vec, friction: float, first: int, end: int, point: Floats) -> Vec:
+    """Friction at the points first..end - 1 one by one, each within its disc. Returns: the force and moment that they give."""
+    f1, f2, m3 = 0.0, 0.0, 0.0
+    for i in range(first, end):
+        x, y, mass, most = (
+            point[i, SPREAD], point[i, SPREAD + 1], point[i, TANGENT_MASS], friction * point[i, NORMAL_IMPULSE]
+        )  # fmt: skip
+        was_1, was_2 = point[i, HELD], point[i, HELD + 1]
+        one, two = was_1 - mass * (slide[0] - y * slide[2]), was_2 - mass * (slide[1] + x * slide[2])
+        square = one * one + two * two
+        if square > most * most:
+            share = most / math.sqrt(square)
+            one, two = share * one, share * two
+        point[i, HELD], point[i, HELD + 1] = one, two
+        one, two = one - was_1, two - was_2
+        slide = axpy(one, sym_vec(tangents, (1.0, 0.0, -y)), axpy(two, sym_vec(tangents, (0.0, 1.0, x)), slide))
+        f1, f2, m3 = f1 + one, f2 + two, m3 + x * two - y * one
+    return f1, f2, m3
 
 
 @kernel
@@ -434,21 +506,9 @@ def sweep(
                 pressed = add(pressed, (f, m1, m2))
                 slide = add(slide, mat_vec(coupling, (f, m1, m2)))
             elif friction > 0.0:
-                f1, f2, m3 = 0.0, 0.0, 0.0
-                for i in range(first, end):
-                    x, y, mass, most = (
-                        point[i, SPREAD], point[i, SPREAD + 1], point[i, TANGENT_MASS], friction * point[i, NORMAL_IMPULSE]
-                    )  # fmt: skip
-                    was_1, was_2 = point[i, HELD], point[i, HELD + 1]
-                    one, two = was_1 - mass * (slide[0] - y * slide[2]), was_2 - mass * (slide[1] + x * slide[2])
-                    square = one * one + two * two
-                    if square > most * most:
-                        share = most / math.sqrt(square)
-                        one, two = share * one, share * two
-                    point[i, HELD], point[i, HELD + 1] = one, two
-                    one, two = one - was_1, two - was_2
-                    slide = axpy(one, sym_vec(tangents, (1.0, 0.0, -y)), axpy(two, sym_vec(tangents, (0.0, 1.0, x)), slide))
-                    f1, f2, m3 = f1 + one, f2 + two, m3 + x * two - y * one
+                f1, f2, m3 = stick(manifold, m, slide, friction, first, end, point)
+                if f1 == math.inf:
+                    f1, f2, m3 = rub(tangents, slide, friction, first, end, point)
                 rubbed = add(rubbed, (f1, f2, m3))
                 lift = add(lift, tmat_vec(coupling, (f1, f2, m3)))
         push(
@@ -494,23 +554,35 @@ def friction_mode(state: Floats, body: Floats, manifolds: int, manifold: Floats,
 
 
 @kernel
-def end_substep(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
-    """Turn the sub-step's friction into W and count its impulses, see `sum_impulses`."""
+def end_substep(manifolds: int, key: Ints, point: Floats) -> None:
+    """Add the sub-step's impulses to the step's, in the frames, and drop those of a blow, which do not last."""
     for m in range(manifolds):
-        t1, t2 = load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
         for i in range(4 * m, 4 * m + key[m, POINTS]):
-            store3(point, i, TANGENT_IMPULSE, axpy(point[i, HELD], t1, scale(point[i, HELD + 1], t2)))
-    sum_impulses(manifolds, manifold, key, point)
+            point[i, SUM] += point[i, HELD]
+            point[i, SUM + 1] += point[i, HELD + 1]
+            point[i, SUM + 2] += point[i, NORMAL_IMPULSE]
+            if point[i, STRUCK] == 1.0:
+                point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
+
+
+@kernel
+def end_step(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
+    """Turn the sum of the step's impulses, and the friction that the next step starts from, into W."""
+    for m in range(manifolds):
+        frame = frame_of(manifold, m)
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            store3(point, i, SUM, tmat_vec(frame, load3(point, i, SUM)))
+            store3(point, i, TANGENT_IMPULSE, tmat_vec(frame, (point[i, HELD], point[i, HELD + 1], 0.0)))
 
 
 @kernel
 def sum_impulses(manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
-    """Add the sub-step's impulses to the step's, and drop those of a blow, which do not last."""
+    """As `end_substep`, where friction impulses are kept in W all along."""
     for m in range(manifolds):
         n = load3(manifold, m, NORMAL)
         for i in range(4 * m, 4 * m + key[m, POINTS]):
             tangent = load3(point, i, TANGENT_IMPULSE)
             store3(point, i, SUM, add(load3(point, i, SUM), axpy(point[i, NORMAL_IMPULSE], n, tangent)))
             if point[i, STRUCK] == 1.0:
-                point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
+                point[i, NORMAL_IMPULSE] = 0.0
                 store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))

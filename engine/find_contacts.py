@@ -1,6 +1,6 @@
 """The collision stages of a step, in order: poses, bounds, broad phase, narrow phase with matching, preparation.
 
-Where every body is still, the contacts of the last step stay and none of this is run.
+Where every body is still, a step may keep the contacts of the last one and run none of this.
 """
 
 from engine.arena import (
@@ -57,7 +57,19 @@ from engine.narrow.collide import is_convex_pair
 from engine.stillness import keep_rest, mark_still
 from engine.vec import Floats, Ints
 
-__all__ = ["find_contacts"]
+__all__ = ["find_contacts", "keep_contacts"]
+
+
+@kernel
+def keep_contacts(
+    state: Floats, body: Floats, kind: Ints, rest: Floats, setting: Floats, count: Ints, key: Ints, point: Floats
+) -> bool:
+    """Keep the contacts of the last step for this one, where all bodies are still. Returns: whether they are."""
+    if not mark_still(state, body, kind, rest, count[0, BODIES], setting[0, DT], setting[0, MARGIN]):
+        return False
+    start_anew(state, 0, count[0, MANIFOLDS], key, point)
+    count[0, NEW] = 0
+    return True
 
 
 @kernel
@@ -80,10 +92,7 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     surface, materials = floats_of(floats, ints, SURFACE), count[0, MATERIALS]
     shapes, exclusions = count[0, SHAPES], count[0, EXCLUSIONS]
     rest, bodies = floats_of(floats, ints, REST), count[0, BODIES]
-    if mark_still(state, body, kind, rest, bodies, setting[0, DT], setting[0, MARGIN]):
-        start_anew(state, 0, count[0, MANIFOLDS], manifold, key, point)
-        count[0, NEW] = 0
-        return 0
+    mark_still(state, body, kind, rest, bodies, setting[0, DT], setting[0, MARGIN])
     pose_shapes(state, shape, shape_kind, shapes, pose)
     write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
     if count[0, BROAD] == 0:

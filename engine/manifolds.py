@@ -50,7 +50,7 @@ from engine.arena import (
     V,
     W,
 )  # fmt: skip
-from engine.contact_solver import prepare, refresh
+from engine.contact_solver import prepare
 from engine.jit import kernel
 from engine.narrow.box_box import FACE_OF_B
 from engine.narrow.collide import collide, is_convex_pair
@@ -68,8 +68,8 @@ AT_REST = 1e-6
 
 @kernel
 def keep_old(
-    count: Ints, body_kind: Ints, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
-    old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, shapes: int,
+    count: Ints, body_kind: Ints, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats,
+    old_key: Ints, old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, shapes: int,
 ) -> None:  # fmt: skip
     """Move the last step's manifolds aside and list them by their first shape; those of still bodies whole."""
     n = count[0, MANIFOLDS]
@@ -158,9 +158,8 @@ def take_over(
 
 
 @kernel
-def start_anew(state: Floats, first: int, end: int, manifold: Floats, key: Ints, point: Floats) -> None:
-    """Begin a step with the manifolds first..end - 1 of still bodies: their points at the present poses."""
-    refresh(state, first, end, manifold, key, point)
+def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) -> None:
+    """Begin a step with the manifolds first..end - 1 as they are; `refresh` has put their points where the bodies are now."""
     for m in range(first, end):
         pa = load3(state, key[m, BODY_A], P)
         for i in range(4 * m, 4 * m + key[m, POINTS]):
@@ -171,11 +170,10 @@ def start_anew(state: Floats, first: int, end: int, manifold: Floats, key: Ints,
 
 @kernel
 def build_manifolds(
-    state: Floats, body: Floats, turned: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats, surface: Floats, setting: Floats,
-    count: Ints,
-    pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
-    old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, clip: Floats, clip_key: Ints,
-    convex_normal: Floats, convex_point: Floats, convex_key: Ints, convex_point_key: Ints,
+    state: Floats, body: Floats, turned: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats,
+    surface: Floats, setting: Floats, count: Ints, pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats,
+    point_key: Ints, old: Floats, old_key: Ints, old_point: Floats, old_point_key: Ints, head: Ints, following: Ints,
+    clip: Floats, clip_key: Ints, convex_normal: Floats, convex_point: Floats, convex_key: Ints, convex_point_key: Ints,
 ) -> None:  # fmt: skip
     """Run the narrow phase on all pairs, match the points found with the old ones, and prepare them.
 
@@ -190,7 +188,7 @@ def build_manifolds(
             m = following[m, 0]
         if m >= 0 and body_kind[i, STILL] == 1 and body_kind[j, STILL] == 1:
             take_over(found, manifold, manifold_key, point, point_key, m, old, old_key, old_point, old_point_key)
-            start_anew(state, found, found + 1, manifold, manifold_key, point)
+            start_anew(state, found, found + 1, manifold_key, point)
             body_kind[i, TOUCHED] = 1
             body_kind[j, TOUCHED] = 1
             found += 1

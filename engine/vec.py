@@ -174,12 +174,19 @@ def quat_unit(q: Quat) -> Quat:
 def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
     """exp(h w) q: the orientation after turning for h seconds at the constant angular velocity w [rad/s] in W.
 
+    Small angles take the series of sine and cosine, which three terms give to the last bit.
+
     Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.5.
     """
-    angle = 0.5 * h * norm(w)
-    sine = 1.0 - angle * angle / 6.0 if angle < 1e-4 else math.sin(angle) / angle
+    square = 0.25 * h * h * dot(w, w)
+    if square < 1e-3:
+        cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
+        sine = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0))
+    else:
+        angle = math.sqrt(square)
+        cosine, sine = math.cos(angle), math.sin(angle) / angle
     s = 0.5 * h * sine
-    return quat_unit(quat_mul((math.cos(angle), s * w[0], s * w[1], s * w[2]), q))
+    return quat_unit(quat_mul((cosine, s * w[0], s * w[1], s * w[2]), q))
 
 
 @kernel

@@ -30,8 +30,8 @@ REACH: Final = 12  # (rows, 12): mass-weighted Jacobian
 MATRIX: Final = 13  # (rows, rows)
 FACTOR: Final = 14  # (rows, rows)
 VECTOR: Final = 15  # (8, rows)
-MANIFOLD: Final = 16  # (pairs, 20)
-POINT: Final = 17  # (4 pairs, 32)
+MANIFOLD: Final = 16  # (pairs, 53)
+POINT: Final = 17  # (4 pairs, 35)
 OLD_MANIFOLD: Final = 18
 OLD_POINT: Final = 19
 SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
@@ -49,7 +49,8 @@ TOUCH: Final = 31  # (pairs of spheres, 16): what the sphere solver sweeps over
 TOUCH_REST: Final = 32  # (pairs of spheres, 16): what it needs less often
 OLD_TOUCH: Final = 33  # (pairs of spheres, 4): impulses of the last step
 MOVER: Final = 34  # (bodies + 1, 12): what the sphere solver reads and writes of a body
-FLOAT_TABLES: Final = 35
+REST: Final = 35  # (bodies + 1, 7): pose since which a body counts as still
+FLOAT_TABLES: Final = 36
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -101,6 +102,7 @@ INV_INERTIA: Final = 8  # 6, in B
 LINEAR_DAMPING: Final = 14
 ANGULAR_DAMPING: Final = 15
 ROUND: Final = 16  # 1 where the inertia is the same about every axis
+EXTENT: Final = 17  # radius [m] about the centre of mass that holds all shapes
 
 # Columns of PRINCIPAL.
 MOMENTS: Final = 0  # 3, ascending
@@ -110,6 +112,7 @@ STRIDE: Final = 7  # the adaptive integrator's next step [s], 0 before the first
 # Columns of BODY_KIND.
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
+STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
 STATIC: Final = 0
 KINEMATIC: Final = 1
 DYNAMIC: Final = 2
@@ -184,6 +187,14 @@ NORMAL: Final = 0  # 3
 LAW: Final = 3  # 5: static, kinetic, restitution, rolling, torsional
 SPIN_IMPULSE: Final = 8  # 3: rolling and torsional impulse in W
 SPIN_MASS: Final = 11  # rolling, torsional
+TANGENTS: Final = 13  # 6: two unit vectors that make a right-handed frame with the normal
+CENTRE_A: Final = 19  # 3, in W, from the centre of mass of A
+CENTRE_B: Final = 22
+NORMAL_BLOCK: Final = 25  # 6: inverse mass on (V3, W1, W2)
+TANGENT_BLOCK: Final = 31  # 6: on (V1, V2, W3)
+COUPLING: Final = 37  # 9: rows V1, V2, W3 by the forces of the other block
+STOP_BLOCK: Final = 46  # 6: inverse of TANGENT_BLOCK, or of its part on (V1, V2) for points that give no moment
+STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre
 
 # Columns of MANIFOLD_KEY.
 SHAPE_A: Final = 0
@@ -193,6 +204,7 @@ BODY_B: Final = 3
 POINTS: Final = 4
 SLIPS: Final = 5
 LEADS: Final = 6  # 0 if the points move with A, 1 if with B
+STRIKES: Final = 7  # 1 if a point strikes in this sub-step
 
 # Columns of POINT.
 ARM_A: Final = 0  # 3, in W, from the centre of mass of A
@@ -208,10 +220,12 @@ APPROACH: Final = 19  # normal velocity at impact
 STRUCK: Final = 20
 SUM: Final = 21  # 3: impulse on B over the step
 FIRST_GAP: Final = 24
-SPIKE: Final = 25  # largest normal impulse of the step
+SPIKE: Final = 25  # largest normal impulse of a sub-step in which the point strikes
 PLACE: Final = 26  # 3: the point in W
 ROUND_A: Final = 29  # radius [m] of a round surface: its touching point does not turn with the body
 ROUND_B: Final = 30
+SPREAD: Final = 31  # 2: place about the manifold's centre along its tangents
+HELD: Final = 33  # 2: friction impulse along the tangents
 
 # Columns of SURFACE beside the law's.
 APART: Final = 5

@@ -25,6 +25,8 @@ IntArray = NDArray[np.int64]
 
 ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
+ENDLESS = 1e9
+"""The extent [m] of a plane: where it turns at all, it does not count as still."""
 
 
 def six(m: FloatArray) -> list[float]:
@@ -83,10 +85,11 @@ def assemble_world(
     float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
-        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs + 1, 32),
-        (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
+        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 53), (4 * pairs + 1, 35),
+        (pairs, 53), (4 * pairs, 35), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
         (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
         (ns, 6), (touches, 16), (touches, 16), (touches, 4), (n + 1 if spheres else 0, 12),
+        (n + 1, 7),
     ]  # fmt: skip
     int_shapes = [
         (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (near, 2), (pairs, 8), (4 * pairs + 1, 2), (pairs, 8),
@@ -95,6 +98,7 @@ def assemble_world(
     ]  # fmt: skip
     floats, ints = new_arena(float_shapes, int_shapes)
     _write_bodies(floats, ints, bodies)
+    float_table(floats, ints, at.REST)[:] = np.inf
     for s, (i, solid) in enumerate(shapes):
         if solid.kind in (at.PLANE, at.TRIANGLE) and bodies[i].motion == "dynamic":
             if solid.kind == at.TRIANGLE:
@@ -105,6 +109,8 @@ def assemble_world(
         row[at.TURN : at.TURN + 4] = solid.turn
         row[at.SIZE : at.SIZE + 3] = solid.size
         row[at.BALL_RADIUS] = solid.radius
+        body = float_table(floats, ints, at.BODY)[i]
+        body[at.EXTENT] = max(body[at.EXTENT], min(float(np.linalg.norm(solid.offset)) + solid.radius, ENDLESS))
         int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
         int_table(ints, at.ORDER)[s, 0] = s
         int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner

@@ -1,4 +1,7 @@
-"""The collision stages of a step, in order: poses, bounds, broad phase unless done, narrow phase with matching, preparation."""
+"""The collision stages of a step, in order: poses, bounds, broad phase unless done, narrow phase with matching, preparation.
+
+Where every body is still, a step may keep the contacts of the last one and run none of this.
+"""
 
 from engine.arena import (
     BODIES,
@@ -23,6 +26,7 @@ from engine.arena import (
     MANIFOLDS,
     MARGIN,
     MATERIALS,
+    NEW,
     NEXT,
     OLD_KEY,
     OLD_MANIFOLD,
@@ -33,6 +37,7 @@ from engine.arena import (
     POINT,
     POINT_KEY,
     POSE,
+    REST,
     SETTING,
     SHAPE,
     SHAPE_KIND,
@@ -45,13 +50,25 @@ from engine.arena import (
 )  # fmt: skip
 from engine.broad_phase import brute_force, pose_shapes, write_bounds
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import prepare
 from engine.jit import kernel
-from engine.manifolds import build_manifolds, keep_old, ordered
+from engine.manifolds import build_manifolds, keep_old, ordered, start_anew
 from engine.narrow.collide import is_convex_pair
+from engine.stillness import keep_rest, mark_still
 from engine.vec import Floats, Ints
 
-__all__ = ["find_contacts"]
+__all__ = ["find_contacts", "keep_contacts"]
+
+
+@kernel
+def keep_contacts(
+    state: Floats, body: Floats, kind: Ints, rest: Floats, setting: Floats, count: Ints, key: Ints, point: Floats
+) -> bool:
+    """Keep the contacts of the last step for this one, where all bodies are still. Returns: whether they are."""
+    if not mark_still(state, body, kind, rest, count[0, BODIES], setting[0, DT], setting[0, MARGIN]):
+        return False
+    start_anew(state, 0, count[0, MANIFOLDS], key, point)
+    count[0, NEW] = 0
+    return True
 
 
 @kernel
@@ -73,6 +90,8 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     head, following, count = ints_of(ints, HEAD), ints_of(ints, NEXT), ints_of(ints, COUNT)
     surface, materials = floats_of(floats, ints, SURFACE), count[0, MATERIALS]
     shapes, exclusions = count[0, SHAPES], count[0, EXCLUSIONS]
+    rest, bodies = floats_of(floats, ints, REST), count[0, BODIES]
+    mark_still(state, body, kind, rest, bodies, setting[0, DT], setting[0, MARGIN])
     if count[0, BROAD] == 0:
         pose_shapes(state, shape, shape_kind, shapes, pose)
         write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
@@ -87,14 +106,14 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
         if count[0, CONVEX_READY] == 0 and is_convex_pair(shape_kind[a, TYPE], shape_kind[b, TYPE]):
             return 3
     count[0, CONVEX_READY] = 0
-    for b in range(count[0, BODIES] + 1):
+    for b in range(bodies + 1):
         kind[b, TOUCHED] = 0
-    keep_old(count, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
+    keep_old(count, kind, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
     build_manifolds(
-        state, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
+        state, body, turned, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
         point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints,
         CLIP_KEY), floats_of(floats, ints, CONVEX_NORMAL), floats_of(floats, ints, CONVEX_POINT), ints_of(ints, CONVEX_KEY),
         ints_of(ints, CONVEX_POINT_KEY),
     )  # fmt: skip
-    prepare(state, body, turned, shape, shape_kind, pose, count[0, MANIFOLDS], manifold, key, point)
+    keep_rest(state, kind, rest, bodies)
     return 0

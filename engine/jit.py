@@ -62,7 +62,7 @@ def kernel(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    return _once_for_all_values(_compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True))
 
 
 def stream(function: Function) -> Function:
@@ -114,6 +114,24 @@ def _compiled(function: Function, **options: bool | type | dict[str, bool]) -> F
 
     njit: Any = numba.njit
     return cast(Function, njit(fastmath=set(FLAGS), error_model="numpy", nogil=True, **options)(function))
+
+
+def _once_for_all_values(function: Function) -> Function:
+    """The compiled function that callers meet by the types of arguments alone.
+
+    Numba would compile it anew for each constant that a caller passes, `load3` for each column; inlining does that better.
+    """
+    template = getattr(function, "get_call_template", None)
+    if template is None:
+        return function
+
+    from numba.core.types import unliteral
+
+    def by_type(args: Any, kws: Any) -> Any:
+        return template(tuple(unliteral(one) for one in args), {name: unliteral(one) for name, one in kws.items()})
+
+    cast(Any, function).get_call_template = by_type
+    return function
 
 
 def _one_at_a_time(function: Function) -> Function:

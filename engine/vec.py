@@ -174,6 +174,8 @@ def quat_unit(q: Quat) -> Quat:
 def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
     """exp(h w) q: the orientation after turning for h seconds at the constant angular velocity w [rad/s] in W.
 
+    Small angles take the series of sine and cosine, a few terms of which give the last bit.
+
     Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.5.
     """
     square = 0.25 * h * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2])

@@ -30,7 +30,7 @@ REACH: Final = 12  # (rows, 12): mass-weighted Jacobian
 MATRIX: Final = 13  # (rows, rows)
 FACTOR: Final = 14  # (rows, rows)
 VECTOR: Final = 15  # (8, rows)
-MANIFOLD: Final = 16  # (pairs, 53)
+MANIFOLD: Final = 16  # (pairs, 54)
 POINT: Final = 17  # (4 pairs, 35)
 OLD_MANIFOLD: Final = 18
 OLD_POINT: Final = 19
@@ -194,6 +194,7 @@ NORMAL_BLOCK: Final = 25  # 6: inverse mass on (V3, W1, W2)
 TANGENT_BLOCK: Final = 31  # 6: on (V1, V2, W3)
 COUPLING: Final = 37  # 9: rows V1, V2, W3 by the forces of the other block
 STOP_BLOCK: Final = 46  # 6: inverse of TANGENT_BLOCK, or of its part on (V1, V2) for points that give no moment
+POINT_SHARE: Final = 53  # 1 / number of points
 STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre
 
 # Columns of MANIFOLD_KEY.

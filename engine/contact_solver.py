@@ -49,6 +49,7 @@ from engine.arena import (
     NORMAL_IMPULSE,
     NORMAL_MASS,
     PLACE,
+    POINT_SHARE,
     POINTS,
     ROUND_A,
     ROUND_B,
@@ -241,6 +242,7 @@ def prepare(
         point[i, SEPARATION] = gap
         held = mat_vec(frame, load3(point, i, TANGENT_IMPULSE))
         point[i, HELD], point[i, HELD + 1] = held[0], held[1]
+    manifold[m, POINT_SHARE] = 1.0 / key[m, POINTS]
     spread(m, sub(pb, pa), manifold, key, point)
     write_blocks(manifold, m, frame, ma, ia, load3(manifold, m, CENTRE_A), mb, ib, load3(manifold, m, CENTRE_B))
     normals, tangents = load6(manifold, m, NORMAL_BLOCK), load6(manifold, m, TANGENT_BLOCK)
@@ -258,17 +260,20 @@ def prepare(
 def spread(m: int, way: Vec, manifold: Floats, key: Ints, point: Floats) -> None:
     """The centre of a manifold, amid its points and in the tangent plane of the deepest, and the points' places about it.
 
+    The deepest corner is the one furthest along the normal where the corners are those of A, least far where they are B's.
+
     Args: way [m] from A to B, in W.
     """
     n, t1, t2 = load3(manifold, m, NORMAL), load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
     first, points = 4 * m, key[m, POINTS]
-    total, deepest = load3(point, first, ARM_A), first
-    for i in range(first + 1, first + points):
-        total = add(total, load3(point, i, ARM_A))
-        if point[i, SEPARATION] < point[deepest, SEPARATION]:
-            deepest = i
-    middle = scale(1.0 / points, total)
-    centre = axpy(dot(n, sub(load3(point, deepest, ARM_A), middle)), n, middle)
+    way_in = 1.0 - 2.0 * key[m, LEADS]
+    total, deepest = (0.0, 0.0, 0.0), -math.inf
+    for i in range(first, first + points):
+        arm = load3(point, i, ARM_A)
+        total = add(total, arm)
+        deepest = max(deepest, way_in * dot(n, arm))
+    middle = scale(manifold[m, POINT_SHARE], total)
+    centre = axpy(way_in * deepest - dot(n, middle), n, middle)
     store3(manifold, m, CENTRE_A, centre)
     store3(manifold, m, CENTRE_B, sub(centre, way))
     for i in range(first, first + points):
@@ -406,7 +411,8 @@ def stick(manifold: Floats, m: int, slide: Vec, friction: float, first: int, end
     Returns: force and moment, given to the points; or inf, and nothing given, where a point would leave its disc.
     """
     stop = sym_vec(load6(manifold, m, STOP_BLOCK), slide)
-    f1, f2, turn = -stop[0] / (end - first), -stop[1] / (end - first), -stop[2] * manifold[m, STOP_TURN]
+    share = manifold[m, POINT_SHARE]
+    f1, f2, turn = -share * stop[0], -share * stop[1], -stop[2] * manifold[m, STOP_TURN]
     inside, square = True, 0.0
     for i in range(first, end):
         x, y, most = point[i, SPREAD], point[i, SPREAD + 1], friction * point[i, NORMAL_IMPULSE]

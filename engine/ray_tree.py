@@ -43,7 +43,11 @@ class RayTree:
 
 def ray_tree(floats: FloatArray, ints: IntArray) -> RayTree:
     """The trees of all bodies that have hulls or triangles."""
-    kinds, shape, polyhedron = int_table(ints, at.SHAPE_KIND), float_table(floats, ints, at.SHAPE), int_table(ints, at.POLYHEDRON)
+    kinds, shape, polyhedron = (
+        int_table(ints, at.SHAPE_KIND),
+        float_table(floats, ints, at.SHAPE),
+        int_table(ints, at.POLYHEDRON),
+    )
     vertex = float_table(floats, ints, at.VERTEX)
     rows = np.flatnonzero(kinds[:, at.TYPE] >= at.HULL)
     turns = np.array([quat_mat(q) for q in shape[rows, at.TURN : at.TURN + 4]])
@@ -87,7 +91,9 @@ def _halved(low: FloatArray, high: FloatArray) -> tuple[IntArray, FloatArray, In
         boxes.append(np.concatenate([least, most], axis=1))
         split = count > LEAF
         children = below + 2 * (np.cumsum(split) - 1)
-        links.append(np.where(split[:, None], np.column_stack([children, np.zeros_like(count)]), np.column_stack([start, count])))
+        links.append(
+            np.where(split[:, None], np.column_stack([children, np.zeros_like(count)]), np.column_stack([start, count]))
+        )
         spread = np.maximum.reduceat(middle[taken], begin) - np.minimum.reduceat(middle[taken], begin)
         key = middle[taken, spread.argmax(axis=1)[run]]
         order[member] = taken[np.lexsort((key, run))]

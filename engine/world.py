@@ -265,7 +265,9 @@ def _check_rays(origins: FloatArray, directions: FloatArray) -> None:
     length = np.linalg.norm(directions, axis=1)
     wrong = (length < 1e-12) | (length == np.inf)
     if wrong.any():
-        raise ValueError(f"rays: direction {int(wrong.argmax())} has length {length[wrong.argmax()]:g}, expected 1e-12 to 1e150")
+        raise ValueError(
+            f"rays: direction {int(wrong.argmax())} has length {length[wrong.argmax()]:g}, expected 1e-12 to 1e150"
+        )
 
 
 def _choose_tiles(threads: int) -> Callable[..., bool]:
@@ -278,7 +280,7 @@ def _choose_tiles(threads: int) -> Callable[..., bool]:
 
     from engine.ray_tiles_parallel import cast_tiles_parallel
 
-    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
+    numba.set_num_threads(min(threads, numba.config.__dict__["NUMBA_NUM_THREADS"]))
     return cast_tiles_parallel
 
 

@@ -66,7 +66,7 @@ def test_sphere_and_box_hold_all_points_and_are_not_much_too_large(seed: int) ->
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_the_error_of_an_l_is_that_of_geometry(level: str) -> None:
-    """Volume 3. Box: 4, and its inner edge lies 1 from the L. Hull: the corner is cut from (2, 1) to (1, 2), 3.5, and the middle
+    """Volume 3. Box: 4, its inner edge lies 1 from the L. Hull: the corner is cut from (2, 1) to (1, 2), 3.5, and the middle
     of the cut lies .5 from either inner face, as near as the inner edge is not (.71). Two convex pieces make it up exactly.
     Sphere: its radius is at least that of the circle about the hull's top and bottom, sqrt(.5 + 2) for the box's corners.
     """

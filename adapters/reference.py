@@ -177,6 +177,7 @@ def _body(body: Body, effects: Effect) -> "engine.Body":
         mass=body.mass,
         inertia=body.inertia,
         shapes=tuple(_placed(part) for part in body.collision),
+        visual=None if body.visual is None else tuple(_placed(part) for part in body.visual),
         material=body.material,
         p_WB=body.p_WB,
         q_WB=body.q_WB,

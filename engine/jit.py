@@ -103,7 +103,8 @@ def _apart() -> type:
     class Apart(CompilerBase):
         def define_pipelines(self) -> list[Any]:
             self.state.flags.noalias = True
-            return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+            passes: Any = DefaultPassBuilder
+            return [passes.define_nopython_pipeline(self.state)]
 
     return Apart
 

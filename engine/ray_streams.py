@@ -156,9 +156,12 @@ def end_sphere(o: Vec, d: Vec, end: float, square: float, sign: float) -> float:
 
 
 @stream
-def normals_of(n: int, rays: Rays, t: Floats, kind: int, c: Vec, m: Mat, size: Vec, nx: Floats, ny: Floats, nz: Floats) -> None:
+def normals_of(
+    n: int, rays: Rays, t: Floats, kind: int, c: Vec, m: Mat, size: Vec, facing: tuple[Floats, Floats, Floats]
+) -> None:
     """Outward unit normals in W where rays end on a shape: the direction in which its distance grows fastest."""
-    if kind == SPHERE or kind == CAPSULE:
+    nx, ny, nz = facing
+    if kind in (SPHERE, CAPSULE):
         half = size[1] if kind == CAPSULE else 0.0
         for i in range(n):
             o, d = ray_in(rays, i, c, m)

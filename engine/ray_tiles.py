@@ -48,6 +48,7 @@ from engine.ray_streams import (
 from engine.vec import (
     Floats,
     Ints,
+    Mat,
     Vec,
     add,
     along,
@@ -66,6 +67,7 @@ from engine.vec import (
 
 __all__ = ["cast_tile_range", "cast_tiles", "layout"]
 
+Triple = tuple[Floats, Floats, Floats]
 TILE = 128
 """Rays of a tile: enough to share the cost of culling, few enough that all of them stay in the first-level cache."""
 WIDTH = 32
@@ -82,7 +84,7 @@ def row_of(directions: Floats) -> int:
 
     All of them where this does not divide their number, or gives rows shorter than a tile is wide.
     """
-    count = directions.shape[0]
+    count: int = directions.shape[0]
     for i in range(2, count):
         a, b, c = load3(directions, i - 2, 0), load3(directions, i - 1, 0), load3(directions, i, 0)
         before = sub(b, a)
@@ -102,8 +104,10 @@ def layout(directions: Floats) -> tuple[int, int, int]:
 
 
 @kernel
-def pose_primitives(floats: Floats, ints: Ints) -> tuple[Ints, Floats]:
-    """The shapes with closed forms: their rows in the table of shapes, and position and rotation matrix in W (k, 12)."""
+def pose_primitives(floats: Floats, ints: Ints) -> tuple[Ints, Floats, Floats]:
+    """The shapes with closed forms: their rows in the table of shapes; position and rotation matrix in W (k, 12); centres and
+    radii of their bounding balls (4, k).
+    """
     state, shape, shape_kind = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
     shapes, found = ints_of(ints, COUNT)[0, SHAPES], 0
     who = np.zeros(shapes + 1, np.int64)
@@ -111,14 +115,17 @@ def pose_primitives(floats: Floats, ints: Ints) -> tuple[Ints, Floats]:
         if shape_kind[s, TYPE] < HULL:
             who[found] = s
             found += 1
-    pose = np.empty((found, 12))
+    pose, ball = np.empty((found, 12)), np.empty((4, found))
     for k in range(found):
         s = who[k]
         b = shape_kind[s, OWNER]
         q = load4(state, b, Q)
         store3(pose, k, 0, add(load3(state, b, P), mat_vec(quat_mat(q), load3(shape, s, OFFSET))))
         store9(pose, k, 3, quat_mat(quat_mul(q, load4(shape, s, TURN))))
-    return who, pose
+        for c in range(3):
+            ball[c, k] = pose[k, c]
+        ball[3, k] = shape[s, BALL_RADIUS]
+    return who, pose, ball
 
 
 @stream
@@ -139,8 +146,8 @@ def fill(n: int, v: Vec, x: Floats, y: Floats, z: Floats) -> None:
 
 
 @stream
-def measure(n: int, rays: Rays, length: Floats) -> tuple[bool, bool]:
-    """Write the lengths of the directions. Returns: whether all rays are finite and have a direction; whether all are unit."""
+def make_unit(n: int, rays: Rays, length: Floats) -> bool:
+    """Divide the directions by their lengths. Returns: whether all rays are finite and have a direction."""
     ox, oy, oz, dx, dy, dz = rays
     good, unit = 0, 0
     for i in range(n):
@@ -148,14 +155,10 @@ def measure(n: int, rays: Rays, length: Floats) -> tuple[bool, bool]:
     for i in range(n):
         good += (length[i] >= 1e-12) & (length[i] < math.inf) & (abs(ox[i]) + abs(oy[i]) + abs(oz[i]) < math.inf)
         unit += abs(length[i] - 1.0) < 1e-15
-    return good == n, unit == n
-
-
-@stream
-def divide(n: int, length: Floats, x: Floats, y: Floats, z: Floats) -> None:
-    """Make directions unit."""
-    for i in range(n):
-        x[i], y[i], z[i] = x[i] / length[i], y[i] / length[i], z[i] / length[i]
+    if unit < n:
+        for i in range(n):
+            dx[i], dy[i], dz[i] = dx[i] / length[i], dy[i] / length[i], dz[i] / length[i]
+    return good == n
 
 
 @kernel
@@ -172,10 +175,7 @@ def load_tile(
             load_row(wide, at, to, origins, ox, oy, oz)
     if one:
         fill(wide * high, load3(origins, 0, 0), ox, oy, oz)
-    good, unit = measure(wide * high, rays, length)
-    if not unit:
-        divide(wide * high, length, dx, dy, dz)
-    return good
+    return make_unit(wide * high, rays, length)
 
 
 @kernel
@@ -215,6 +215,15 @@ def narrowest(n: int, rays: Rays, axis: Vec) -> float:
     return a if a < c else c
 
 
+@kernel
+def middle_of(n: int, wide: int, rays: Rays) -> Vec:
+    """The axis of the cone: the middle of the directions at the corners of the tile. Any unit vector would do."""
+    sum_of = (0.0, 0.0, 0.0)
+    for i in (0, wide - 1, n - wide, n - 1):
+        sum_of = add(sum_of, (rays[3][i], rays[4][i], rays[5][i]))
+    return along(sum_of, (0.0, 0.0, 1.0))
+
+
 @stream
 def cull(k: int, ball: Floats, apex: Vec, spread: float, axis: Vec, cosine: float, reach: Floats) -> None:
     """reach[s]: least distance [m] at which a ray of the cone may meet the ball of shape s, or infinity if none does.
@@ -234,6 +243,32 @@ def cull(k: int, ball: Floats, apex: Vec, spread: float, axis: Vec, cosine: floa
         off = math.sqrt(rest if rest > 0.0 else 0.0)
         meets = (off * cosine - on * sine <= r) & (on * cosine + off * sine >= 0.0)
         reach[s] = (far - r if far > r else 0.0) if wide | meets | (far <= r) else math.inf
+
+
+@kernel
+def reach_planes(k: int, rows_of: Ints, shape_kind: Ints, pose: Floats, apex: Vec, spread: float, reach: Floats) -> None:
+    """As `cull`, for planes, which no ball bounds: nothing is nearer than their distance."""
+    for p in range(k):
+        if shape_kind[rows_of[p], TYPE] == PLANE:
+            normal = (pose[p, 5], pose[p, 8], pose[p, 11])
+            height = abs(dot(normal, sub(apex, load3(pose, p, 0))))
+            reach[p] = max(0.0, height * (1.0 - SLACK) - spread)
+
+
+@stream
+def start_search(n: int, limit: float, best: Floats, who: Ints) -> None:
+    """Nothing met so far."""
+    for i in range(n):
+        best[i], who[i] = limit, -1
+
+
+@stream
+def any_beyond(n: int, best: Floats, reach: float) -> bool:
+    """Whether a ray is still open at `reach` [m]."""
+    count = 0
+    for i in range(n):
+        count += best[i] >= reach
+    return count > 0
 
 
 @kernel
@@ -298,18 +333,47 @@ def keep_nearer_picked(n: int, pick: Ints, t: Floats, s: int, best: Floats, who:
 
 
 @stream
-def pack(n: int, pick: Ints, rays: Rays, packed: Rays) -> None:
-    """Copy the rays `pick` to the front of `packed`."""
+def pack(n: int, pick: Ints, rays: Rays, t: Floats, packed: Rays, packed_t: Floats) -> None:
+    """Copy the rays `pick` and their distances to the front."""
     ox, oy, oz, dx, dy, dz = rays
     px, py, pz, ux, uy, uz = packed
     for j in range(n):
         i = pick[j]
         px[j], py[j], pz[j], ux[j], uy[j], uz[j] = ox[i], oy[i], oz[i], dx[i], dy[i], dz[i]
+        packed_t[j] = t[i]
+
+
+@kernel
+def meet_shape(
+    n: int, rays: Rays, packed: Rays, kind: int, c: Vec, m: Mat, size: Vec, ball: float, s: int, best: Floats, who: Ints,
+    pick: Ints, near: Ints, t: Floats,
+) -> int:  # fmt: skip
+    """Try one shape on all rays of a tile. Returns: for how many it is the nearest so far."""
+    if kind == PLANE:
+        meet_plane(n, rays, c, (m[2], m[5], m[8]), t)
+        return keep_nearer(n, t, s, best, who)
+    if kind == SPHERE:
+        meet_sphere(n, rays, c, size[0], t)
+        return keep_nearer(n, t, s, best, who)
+    near_ball(n, rays, c, ball, best, near)
+    some = picked(n, near, 1, pick)
+    chosen = rays
+    if some < n:
+        pack(some, pick, rays, best, packed, t)
+        chosen = packed
+    if kind == BOX:
+        meet_box(some, chosen, c, m, size, t)
+    elif kind == CAPSULE:
+        meet_capsule(some, chosen, c, m, size, t)
+    else:
+        meet_cylinder(some, chosen, c, m, size, t)
+    return keep_nearer_picked(some, pick, t, s, best, who)
 
 
 @stream
-def clear(n: int, who: Ints, best: Floats, body: Ints, part: Ints, x: Floats, y: Floats, z: Floats) -> None:
+def clear(n: int, who: Ints, best: Floats, body: Ints, part: Ints, facing: Triple) -> None:
     """The answers of rays that meet nothing; those of the others are written next."""
+    x, y, z = facing
     for i in range(n):
         best[i] = best[i] if who[i] >= 0 else math.inf
         body[i], part[i] = -1, -1
@@ -317,57 +381,37 @@ def clear(n: int, who: Ints, best: Floats, body: Ints, part: Ints, x: Floats, y:
 
 
 @stream
-def label(n: int, body: int, part: int, bodies: Ints, parts: Ints) -> None:
+def label(n: int, owner: int, place: int, body: Ints, part: Ints) -> None:
     """The same shape for all rays."""
     for i in range(n):
-        bodies[i], parts[i] = body, part
+        body[i], part[i] = owner, place
 
 
 @stream
-def pack_one(n: int, pick: Ints, a: Floats, packed: Floats) -> None:
-    """Copy the numbers `pick` to the front."""
-    for j in range(n):
-        packed[j] = a[pick[j]]
-
-
-@stream
-def scatter(
-    n: int,
-    pick: Ints,
-    body: int,
-    part: int,
-    ux: Floats,
-    uy: Floats,
-    uz: Floats,
-    bodies: Ints,
-    parts: Ints,
-    x: Floats,
-    y: Floats,
-    z: Floats,
-) -> None:
+def scatter(n: int, pick: Ints, owner: int, place: int, packed: Triple, body: Ints, part: Ints, facing: Triple) -> None:
     """Shape and normals to the rays `pick`."""
+    u, v, w = packed
+    x, y, z = facing
     for j in range(n):
         i = pick[j]
-        bodies[i], parts[i] = body, part
-        x[i], y[i], z[i] = ux[j], uy[j], uz[j]
+        body[i], part[i] = owner, place
+        x[i], y[i], z[i] = u[j], v[j], w[j]
 
 
 @stream
-def answer(n: int, at: int, to: int, best: Floats, body: Ints, part: Ints, distance: Floats, bodies: Ints, parts: Ints) -> None:
+def answer(
+    n: int, at: int, to: int, best: Floats, own: Ints, role: Ints, facing: Triple, distance: Floats, body: Ints, part: Ints,
+    normal: Floats,
+) -> None:  # fmt: skip
     """Copy the answers of a row of rays."""
-    first, place = np.uint64(at), np.uint64(to)
+    x, y, z = facing
+    there, here = np.uint64(at), np.uint64(to)
     for i in range(np.uint64(n)):
-        distance[first + i] = best[place + i]
-        bodies[first + i] = body[place + i]
-        parts[first + i] = part[place + i]
-
-
-@stream
-def answer_normals(n: int, at: int, to: int, x: Floats, y: Floats, z: Floats, normal: Floats) -> None:
-    """Put a row of normals together."""
-    first, place = np.uint64(at), np.uint64(to)
+        distance[there + i] = best[here + i]
+        body[there + i] = own[here + i]
+        part[there + i] = role[here + i]
     for i in range(np.uint64(n)):
-        normal[first + i, 0], normal[first + i, 1], normal[first + i, 2] = x[place + i], y[place + i], z[place + i]
+        normal[there + i, 0], normal[there + i, 1], normal[there + i, 2] = x[here + i], y[here + i], z[here + i]
 
 
 @kernel
@@ -377,23 +421,15 @@ def cast_tile_range(
 ) -> bool:  # fmt: skip
     """As `cast_tiles`, for the tiles from first_tile up to, but not with, last_tile."""
     shape, shape_kind = floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
-    rows_of, pose = pose_primitives(floats, ints)
+    rows_of, pose, ball = pose_primitives(floats, ints)
     k = len(pose)
-    ball = np.empty((4, k))
-    for p in range(k):
-        ball[0, p], ball[1, p], ball[2, p] = pose[p, 0], pose[p, 1], pose[p, 2]
-        ball[3, p] = shape[rows_of[p], BALL_RADIUS]
-    work, places = np.empty((20, TILE)), np.empty((5, TILE), np.int64)
-    rays = (work[0], work[1], work[2], work[3], work[4], work[5])
-    packed = (work[6], work[7], work[8], work[9], work[10], work[11])
-    length, best, t, nx, ny, nz, ux, uy = work[12], work[13], work[14], work[15], work[16], work[17], work[18], work[19]
-    uz = length
-    who, pick, near, own, role = places[0], places[1], places[2], places[3], places[4]
     reach, order = np.empty(k), np.empty(k + 1, np.int64)
-    limit = np.nextafter(max_range, math.inf)
-    high = TILE // wide
-    across = (row + wide - 1) // wide
-    rows = directions.shape[0] // row
+    a, places = np.empty((21, TILE)), np.empty((5, TILE), np.int64)
+    rays, packed = (a[0], a[1], a[2], a[3], a[4], a[5]), (a[6], a[7], a[8], a[9], a[10], a[11])
+    facing, packed_facing = (a[12], a[13], a[14]), (a[15], a[16], a[17])
+    best, t, length = a[18], a[19], a[20]
+    who, pick, near, own, role = places[0], places[1], places[2], places[3], places[4]
+    high, across, rows = TILE // wide, (row + wide - 1) // wide, directions.shape[0] // row
     for tile in range(first_tile, last_tile):
         top, left = tile // across * high, tile % across * wide
         tall, broad = min(high, rows - top), min(wide, row - left)
@@ -401,74 +437,36 @@ def cast_tile_range(
         if not load_tile(origins, directions, start, row, broad, tall, rays, length):
             return False
         apex, spread = origin_ball(n, rays)
-        middle = (0.0, 0.0, 0.0)
-        for i in (0, broad - 1, n - broad, n - 1):
-            middle = add(middle, (rays[3][i], rays[4][i], rays[5][i]))
-        axis = along(middle, (0.0, 0.0, 1.0))
+        axis = middle_of(n, broad, rays)
         cull(k, ball, apex, spread, axis, narrowest(n, rays, axis), reach)
-        for p in range(k):
-            if shape_kind[rows_of[p], TYPE] == PLANE:
-                m = load9(pose, p, 3)
-                reach[p] = max(0.0, abs(dot((m[2], m[5], m[8]), sub(apex, load3(pose, p, 0)))) - spread)
-        count = candidates(k, reach, order)
-        for i in range(n):
-            best[i] = limit
-        for i in range(n):
-            who[i] = -1
-        winners = 0
+        reach_planes(k, rows_of, shape_kind, pose, apex, spread, reach)
+        count, winners = candidates(k, reach, order), 0
+        start_search(n, np.nextafter(max_range, math.inf), best, who)
         for c in range(count):
             p = order[c]
-            open_rays = 0
-            for i in range(n):
-                open_rays += best[i] >= reach[p]
-            if open_rays == 0:
+            if not any_beyond(n, best, reach[p]):
                 break
             s = rows_of[p]
-            kind, centre, m, size = shape_kind[s, TYPE], load3(pose, p, 0), load9(pose, p, 3), load3(shape, s, SIZE)
-            if kind == PLANE:
-                meet_plane(n, rays, centre, (m[2], m[5], m[8]), t)
-                changed = keep_nearer(n, t, p, best, who)
-            elif kind == SPHERE:
-                meet_sphere(n, rays, centre, size[0], t)
-                changed = keep_nearer(n, t, p, best, who)
-            else:
-                near_ball(n, rays, centre, ball[3, p], best, near)
-                some = picked(n, near, 1, pick)
-                chosen = rays
-                if some < n:
-                    pack(some, pick, rays, packed)
-                    chosen = packed
-                if kind == BOX:
-                    meet_box(some, chosen, centre, m, size, t)
-                elif kind == CAPSULE:
-                    meet_capsule(some, chosen, centre, m, size, t)
-                else:
-                    meet_cylinder(some, chosen, centre, m, size, t)
-                changed = keep_nearer_picked(some, pick, t, p, best, who)
-            if changed > 0:
+            if meet_shape(
+                n, rays, packed, shape_kind[s, TYPE], load3(pose, p, 0), load9(pose, p, 3), load3(shape, s, SIZE), ball[3, p],
+                p, best, who, pick, near, t,
+            ):  # fmt: skip
                 order[winners] = p
                 winners += 1
-        clear(n, who, best, own, role, nx, ny, nz)
+        clear(n, who, best, own, role, facing)
         for c in range(winners):
             p = order[c]
-            some = picked(n, who, p, pick)
-            if some == 0:
-                continue
-            s = rows_of[p]
+            s, some = rows_of[p], picked(n, who, p, pick)
             kind, centre, m, size = shape_kind[s, TYPE], load3(pose, p, 0), load9(pose, p, 3), load3(shape, s, SIZE)
-            owner, place = shape_kind[s, OWNER], shape_kind[s, PART]
             if some == n:
-                normals_of(n, rays, best, kind, centre, m, size, nx, ny, nz)
-                label(n, owner, place, own, role)
-                continue
-            pack(some, pick, rays, packed)
-            pack_one(some, pick, best, t)
-            normals_of(some, packed, t, kind, centre, m, size, ux, uy, uz)
-            scatter(some, pick, owner, place, ux, uy, uz, own, role, nx, ny, nz)
+                normals_of(n, rays, best, kind, centre, m, size, facing)
+                label(n, shape_kind[s, OWNER], shape_kind[s, PART], own, role)
+            elif some > 0:
+                pack(some, pick, rays, best, packed, t)
+                normals_of(some, packed, t, kind, centre, m, size, packed_facing)
+                scatter(some, pick, shape_kind[s, OWNER], shape_kind[s, PART], packed_facing, own, role, facing)
         for line in range(tall):
-            at, to = start + line * row, line * broad
-            answer(broad, at, to, best, own, role, distance, body, part)
-            answer_normals(broad, at, to, nx, ny, nz, normal)
+            answer(broad, start + line * row, line * broad, best, own, role, facing, distance, body, part, normal)
     return True
 
 

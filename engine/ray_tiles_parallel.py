@@ -21,9 +21,9 @@ def cast_tiles_parallel(
     row, wide, tiles = layout(directions)
     bad = 0
     for share in prange((tiles + SHARE - 1) // SHARE):
-        first = share * SHARE
+        first, last = share * SHARE, min(share * SHARE + SHARE, tiles)
         done = cast_tile_range(
-            floats, ints, origins, directions, row, wide, first, min(first + SHARE, tiles), max_range, distance, body, part, normal
+            floats, ints, origins, directions, row, wide, first, last, max_range, distance, body, part, normal
         )  # fmt: skip
         bad += 0 if done else 1
     return bad == 0

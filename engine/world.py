@@ -327,7 +327,7 @@ def _choose_tiles(threads: int) -> Callable[..., bool]:
 
     from engine.ray_tiles_parallel import cast_tiles_parallel
 
-    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
+    numba.set_num_threads(min(threads, numba.config.__dict__["NUMBA_NUM_THREADS"]))
     return cast_tiles_parallel
 
 

@@ -20,14 +20,6 @@ __all__ = ["main"]
 
 _GATE, _USAGE, _MACHINE, _INTERRUPTED = 1, 2, 3, 130
 _TABLES = ("trials", "measurements", "samples", "scaling")
-_BRIEF = {
-    "trials": ("trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"),
-    "scaling": (
-        "case", "where", "engine", "track", "unit", "cpu_s", "to_fastest", "to_ours", "ours", "penetration_m", "residual_m_s",
-        "best", "exponent", "unstable", "status", "reason",
-    ),
-}  # fmt: skip
-"""The columns of a table that a terminal has room for."""
 
 
 def _stop(code: int, message: str) -> NoReturn:
@@ -252,10 +244,16 @@ def show(folder: Path, table: str, form: str) -> None:
         print_csv(columns, rows)
     elif form == "markdown":
         print_markdown(columns, rows)
+    elif table == "scaling":
+        from harness.scaling import BRIEF
+        from harness.scaling import brief as in_brief
+
+        print_table(table, BRIEF, [in_brief(row) for row in rows])
     else:
-        brief = _BRIEF.get(table, columns)
-        words = {None: "", True: "yes", False: ""} if table == "scaling" else {}
-        shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else words.get(row[c], row[c]) for c in brief] for row in rows]
+        brief = (
+            ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
+        )
+        shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]
         print_table(table, brief, shown)
 
 

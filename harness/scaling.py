@@ -18,7 +18,7 @@ from harness.store import Store
 from harness.trajectory import Floats
 from harness.trend import fit_order
 
-__all__ = ["COLUMNS", "Cost", "Exponent", "Ratio", "Scaling", "ratio"]
+__all__ = ["BRIEF", "COLUMNS", "Cost", "Exponent", "Ratio", "Scaling", "Sweep", "brief", "growth", "no_worse", "ratio"]
 
 PENETRATION = ("overlap", "penetration")
 """Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""
@@ -91,6 +91,17 @@ class Exponent:
     end: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """Rows of all engines that differ in one numeric parameter, by its size; where: what else tells them from the case."""
+
+    case: str
+    where: str
+    unit: str
+    parameter: str
+    rows: tuple[Cost, ...]
+
+
 COLUMNS = (
     "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
     "to_fastest_high", "to_ours", "to_ours_low", "to_ours_high", "ours", "penetration_m", "residual_m_s", "error",
@@ -145,22 +156,24 @@ class Scaling:
             found.setdefault(s["trial"], {})[s["process"], s["block"]] = s["cpu"] / (s["steps"] * units)
         return found
 
-    def _swept(self, case: str, all_parameters: Sequence[Mapping[str, Any]]) -> list[str]:
-        """The parameters that differ among a case's trials or from the case's own values; never the seed."""
-        own = self._store.catalogue.get("cases", {}).get(case, {}).get("parameters", {})
-        names = list(dict.fromkeys(name for given in all_parameters for name in given if name != "seed"))
-        return [n for n in names if len({json.dumps(g.get(n)) for g in (*all_parameters, own)}) > 1]
+    def _own(self, case: str) -> Mapping[str, Any]:
+        """The parameters that a case has of itself."""
+        own: Mapping[str, Any] = self._store.catalogue.get("cases", {}).get(case, {}).get("parameters", {})
+        return own
+
+    def _swept(self, case: str, given: Sequence[Mapping[str, Any]]) -> list[str]:
+        """The parameters that differ among trials or from the case's own values; never the seed."""
+        names = dict.fromkeys(name for one in given for name in one if name != "seed")
+        return [n for n in names if len({json.dumps(one.get(n)) for one in (*given, self._own(case))}) > 1]
 
     def _groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """Trials that were clocked together: one case at one set of parameters and one time step."""
-        trials = self._store.trials
-        for case, part in trials.groupby("case", sort=False):
+        for (case, _), part in self._store.trials.groupby(["case", "experiment"], sort=False):
             given = [json.loads(text) for text in part["parameters"]]
             swept = self._swept(case, given)
-            where = [", ".join(f"{name} {g.get(name)}" for name in swept) for g in given]
-            keyed = part.assign(where=where, size=[[_size(g.get(name)) for name in swept] for g in given])
-            keyed = keyed.sort_values("size", kind="stable")
-            for (place, _, _), group in keyed.groupby(["where", "dt", "experiment"], sort=False):
+            where = [", ".join(f"{name} {_plain(one.get(name))}" for name in swept) for one in given]
+            keyed = part.assign(where=where, size=[[_size(one.get(name)) for name in swept] for one in given])
+            for (place, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
                 yield case, place, group
 
     @cached_property
@@ -168,12 +181,12 @@ class Scaling:
         """All rows, scene by scene; within a scene engine by engine, each from the cheapest setting to the dearest."""
         found: list[Cost] = []
         for case, where, group in self._groups():
-            rows = [self._plain(case, where, row) for row in group.to_dict("records")]
+            rows = [self._cost(case, where, row) for row in group.to_dict("records")]
             if any(row.cpu is not None for row in rows):
                 found += self._compared(rows)
         return tuple(found)
 
-    def _plain(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
+    def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
         values = self._values.get(row["trial"], {})
         headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
         trouble = [text for text in json.loads(row["warnings"]) if str(text).startswith("timing: ")]
@@ -230,29 +243,36 @@ class Scaling:
         return sorted(compared, key=lambda row: order.index(row.engine))
 
     @cached_property
-    def exponents(self) -> tuple[Exponent, ...]:
-        """Fitted growth over each numeric parameter that was run at three values or more, the others kept."""
-        found = []
-        series: dict[tuple[str, str, str, str, str, str, float], list[tuple[float, float]]] = {}
+    def sweeps(self) -> tuple[Sweep, ...]:
+        """The rows along each numeric parameter that was run at three values or more while the others were kept."""
+        found: dict[tuple[str, str, str, str, float], list[Cost]] = {}
         for row in self.costs:
             for name, value in row.parameters.items():
-                if row.cpu is None or isinstance(value, bool) or not isinstance(value, int | float) or name == "seed":
-                    continue
-                others = {n: v for n, v in row.parameters.items() if n != name}
-                key = (row.case, json.dumps(others, sort_keys=True), row.engine, row.track, row.unit, name, row.dt)
-                series.setdefault(key, []).append((float(value), row.cpu))
-        for (case, rest, engine, track, unit, name, _), points in series.items():
-            fit = fit_order([x for x, _ in points], [y for _, y in points]) if len({x for x, _ in points}) >= 3 else None
-            if fit is not None:
-                own = self._store.catalogue.get("cases", {}).get(case, {}).get("parameters", {})
-                where = ", ".join(f"{n} {v}" for n, v in json.loads(rest).items() if own.get(n) != v)
-                found.append(
-                    Exponent(
-                        case=case, where=where, engine=engine, track=track, unit=unit, parameter=name, exponent=fit.order,
-                        low=fit.low, high=fit.high, points=fit.used, start=fit.fine, end=fit.coarse,
-                    )
-                )  # fmt: skip
-        return tuple(found)
+                if row.cpu is not None and isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
+                    others = {n: v for n, v in row.parameters.items() if n != name}
+                    key = (row.case, json.dumps(others, sort_keys=True), row.unit, name, row.dt)
+                    found.setdefault(key, []).append(row)
+        return tuple(
+            Sweep(
+                case=case,
+                where=", ".join(f"{n} {_plain(v)}" for n, v in json.loads(others).items() if self._own(case).get(n) != v),
+                unit=unit,
+                parameter=name,
+                rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
+            )
+            for (case, others, unit, name, _), rows in found.items()
+            if len({row.parameters[name] for row in rows}) >= 3
+        )
+
+    @cached_property
+    def exponents(self) -> tuple[Exponent, ...]:
+        """Fitted growth of each engine under each group of settings, along each sweep."""
+        return tuple(
+            fit
+            for sweep in self.sweeps
+            for side in dict.fromkeys((row.engine, row.track) for row in sweep.rows)
+            if (fit := growth(sweep, [row for row in sweep.rows if (row.engine, row.track) == side])) is not None
+        )
 
     def rows(self) -> list[dict[str, Any]]:
         """Flat rows with COLUMNS."""
@@ -273,6 +293,66 @@ class Scaling:
             where = ", ".join(filter(None, (fit.where, f"{fit.parameter} from {fit.start:g} to {fit.end:g}")))
             found.append(blank | row | {"row": "exponent", "where": where, "exponent_low": fit.low, "exponent_high": fit.high})
         return found
+
+
+BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "x ours", "penetration", "moves", "marks", "status")
+"""What a terminal has room for; marks: * the engine's fastest whose checks hold, ~ an unstable timing."""
+
+
+def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """A flat row in short words under BRIEF."""
+    scene = f"{row['case']} {row['where'] or ''}".strip()
+    if row["row"] == "exponent":
+        grows = f"exponent {row['exponent']:.2f} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
+        return (scene, row["engine"], row["track"], row["unit"], grows, "", "", "", "", "", "")
+    costs = ""
+    if row["cpu_s"] is not None:
+        costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
+    ahead = "" if row["to_ours"] is None else f"{row['to_ours']:.3g} ({row['ours']})"
+    return (
+        scene,
+        row["engine"],
+        row["track"],
+        row["unit"],
+        costs,
+        "" if row["to_fastest"] is None else f"{row['to_fastest']:.3g}",
+        ahead,
+        "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um",
+        "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s",
+        ("*" if row["best"] else "") + ("~" if row["unstable"] else ""),
+        row["status"] if row["status"] in ("passed", "failed") else f"{row['status']}: {row['reason']}",
+    )
+
+
+def _micro(value: float) -> str:
+    """In millionths, three digits of it, without a power of ten while it is readable."""
+    return f"{value * 1e6:,.0f}" if value >= 1e-4 else f"{value * 1e6:.3g}"
+
+
+def growth(sweep: Sweep, rows: Sequence[Cost]) -> Exponent | None:
+    """The exponent of the price along a sweep for the rows of one engine; None below three values."""
+    points = [(float(row.parameters[sweep.parameter]), row.cpu) for row in rows if row.cpu is not None]
+    fit = fit_order([x for x, _ in points], [y for _, y in points])
+    if fit is None:
+        return None
+    return Exponent(
+        case=sweep.case,
+        where=sweep.where,
+        engine=rows[0].engine,
+        track=rows[0].track,
+        unit=sweep.unit,
+        parameter=sweep.parameter,
+        exponent=fit.order,
+        low=fit.low,
+        high=fit.high,
+        points=fit.used,
+        start=fit.fine,
+        end=fit.coarse,
+    )
+
+
+def _plain(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _size(value: Any) -> tuple[int, float, str]:

@@ -86,7 +86,7 @@ def assemble_world(
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs + 1, 32),
         (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
         (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
-        (ns, 6), (touches, 16), (touches, 16), (touches, 4), (n + 1 if spheres else 0, 12),
+        (ns, 6), (touches, 16), (touches, 16), (touches, 4), (n + 1 if spheres else 0, 8),
     ]  # fmt: skip
     int_shapes = [
         (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (near, 2), (pairs, 8), (4 * pairs + 1, 2), (pairs, 8),
@@ -95,6 +95,7 @@ def assemble_world(
     ]  # fmt: skip
     floats, ints = new_arena(float_shapes, int_shapes)
     _write_bodies(floats, ints, bodies)
+    float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
     for s, (i, solid) in enumerate(shapes):
         if solid.kind in (at.PLANE, at.TRIANGLE) and bodies[i].motion == "dynamic":
             if solid.kind == at.TRIANGLE:

@@ -17,7 +17,7 @@ import platformdirs
 
 from engine.sources import source_digest
 
-__all__ = ["FLAGS", "cache_directory", "entry", "kernel"]
+__all__ = ["FLAGS", "cache_directory", "entry", "inlined", "kernel", "parallel_entry"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -57,6 +57,11 @@ def kernel(function: Function) -> Function:
     return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
+def inlined(function: Function) -> Function:
+    """As `kernel`, put in place of every call: for what costs less than handing over its arrays."""
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
+
+
 def entry(function: Function) -> Function:
     """A compiled function that Python calls, kept on disk for the next process.
 
@@ -68,7 +73,17 @@ def entry(function: Function) -> Function:
     return _one_at_a_time(_compiled(function, cache=True))
 
 
-def _compiled(function: Function, **options: bool) -> Function:
+def parallel_entry(function: Function) -> Function:
+    """As `entry`, with the loops over `numba.prange` shared out among threads, and nothing else.
+
+    Args: function: its `prange` loops must write to places of their own only, so that no order of threads can be seen.
+    Returns: the same function, compiled on first use or loaded from the cache.
+    """
+    no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
+    return _one_at_a_time(_compiled(function, cache=True, parallel={"prange": True, **no_more}))
+
+
+def _compiled(function: Function, **options: bool | dict[str, bool]) -> Function:
     """The function under Numba with the flags of this package; Numba's stubs do not know all options, hence Any."""
     import numba
 

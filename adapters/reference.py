@@ -62,6 +62,8 @@ OPTIONS: Mapping[str, type] = {
     "relaxations": int,
     "step_tolerance": float,
     "broad_phase": str,
+    "bounding_volume": str,
+    "threads": int,
     "contact_hertz": float,
     "contact_damping_ratio": float,
     "max_push": float,

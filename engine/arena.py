@@ -48,7 +48,7 @@ FAT: Final = 30  # (shapes, 6): widened bounds, which candidates were found for
 TOUCH: Final = 31  # (pairs of spheres, 16): what the sphere solver sweeps over
 TOUCH_REST: Final = 32  # (pairs of spheres, 16): what it needs less often
 OLD_TOUCH: Final = 33  # (pairs of spheres, 4): impulses of the last step
-MOVER: Final = 34  # (bodies + 1, 12): what the sphere solver reads and writes of a body
+MOVER: Final = 34  # (bodies + 1, 8): what the sphere solver reads and writes of a body
 REST: Final = 35  # (bodies + 1, 7): pose since which a body counts as still
 FLOAT_TABLES: Final = 36
 
@@ -299,7 +299,6 @@ K_MOVES: Final = 5  # 1 where B is dynamic
 # Columns of MOVER: velocity and angular velocity first.
 M_INV_MASS: Final = 6
 M_INV_INERTIA: Final = 7
-M_PLACE: Final = 8  # 3
 
 
 def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:

@@ -88,7 +88,7 @@ def assemble_world(
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 54), (4 * pairs + 1, 35),
         (pairs, 54), (4 * pairs, 35), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
         (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
-        (ns, 6), (touches, 16), (touches, 16), (touches, 4), (n + 1 if spheres else 0, 12),
+        (ns, 6), (touches, 16), (touches, 16), (touches, 4), (n + 1 if spheres else 0, 8),
         (n + 1, 7),
     ]  # fmt: skip
     int_shapes = [
@@ -99,6 +99,7 @@ def assemble_world(
     floats, ints = new_arena(float_shapes, int_shapes)
     _write_bodies(floats, ints, bodies)
     float_table(floats, ints, at.REST)[:] = np.inf
+    float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
     for s, (i, solid) in enumerate(shapes):
         if solid.kind in (at.PLANE, at.TRIANGLE) and bodies[i].motion == "dynamic":
             if solid.kind == at.TRIANGLE:

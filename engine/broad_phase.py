@@ -10,8 +10,11 @@ from engine.arena import (
     BALL_RADIUS,
     BOX,
     CAPSULE,
+    DT,
     DYNAMIC,
+    GRAVITY,
     HULL,
+    MARGIN,
     MATERIAL,
     MOTION,
     OFFSET,
@@ -26,8 +29,7 @@ from engine.arena import (
     V,
     W,
 )  # fmt: skip
-from engine.broad.volumes import volumes_apart
-from engine.jit import kernel
+from engine.jit import inlined, kernel
 from engine.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
 
 __all__ = ["boxes_overlap", "brute_force", "kept_apart", "overlap", "pose_shapes", "reaches_plane", "write_bounds"]
@@ -39,9 +41,8 @@ def pose_shapes(state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pos
     for s in range(shapes):
         b, offset = shape_kind[s, OWNER], load3(shape, s, OFFSET)
         if shape_kind[s, TYPE] == SPHERE and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0:
-            # A ball about the centre of mass looks the same however it is turned.
+            # A ball about the centre of mass looks the same however it is turned: its matrix stays as it was at the start.
             store3(pose, s, 0, load3(state, b, P))
-            store9(pose, s, 3, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0))
             continue
         q = load4(state, b, Q)
         store3(pose, s, 0, add(load3(state, b, P), mat_vec(quat_mat(q), offset)))
@@ -50,14 +51,21 @@ def pose_shapes(state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pos
 
 @kernel
 def write_bounds(
-    state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pose: Floats, bounds: Floats, margin: float, dt: float
+    state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pose: Floats, bounds: Floats, setting: Floats
 ) -> None:
-    """Write the axis-aligned bounds [m] of every shape, widened by the margin and by its way in dt, and by how much."""
+    """Write the axis-aligned bounds [m] of every shape, widened by the margin and by its way in dt, and by how much.
+
+    Two shapes together are widened by no less than `manifolds.look_ahead`, so that no contact depends on the bounds.
+    """
+    dt = setting[0, DT]
+    least = setting[0, MARGIN] + 0.5 * dt * dt * norm(load3(setting, 0, GRAVITY))
     for s in range(shapes):
         kind, b = shape_kind[s, TYPE], shape_kind[s, OWNER]
-        grow = margin + dt * norm(load3(state, b, V))
+        grow = least + dt * norm(load3(state, b, V))
         if shape[s, BALL_RADIUS] < math.inf:
-            grow += dt * norm(load3(state, b, W)) * (norm(load3(shape, s, OFFSET)) + shape[s, BALL_RADIUS])
+            swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if kind != SPHERE else 0.0)
+            if swing > 0.0:
+                grow += dt * norm(load3(state, b, W)) * swing
         m = load9(pose, s, 3)
         for k in range(3):
             if kind == PLANE:
@@ -79,7 +87,7 @@ def write_bounds(
         bounds[s, 6] = grow
 
 
-@kernel
+@inlined
 def boxes_overlap(bounds: Floats, i: int, j: int) -> bool:
     """Whether the bounds of shapes i and j overlap."""
     apart = False
@@ -88,7 +96,7 @@ def boxes_overlap(bounds: Floats, i: int, j: int) -> bool:
     return not apart
 
 
-@kernel
+@inlined
 def reaches_plane(bounds: Floats, pose: Floats, plane: int, other: int) -> bool:
     """Whether the lowest corner of the bounds of a shape lies below a plane."""
     height = 0.0
@@ -98,7 +106,7 @@ def reaches_plane(bounds: Floats, pose: Floats, plane: int, other: int) -> bool:
     return height <= 0.0
 
 
-@kernel
+@inlined
 def kept_apart(
     shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, i: int, j: int
 ) -> bool:  # fmt: skip
@@ -114,14 +122,14 @@ def kept_apart(
     return False
 
 
-@kernel
-def overlap(bounds: Floats, shape: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> bool:
-    """Whether the bounding volumes of shapes i and j overlap."""
+@inlined
+def overlap(bounds: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> bool:
+    """Whether the bounds of shapes i and j overlap, or those of one reach the plane that the other is."""
     if shape_kind[i, TYPE] == PLANE or shape_kind[j, TYPE] == PLANE:
         if shape_kind[i, TYPE] == shape_kind[j, TYPE]:
             return False
         return reaches_plane(bounds, pose, i, j) if shape_kind[i, TYPE] == PLANE else reaches_plane(bounds, pose, j, i)
-    return boxes_overlap(bounds, i, j) and not volumes_apart(shape, shape_kind, pose, bounds, i, j)
+    return boxes_overlap(bounds, i, j)
 
 
 @kernel
@@ -133,7 +141,6 @@ def brute_force(
     materials: int,
     excluded: Ints,
     exclusions: int,
-    shape: Floats,
     pose: Floats,
     shapes: int,
     pair: Ints,
@@ -144,7 +151,7 @@ def brute_force(
         for j in range(i + 1, shapes):
             if kept_apart(shape_kind, kind, surface, materials, excluded, exclusions, i, j):
                 continue
-            if overlap(bounds, shape, shape_kind, pose, i, j):
+            if overlap(bounds, shape_kind, pose, i, j):
                 if found < pair.shape[0]:
                     pair[found, 0], pair[found, 1] = i, j
                 found += 1

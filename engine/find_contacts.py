@@ -17,14 +17,12 @@ from engine.arena import (
     CONVEX_POINT_KEY,
     CONVEX_READY,
     COUNT,
-    DT,
     EXCLUDED,
     EXCLUSIONS,
     HEAD,
     MANIFOLD,
     MANIFOLD_KEY,
     MANIFOLDS,
-    MARGIN,
     MATERIALS,
     NEW,
     NEXT,
@@ -94,10 +92,8 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     mark_still(state, body, kind, rest, bodies, setting[0, DT], setting[0, MARGIN])
     if count[0, BROAD] == 0:
         pose_shapes(state, shape, shape_kind, shapes, pose)
-        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
-        count[0, PAIRS] = brute_force(
-            bounds, shape_kind, kind, surface, materials, excluded, exclusions, shape, pose, shapes, pair
-        )
+        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
+        count[0, PAIRS] = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
     pairs = count[0, PAIRS]
     if pairs > pair.shape[0]:
         return 2

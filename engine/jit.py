@@ -18,7 +18,7 @@ import platformdirs
 
 from engine.sources import source_digest
 
-__all__ = ["FLAGS", "cache_directory", "entry", "jit_is_off", "kernel", "parallel_entry", "stream"]
+__all__ = ["FLAGS", "cache_directory", "entry", "inlined", "jit_is_off", "kernel", "parallel_entry", "stream"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -72,6 +72,11 @@ def stream(function: Function) -> Function:
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
     return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_apart())
+
+
+def inlined(function: Function) -> Function:
+    """As `kernel`, put in place of every call: for what costs less than handing over its arrays."""
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
 
 
 def entry(function: Function) -> Function:

@@ -39,6 +39,7 @@ from engine.arena import (
     SHAPE_B,
     SIZE,
     SLIPS,
+    SPHERE,
     SPIN_IMPULSE,
     STILL,
     SUM,
@@ -121,7 +122,9 @@ def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, s
     speed = norm(sub(load3(state, j, V), load3(state, i, V)))
     for s, owner in ((a, i), (b, j)):
         if shape[s, BALL_RADIUS] < math.inf:
-            speed += norm(load3(state, owner, W)) * (norm(load3(shape, s, OFFSET)) + shape[s, BALL_RADIUS])
+            # Turning does not move the surface of a ball, but for its centre.
+            swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if shape_kind[s, TYPE] != SPHERE else 0.0)
+            speed += norm(load3(state, owner, W)) * swing
     way = setting[0, MARGIN] + dt * (speed + dt * norm(load3(setting, 0, 1)))
     if continuous == 0:
         way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))

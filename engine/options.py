@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from engine.check import not_negative, positive
 
-__all__ = ["ADAPTIVE", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
+__all__ = ["ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
@@ -19,6 +19,7 @@ FREE_INTEGRATORS = {
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
 BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force")
+BOUNDING_VOLUMES = ("aabb", "obb", "sphere")
 SOLVERS = ("tgs_soft", "exact")
 
 
@@ -30,6 +31,7 @@ class Options:
         dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
         relative error of one step of dormand_prince alone (None: 1e-12); broad_phase (None: by the number of shapes);
+        bounding_volume: what two shapes are compared by, after their axis-aligned boxes; threads: that share the broad phase;
         contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft
         contact; max_push [m/s]: fastest correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None:
         four times what gravity gives in a sub-step); margin [m]: contacts are made at least this far ahead; contacts,
@@ -44,6 +46,8 @@ class Options:
     integrator: str = "semi_implicit_euler"
     step_tolerance: float | None = None
     broad_phase: str | None = None
+    bounding_volume: str = "aabb"
+    threads: int = 1
     contact_hertz: float | None = None
     contact_damping_ratio: float = 10.0
     max_push: float = 3.0
@@ -57,7 +61,7 @@ class Options:
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
-        for name in ("substeps", "iterations"):
+        for name in ("substeps", "iterations", "threads"):
             if getattr(self, name) < 1:
                 raise ValueError(f"options: {name} {getattr(self, name)}, expected at least 1")
         if self.relaxations < 0:
@@ -74,6 +78,10 @@ class Options:
                 raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
         if self.broad_phase is not None and self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
+        if self.bounding_volume not in BOUNDING_VOLUMES:
+            raise ValueError(
+                f"options: bounding_volume '{self.bounding_volume}', expected one of {', '.join(BOUNDING_VOLUMES)}"
+            )
         if self.solver not in SOLVERS:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
         positive("options", "tolerance", self.tolerance, "")

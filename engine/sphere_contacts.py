@@ -28,7 +28,6 @@ from engine.arena import (
     K_SLIPS,
     M_INV_INERTIA,
     M_INV_MASS,
-    M_PLACE,
     MANIFOLDS,
     MARGIN,
     MATERIAL,
@@ -50,7 +49,10 @@ from engine.arena import (
     R_NORMAL,
     R_PLACE,
     R_RESTITUTION,
+    R_SPIKE,
     R_STATIC,
+    R_STRUCK,
+    R_SUM,
     SETTING,
     SHAPE,
     SHAPE_KIND,
@@ -73,7 +75,6 @@ from engine.arena import (
     TOUCH_REST,
     TOUCHED,
     TYPE,
-    P,
     V,
     W,
 )  # fmt: skip
@@ -83,7 +84,7 @@ from engine.jit import kernel
 from engine.manifolds import AT_REST, look_ahead
 from engine.narrow.box_pairs import sphere_box
 from engine.narrow.round_pairs import sphere_plane
-from engine.vec import Floats, Ints, Vec, add, along, axpy, cross, dot, load3, load9, norm, scale, store3, sub
+from engine.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, load9, norm, scale, store3, sub
 
 __all__ = ["find_touches"]
 
@@ -111,7 +112,6 @@ def gather(floats: Floats, ints: Ints) -> None:
         store3(mover, b, 0, load3(state, b, V))
         store3(mover, b, 3, load3(state, b, W))
         mover[b, M_INV_MASS], mover[b, M_INV_INERTIA] = body[b, INV_MASS], body[b, INV_INERTIA]
-        store3(mover, b, M_PLACE, load3(state, b, P))
 
 
 @kernel
@@ -143,11 +143,10 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
             is_round, rb, d = 1, shape[b, SIZE], sub(load3(pose, b, 0), pa)
             length = norm(d)
             gap = length - ra - rb
-            speed = norm(sub(load3(mover, j, 0), load3(mover, i, 0)))
-            way = least + dt * (speed + norm(load3(mover, i, 3)) * ra + norm(load3(mover, j, 3)) * rb + fall)
+            way = least + dt * (norm(sub(load3(mover, j, 0), load3(mover, i, 0))) + fall)
             if gap > (way if continuous == 1 else min(way, max(least, 0.5 * min(ra, rb)))):
                 continue
-            n = along(d, (0.0, 0.0, 1.0))
+            n = scale(1.0 / length, d) if length > 1e-300 else (0.0, 0.0, 1.0)
             place = axpy(ra + 0.5 * gap, n, pa)
         else:
             is_round, rb = 0, 0.0
@@ -165,9 +164,9 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
         touch[t, T_RADIUS_A], touch[t, T_RADIUS_B] = ra, rb
         touch[t, T_BASE] = gap + dot(n, load3(pose, a, 0))
         law = shape_kind[a, MATERIAL] * materials + shape_kind[b, MATERIAL]
-        for c in range(rest.shape[1]):
-            rest[t, c] = 0.0
         store3(rest, t, R_PLACE, place)
+        store3(rest, t, R_SUM, (0.0, 0.0, 0.0))
+        rest[t, R_STRUCK], rest[t, R_SPIKE] = 0.0, 0.0
         store3(rest, t, R_NORMAL, n)
         rest[t, R_FIRST_GAP], rest[t, R_STATIC] = gap, surface[law, 0]
         rest[t, R_KINETIC], rest[t, R_RESTITUTION] = surface[law, 1], surface[law, 2]
@@ -203,10 +202,8 @@ def find_touches(floats: Floats, ints: Ints) -> int:
     shapes, materials, exclusions = count[0, SHAPES], count[0, MATERIALS], count[0, EXCLUSIONS]
     if count[0, BROAD] == 0:
         pose_shapes(state, shape, shape_kind, shapes, pose)
-        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
-        count[0, PAIRS] = brute_force(
-            bounds, shape_kind, kind, surface, materials, excluded, exclusions, shape, pose, shapes, pair
-        )
+        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
+        count[0, PAIRS] = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
         if count[0, PAIRS] > pair.shape[0]:
             return 2
     gather(floats, ints)

@@ -22,7 +22,6 @@ from engine.arena import (
     K_SLIPS,
     M_INV_INERTIA,
     M_INV_MASS,
-    M_PLACE,
     R_APPROACH,
     R_KINETIC,
     R_RESTITUTION,
@@ -39,15 +38,16 @@ from engine.arena import (
     T_RADIUS_B,
     T_TANGENT,
     T_TANGENT_MASS,
+    P,
 )  # fmt: skip
 from engine.contact_solver import STUCK
-from engine.jit import kernel
+from engine.jit import inlined, kernel
 from engine.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, scale, store3, sub
 
-__all__ = ["close_substep", "note_strikes", "push_again", "sweep_spheres", "turn_normals"]
+__all__ = ["close_substep", "note_strikes", "press_spheres", "push_again", "relax_spheres", "turn_normals"]
 
 
-@kernel
+@inlined
 def slip_of(va: Vec, wa: Vec, la: float, vb: Vec, wb: Vec, lb: float, n: Vec) -> Vec:
     """The tangential velocity of B's surface against A's [m/s]."""
     way = sub(sub(vb, va), cross(axpy(la, wa, scale(lb, wb)), n))
@@ -87,12 +87,12 @@ def push_again(touches: int, touch: Floats, key: Ints, mover: Floats) -> None:
 
 
 @kernel
-def turn_normals(touches: int, touch: Floats, key: Ints, mover: Floats) -> None:
+def turn_normals(touches: int, touch: Floats, key: Ints, state: Floats) -> None:
     """Normals and gaps at the present places; friction is turned along with its normal."""
     for t in range(touches):
-        pa = load3(mover, key[t, K_BODY_A], M_PLACE)
+        pa = load3(state, key[t, K_BODY_A], P)
         if key[t, K_ROUND] == 1:
-            d = sub(load3(mover, key[t, K_BODY_B], M_PLACE), pa)
+            d = sub(load3(state, key[t, K_BODY_B], P), pa)
             length = norm(d)
             touch[t, T_GAP] = length - touch[t, T_RADIUS_A] - touch[t, T_RADIUS_B]
             if length > 1e-300:
@@ -103,46 +103,83 @@ def turn_normals(touches: int, touch: Floats, key: Ints, mover: Floats) -> None:
             touch[t, T_GAP] = touch[t, T_BASE] - dot(load3(touch, t, 0), pa)
 
 
-@kernel
-def sweep_spheres(
-    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, h: float, bias_rate: float, mass_scale: float,
-    impulse_scale: float, max_push: float, soft: int, bouncing: int, striking: int,
-) -> None:  # fmt: skip
-    """One sweep over all contacts: friction and then the normal while positions are corrected, else the other way round.
+@inlined
+def rub(
+    va: Vec, wa: Vec, vb: Vec, wb: Vec, ma: float, ia: float, la: float, mb: float, ib: float, lb: float, n: Vec, held: Vec,
+    mass: float, most: float,
+) -> tuple[Vec, Vec, Vec, Vec, Vec]:  # fmt: skip
+    """Friction that stops the slip, or else is as large as it may be. Returns: its impulse and the four velocities after it."""
+    after = axpy(-mass, slip_of(va, wa, la, vb, wb, lb, n), held)
+    size = dot(after, after)
+    if size > most * most:
+        after = scale(most / math.sqrt(size), after)
+    change = sub(after, held)
+    turn = cross(n, change)
+    return after, axpy(-ma, change, va), axpy(-ia * la, turn, wa), axpy(mb, change, vb), axpy(-ib * lb, turn, wb)
 
-    Args: soft, bouncing: as of `contact_solver.sweep`. striking: 1 where some law has restitution.
+
+@kernel
+def press_spheres(
+    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, h: float, bias_rate: float, mass_scale: float,
+    impulse_scale: float, max_push: float, striking: int,
+) -> None:  # fmt: skip
+    """One sweep that corrects positions, as `contact_solver.sweep` while soft: friction and then the normal of each contact.
+
+    Args: striking: 1 where some law has restitution.
     """
     for t in range(touches):
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
-        s, impulse = touch[t, T_GAP], touch[t, T_NORMAL]
-        if soft == 0 and s > 0.0 and impulse == 0.0:
-            continue
-        la, lb = touch[t, T_RADIUS_A] + 0.5 * s, touch[t, T_RADIUS_B] + 0.5 * s
+        s, before = touch[t, T_GAP], touch[t, T_NORMAL]
         va, wa, vb, wb = load3(mover, a, 0), load3(mover, a, 3), load3(mover, b, 0), load3(mover, b, 3)
         ma, ia, mb, ib = mover[a, M_INV_MASS], mover[a, M_INV_INERTIA], mover[b, M_INV_MASS], mover[b, M_INV_INERTIA]
-        if soft == 0:
-            bias, before = 0.0, impulse
-            if bouncing == 1 and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
-                bias = rest[t, R_RESTITUTION] * rest[t, R_APPROACH]
-            impulse = max(before - touch[t, T_NORMAL_MASS] * (dot(n, sub(vb, va)) + bias), 0.0)
-            va, vb = axpy(ma * (before - impulse), n, va), axpy(mb * (impulse - before), n, vb)
+        held = load3(touch, t, T_TANGENT)
+        if before > 0.0 or dot(held, held) > 0.0:
+            la, lb = touch[t, T_RADIUS_A] + 0.5 * s, touch[t, T_RADIUS_B] + 0.5 * s
+            after, va, wa, vb, wb = rub(
+                va, wa, vb, wb, ma, ia, la, mb, ib, lb, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * before
+            )
+            store3(touch, t, T_TANGENT, after)
+        bias, hard, keep = s / h, 1.0, 0.0
+        if s <= 0.0:
+            bias, hard, keep = max(bias_rate * s, -max_push), mass_scale, impulse_scale
+        impulse = max(before - touch[t, T_NORMAL_MASS] * hard * (dot(n, sub(vb, va)) + bias) - keep * before, 0.0)
+        touch[t, T_NORMAL] = impulse
+        if striking == 1:
+            rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
+        store3(mover, a, 0, axpy(ma * (before - impulse), n, va))
+        store3(mover, a, 3, wa)
+        if key[t, K_MOVES] == 1:
+            store3(mover, b, 0, axpy(mb * (impulse - before), n, vb))
+            store3(mover, b, 3, wb)
+
+
+@kernel
+def relax_spheres(
+    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, bouncing: int, striking: int
+) -> None:  # fmt: skip
+    """One sweep without the position error, as `contact_solver.sweep` while not soft: the normal and then friction.
+
+    Args: bouncing: 1 to give struck contacts their rebound. striking: 1 where some law has restitution.
+    """
+    for t in range(touches):
+        s, before = touch[t, T_GAP], touch[t, T_NORMAL]
+        if s > 0.0 and before == 0.0:
+            continue
+        a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
+        va, wa, vb, wb = load3(mover, a, 0), load3(mover, a, 3), load3(mover, b, 0), load3(mover, b, 3)
+        ma, ia, mb, ib = mover[a, M_INV_MASS], mover[a, M_INV_INERTIA], mover[b, M_INV_MASS], mover[b, M_INV_INERTIA]
+        bias = 0.0
+        if bouncing == 1 and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
+            bias = rest[t, R_RESTITUTION] * rest[t, R_APPROACH]
+        impulse = max(before - touch[t, T_NORMAL_MASS] * (dot(n, sub(vb, va)) + bias), 0.0)
+        va, vb = axpy(ma * (before - impulse), n, va), axpy(mb * (impulse - before), n, vb)
         held = load3(touch, t, T_TANGENT)
         if impulse > 0.0 or dot(held, held) > 0.0:
-            after = axpy(-touch[t, T_TANGENT_MASS], slip_of(va, wa, la, vb, wb, lb, n), held)
-            size, most = dot(after, after), touch[t, T_FRICTION] * impulse
-            if size > most * most:
-                after = scale(most / math.sqrt(size), after)
+            la, lb = touch[t, T_RADIUS_A] + 0.5 * s, touch[t, T_RADIUS_B] + 0.5 * s
+            after, va, wa, vb, wb = rub(
+                va, wa, vb, wb, ma, ia, la, mb, ib, lb, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * impulse
+            )
             store3(touch, t, T_TANGENT, after)
-            change = sub(after, held)
-            turn = cross(n, change)
-            va, wa = axpy(-ma, change, va), axpy(-ia * la, turn, wa)
-            vb, wb = axpy(mb, change, vb), axpy(-ib * lb, turn, wb)
-        if soft == 1:
-            bias, hard, keep, before = s / h, 1.0, 0.0, impulse
-            if s <= 0.0:
-                bias, hard, keep = max(bias_rate * s, -max_push), mass_scale, impulse_scale
-            impulse = max(before - touch[t, T_NORMAL_MASS] * hard * (dot(n, sub(vb, va)) + bias) - keep * before, 0.0)
-            va, vb = axpy(ma * (before - impulse), n, va), axpy(mb * (impulse - before), n, vb)
         touch[t, T_NORMAL] = impulse
         if striking == 1:
             rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)

@@ -23,7 +23,6 @@ from engine.arena import (
     LOAD,
     M_INV_INERTIA,
     M_INV_MASS,
-    M_PLACE,
     MANIFOLDS,
     MAX_PUSH,
     MOTION,
@@ -55,9 +54,9 @@ from engine.jit import entry, kernel
 from engine.motion import drift_free
 from engine.runge_kutta import runge_kutta_free
 from engine.sphere_contacts import find_touches
-from engine.sphere_solver import close_substep, note_strikes, push_again, sweep_spheres, turn_normals
+from engine.sphere_solver import close_substep, note_strikes, press_spheres, push_again, relax_spheres, turn_normals
 from engine.steps_contact import FRESH, slow_approach, soft_factors
-from engine.vec import Floats, Ints, axpy, load3, load4, quat_turn, scale, store3, store4
+from engine.vec import Floats, Ints, axpy, load3, load4, quat_spin, quat_unit, scale, store3, store4
 
 __all__ = ["step_spheres"]
 
@@ -85,11 +84,11 @@ def kick_spheres(
 
 @kernel
 def drift_spheres(state: Floats, kind: Ints, mover: Floats, bodies: int, h: float) -> None:
-    """Move all bodies in contact for h seconds."""
+    """Move all bodies in contact for h seconds; the step's end makes the quaternions unit."""
     for b in range(bodies):
         if kind[b, TOUCHED] == 1 and kind[b, MOTION] == DYNAMIC:
-            store3(mover, b, M_PLACE, axpy(h, load3(mover, b, 0), load3(mover, b, M_PLACE)))
-            store4(state, b, Q, quat_turn(load4(state, b, Q), load3(mover, b, 3), h))
+            store3(state, b, P, axpy(h, load3(mover, b, 0), load3(state, b, P)))
+            store4(state, b, Q, quat_spin(load4(state, b, Q), load3(mover, b, 3), h))
 
 
 @kernel
@@ -142,18 +141,18 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 note_strikes(n, touch, rest, key, mover, setting, h, slow)
             push_again(n, touch, key, mover)
             for _ in range(count[0, ITERATIONS] * patience):
-                sweep_spheres(n, touch, rest, key, mover, h, rate, mass, keep, most, 1, 0, striking)
+                press_spheres(n, touch, rest, key, mover, h, rate, mass, keep, most, striking)
             drift_spheres(state, kind, mover, bodies, h)
-            turn_normals(n, touch, key, mover)
+            turn_normals(n, touch, key, state)
             for _ in range(count[0, RELAXATIONS] * patience):
-                sweep_spheres(n, touch, rest, key, mover, h, rate, mass, keep, most, 0, 0, striking)
+                relax_spheres(n, touch, rest, key, mover, 0, striking)
             if striking == 1 and any_struck(n, rest):
                 for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-                    sweep_spheres(n, touch, rest, key, mover, h, rate, mass, keep, most, 0, 1, striking)
+                    relax_spheres(n, touch, rest, key, mover, 1, striking)
             close_substep(n, touch, rest, key, mover, striking)
         for b in range(bodies):
             if kind[b, TOUCHED] == 1 and kind[b, MOTION] == DYNAMIC:
-                store3(state, b, P, load3(mover, b, M_PLACE))
+                store4(state, b, Q, quat_unit(load4(state, b, Q)))
                 store3(state, b, V, load3(mover, b, 0))
                 store3(state, b, W, load3(mover, b, 3))
         count[0, STEPS] += 1

@@ -20,8 +20,8 @@ Sym = tuple[float, float, float, float, float, float]
 __all__ = [
     "Floats", "Ints", "Mat", "Quat", "Sym", "Vec",
     "add", "along", "axpy", "cross", "dot", "load3", "load4", "load6", "load9", "mat_vec", "neg", "norm", "perpendicular",
-    "quat_conj", "quat_mat", "quat_mul", "quat_turn", "quat_unit", "scale", "store3", "store4", "store6", "store9", "sub",
-    "sym_rotate", "sym_vec", "tmat_vec",
+    "quat_conj", "quat_mat", "quat_mul", "quat_spin", "quat_turn", "quat_unit", "scale", "store3", "store4", "store6", "store9",
+    "sub", "sym_rotate", "sym_vec", "tmat_vec",
 ]  # fmt: skip
 
 
@@ -171,8 +171,8 @@ def quat_unit(q: Quat) -> Quat:
 
 
 @kernel
-def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
-    """exp(h w) q: the orientation after turning for h seconds at the constant angular velocity w [rad/s] in W.
+def quat_spin(q: Quat, w: Vec, h: float) -> Quat:
+    """exp(h w) q, as long as q to round-off: turned for h seconds at the constant angular velocity w [rad/s] in W.
 
     Small angles take the series of sine and cosine, a few terms of which give the last bit.
 
@@ -189,7 +189,13 @@ def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
         angle = math.sqrt(square)
         sine, cosine = math.sin(angle) / angle, math.cos(angle)
     s = 0.5 * h * sine
-    return quat_unit(quat_mul((cosine, s * w[0], s * w[1], s * w[2]), q))
+    return quat_mul((cosine, s * w[0], s * w[1], s * w[2]), q)
+
+
+@kernel
+def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
+    """exp(h w) q / |q|: the orientation after turning for h seconds at the constant angular velocity w [rad/s] in W."""
+    return quat_unit(quat_spin(q, w, h))
 
 
 @kernel

@@ -13,7 +13,7 @@ from engine import arena as at
 from engine.arena import float_table, int_table
 from engine.assembly import assemble_world, grow, spheres_only
 from engine.bodies import Body, Surface
-from engine.broad.choice import choose_broad_phase, load_broad_phase
+from engine.broad.choice import choose_broad_phase, load_search, load_volume
 from engine.check import finite
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
@@ -93,7 +93,9 @@ class World:
         self.jointed = bool(joints)
         self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
         self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
-        self._find_pairs = load_broad_phase(self.broad_phase, len(kinds)) if self.touching else None
+        volume, threads = self.options.bounding_volume, self.options.threads
+        self._find_pairs = load_search(self.broad_phase, volume, len(kinds), threads) if self.touching else None
+        self._drop_apart = load_volume(volume) if self.touching else None
         int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
         self._exact = None
         if self.touching and self.options.solver == "exact":
@@ -129,7 +131,7 @@ class World:
         while count > 0:
             if self._find_pairs is None:
                 done, status = self._step(self._floats, self._ints, count)
-            elif status == 3 or self._find_pairs(self._floats, self._ints) == 0:
+            elif status == 3 or self._search() == 0:
                 done, status = self._step(self._floats, self._ints, 1)
             else:
                 done, status = 0, 2
@@ -153,6 +155,14 @@ class World:
             from engine.collide_convex import collide_convex
 
             collide_convex(self._floats, self._ints)
+
+    def _search(self) -> int:
+        """Find the pairs of the coming step. Returns: 0, or 2 if the arena must grow first."""
+        assert self._find_pairs is not None
+        status = self._find_pairs(self._floats, self._ints)
+        if status == 0 and self._drop_apart is not None:
+            self._drop_apart(self._floats, self._ints)
+        return status
 
     def state(self) -> FloatArray:
         """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step."""

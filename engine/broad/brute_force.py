@@ -19,10 +19,15 @@ __all__ = ["find_pairs"]
 
 
 @kernel
-def test_all(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes: int, candidate: Ints) -> int:
-    """Write the pairs of bounded shapes whose widened bounds overlap. Returns: their number, perhaps beyond the room."""
+def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs of bounded shapes, of which one of a range is the lower, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
+    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
     found = 0
-    for i in range(shapes):
+    for i in range(first, last):
         if shape[i, BALL_RADIUS] == math.inf:
             continue
         moves = may_move(shape_kind, kind, i)
@@ -38,10 +43,7 @@ def test_all(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes: i
 def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
     if bounds_are_stale(floats, ints):
-        found = test_all(
-            floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND),
-            ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE),
-        )  # fmt: skip
+        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != 0:
             return status

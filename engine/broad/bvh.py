@@ -26,6 +26,10 @@ __all__ = ["find_pairs"]
 LEAF = 4
 """Shapes of a node that is not split further."""
 
+Tree = tuple[Ints, Ints, Floats]
+"""member (k,): bounded shapes, those of a node side by side; node (n, 3): first and last of its members, and the first of its
+two children or -1; box (n, 6): lower and upper corner [m]."""
+
 
 @kernel
 def select_middle(member: Ints, centre: Floats, axis: int, low: int, high: int) -> None:
@@ -53,8 +57,10 @@ def select_middle(member: Ints, centre: Floats, axis: int, low: int, high: int) 
 
 
 @kernel
-def search_tree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes: int, candidate: Ints) -> int:
-    """Write the pairs of bounded shapes whose widened bounds overlap. Returns: their number, perhaps beyond the room."""
+def build_tree(floats: Floats, ints: Ints) -> Tree:
+    """The tree of all bounded shapes."""
+    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
+    shapes = ints_of(ints, COUNT)[0, SHAPES]
     member, centre, held = np.empty(shapes, np.int64), np.empty((shapes, 3)), 0
     for s in range(shapes):
         if shape[s, BALL_RADIUS] < math.inf:
@@ -62,10 +68,7 @@ def search_tree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes
             held += 1
             for k in range(3):
                 centre[s, k] = 0.5 * (fat[s, k] + fat[s, k + 3])
-    if held == 0:
-        return 0
-    # A node: its range of members, and the first of its two children or -1.
-    node, box = np.empty((2 * held, 3), np.int64), np.empty((2 * held, 6))
+    node, box = np.empty((2 * held + 1, 3), np.int64), np.empty((2 * held + 1, 6))
     node[0, 0], node[0, 1] = 0, held
     used, at = 1, 0
     while at < used:
@@ -88,8 +91,20 @@ def search_tree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes
             node[used + 1, 0], node[used + 1, 1] = (low + high) // 2, high
             used += 2
         at += 1
-    stack, found = np.empty(128, np.int64), 0
-    for i in range(shapes):
+    return member, node, box
+
+
+@kernel
+def search_range(floats: Floats, ints: Ints, tree: Tree, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs that a range of shapes finds in the tree, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
+    shape_kind, kind = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND)
+    member, node, box = tree
+    stack = np.empty(128, np.int64)
+    for i in range(first, last):
         if shape[i, BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
             continue
         stack[0], waiting = 0, 1
@@ -119,10 +134,8 @@ def search_tree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes
 def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
     if bounds_are_stale(floats, ints):
-        found = search_tree(
-            floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND),
-            ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE),
-        )  # fmt: skip
+        tree = build_tree(floats, ints)
+        found = search_range(floats, ints, tree, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != 0:
             return status

@@ -17,44 +17,37 @@ from engine.arena import (
     CANDIDATE,
     CANDIDATES,
     COUNT,
-    DT,
     DYNAMIC,
     EXCLUDED,
     EXCLUSIONS,
     FAT,
     KINEMATIC,
-    MARGIN,
     MATERIALS,
     MOTION,
     OWNER,
     PAIR,
     PAIRS,
-    PLANE,
     POSE,
     PROGRESS,
     SETTING,
     SHAPE,
     SHAPE_KIND,
     SHAPES,
-    SIZE,
-    SPHERE,
     STATE,
     SURFACE,
-    TYPE,
 )  # fmt: skip
-from engine.broad.volumes import volumes_apart
-from engine.broad_phase import boxes_overlap, kept_apart, pose_shapes, reaches_plane, write_bounds
+from engine.broad_phase import kept_apart, overlap, pose_shapes, reaches_plane, write_bounds
 from engine.carve import floats_of, ints_of
-from engine.jit import kernel
+from engine.jit import inlined, kernel
 from engine.vec import Floats, Ints
 
-__all__ = ["add_unbounded", "bounds_are_stale", "keep_candidates", "may_move", "write_pairs"]
+__all__ = ["add_unbounded", "bounds_are_stale", "keep_candidates", "may_move", "compare_candidates", "write_pairs"]
 
 SKIN = 0.1
 """By how much candidates' bounds are widened on each side, as a share of the shape's bounding radius [1]."""
 
 
-@kernel
+@inlined
 def may_move(shape_kind: Ints, kind: Ints, s: int) -> bool:
     """Whether shape s belongs to a dynamic body."""
     return bool(kind[shape_kind[s, OWNER], MOTION] == DYNAMIC)
@@ -68,7 +61,7 @@ def bounds_are_stale(floats: Floats, ints: Ints) -> bool:
     kind, shape_kind, progress = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, PROGRESS)
     shapes = ints_of(ints, COUNT)[0, SHAPES]
     pose_shapes(state, shape, shape_kind, shapes, pose)
-    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
+    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
     stale = progress[0, CANDIDATES] < 0
     for s in range(shapes):
         if shape[s, BALL_RADIUS] == math.inf:
@@ -139,30 +132,23 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
 
 
 @kernel
-def write_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the candidates whose bounds of this step overlap. Returns: 0, or 2 if the arena has no room for them.
-
-    Spheres, which piles are made of, are compared here: a call that hands over several arrays costs more than the comparison.
-    """
-    shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
-    shape_kind, candidates = ints_of(ints, SHAPE_KIND), ints_of(ints, PROGRESS)[0, CANDIDATES]
-    candidate, pair = ints_of(ints, CANDIDATE), ints_of(ints, PAIR)
-    found = 0
-    for c in range(candidates):
+def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: Ints) -> int:
+    """Write the candidates of a range whose bounds of this step overlap. Returns: their number, perhaps beyond the room."""
+    pose, bounds, shape_kind = floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS), ints_of(ints, SHAPE_KIND)
+    candidate, found = ints_of(ints, CANDIDATE), 0
+    for c in range(first, last):
         i, j = candidate[c, 0], candidate[c, 1]
-        one, two = shape_kind[i, TYPE], shape_kind[j, TYPE]
-        if one == SPHERE and two == SPHERE:
-            near = boxes_overlap(bounds, i, j)
-            x, y, z = pose[j, 0] - pose[i, 0], pose[j, 1] - pose[i, 1], pose[j, 2] - pose[i, 2]
-            r = shape[i, SIZE] + shape[j, SIZE] + bounds[i, 6] + bounds[j, 6]
-            near = near and x * x + y * y + z * z <= r * r
-        elif one == PLANE or two == PLANE:
-            near = reaches_plane(bounds, pose, i, j) if one == PLANE else reaches_plane(bounds, pose, j, i)
-        else:
-            near = boxes_overlap(bounds, i, j) and not volumes_apart(shape, shape_kind, pose, bounds, i, j)
-        if near:
+        if overlap(bounds, shape_kind, pose, i, j):
             if found < pair.shape[0]:
                 pair[found, 0], pair[found, 1] = i, j
             found += 1
+    return found
+
+
+@kernel
+def write_pairs(floats: Floats, ints: Ints) -> int:
+    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    pair = ints_of(ints, PAIR)
+    found = compare_candidates(floats, ints, 0, ints_of(ints, PROGRESS)[0, CANDIDATES], pair)
     ints_of(ints, COUNT)[0, PAIRS] = found
     return 2 if found > pair.shape[0] else 0

@@ -6,11 +6,12 @@ from importlib import import_module
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.options import BROAD_PHASES
+__all__ = ["FEW", "DropApart", "FindPairs", "choose_broad_phase", "load_search", "load_volume"]
 
-__all__ = ["FEW", "FindPairs", "choose_broad_phase", "load_broad_phase"]
-
-FindPairs = Callable[[NDArray[np.float64], NDArray[np.int64]], int]
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+FindPairs = Callable[[FloatArray, IntArray], int]
+DropApart = Callable[[FloatArray, IntArray], None]
 
 FEW = 24
 """Shapes up to which all pairs are tested inside the step, which is then cheaper than any search before it."""
@@ -28,11 +29,26 @@ def choose_broad_phase(wanted: str | None, shapes: int) -> str:
     return "brute_force" if shapes <= FEW else "uniform_grid"
 
 
-def load_broad_phase(name: str, shapes: int) -> FindPairs | None:
-    """The search to run before each step, or None where the step tests all pairs itself. Raises: ValueError for other names."""
-    if name not in BROAD_PHASES:
-        raise ValueError(f"broad phase '{name}', expected one of {', '.join(BROAD_PHASES)}")
-    if name == "brute_force" and shapes <= FEW:
+def load_search(broad_phase: str, volume: str, shapes: int, threads: int) -> FindPairs | None:
+    """The search to run before each step, or None where the step tests all pairs itself."""
+    if broad_phase == "brute_force" and volume == "aabb" and shapes <= FEW:
         return None
-    found: FindPairs = import_module(f"engine.broad.{name}").find_pairs
-    return found
+    if threads == 1:
+        found: FindPairs = import_module(f"engine.broad.{broad_phase}").find_pairs
+        return found
+    from engine.broad.parallel.pairs import write_pairs
+
+    search = import_module(f"engine.broad.parallel.{broad_phase}").find_candidates
+
+    def find_pairs(floats: FloatArray, ints: IntArray) -> int:
+        return int(search(floats, ints, threads) or write_pairs(floats, ints, threads))
+
+    return find_pairs
+
+
+def load_volume(name: str) -> DropApart | None:
+    """The test of the pairs that the axis-aligned boxes leave, or None where these alone decide."""
+    if name == "aabb":
+        return None
+    tested: DropApart = import_module(f"engine.volumes.{name}").drop_apart
+    return tested

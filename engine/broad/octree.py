@@ -29,6 +29,11 @@ DEEPEST = 20
 """Levels below the root; smaller shapes share the cells of the last one."""
 
 
+Octree = tuple[Ints, Ints, Ints, Floats]
+"""child (n, 8): cells or -1; first (n,): the first shape of a cell or -1; following (shapes,): the next one of the same cell or
+-1; cube (n, 4): lower corner and side [m]."""
+
+
 @kernel
 def root_cube(fat: Floats, shape: Floats, shapes: int) -> tuple[float, float, float, float]:
     """Lower corner and side [m] of a cube that holds all centres and is no narrower than any shape."""
@@ -55,8 +60,10 @@ def depth_of(fat: Floats, s: int, side: float) -> int:
 
 
 @kernel
-def search_octree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes: int, candidate: Ints) -> int:
-    """Write the pairs of bounded shapes whose widened bounds overlap. Returns: their number, perhaps beyond the room."""
+def build_octree(floats: Floats, ints: Ints) -> Octree:
+    """The octree of all bounded shapes."""
+    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
+    shapes = ints_of(ints, COUNT)[0, SHAPES]
     x0, y0, z0, side = root_cube(fat, shape, shapes)
     nodes = 1
     for s in range(shapes):
@@ -84,8 +91,20 @@ def search_octree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shap
             at = child[at, octant]
         following[s] = first[at]
         first[at] = s
-    stack, found = np.empty(8 * DEEPEST + 8, np.int64), 0
-    for i in range(shapes):
+    return child, first, following, cube
+
+
+@kernel
+def search_range(floats: Floats, ints: Ints, octree: Octree, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs that a range of shapes finds in the octree, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
+    shape_kind, kind = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND)
+    child, head, following, cube = octree
+    stack = np.empty(8 * DEEPEST + 8, np.int64)
+    for i in range(first, last):
         if shape[i, BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
             continue
         stack[0], waiting = 0, 1
@@ -99,7 +118,7 @@ def search_octree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shap
                     meets = False
             if not meets:
                 continue
-            j = first[at]
+            j = head[at]
             while j >= 0:
                 if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
                     if found < candidate.shape[0]:
@@ -117,10 +136,8 @@ def search_octree(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shap
 def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
     if bounds_are_stale(floats, ints):
-        found = search_octree(
-            floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND),
-            ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE),
-        )  # fmt: skip
+        octree = build_octree(floats, ints)
+        found = search_range(floats, ints, octree, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != 0:
             return status

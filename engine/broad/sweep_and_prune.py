@@ -45,10 +45,10 @@ def widest_axis(fat: Floats, shape: Floats, shapes: int, last: int) -> int:
 
 
 @kernel
-def sort_and_sweep(
-    fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes: int, candidate: Ints, order: Ints, progress: Ints
-) -> int:
-    """Write the pairs of bounded shapes whose widened bounds overlap. Returns: their number, perhaps beyond the room."""
+def sort_shapes(floats: Floats, ints: Ints) -> int:
+    """Put the shapes into the order of their lower bounds along one axis. Returns: the axis."""
+    fat, shape, order = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, ORDER)
+    progress, shapes = ints_of(ints, PROGRESS), ints_of(ints, COUNT)[0, SHAPES]
     axis = widest_axis(fat, shape, shapes, progress[0, AXIS])
     progress[0, AXIS] = axis
     for at in range(1, shapes):
@@ -59,8 +59,19 @@ def sort_and_sweep(
             order[to, 0] = order[to - 1, 0]
             to -= 1
         order[to, 0] = s
-    found = 0
-    for at in range(shapes):
+    return axis
+
+
+@kernel
+def search_range(floats: Floats, ints: Ints, axis: int, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs that a range of shapes finds behind them on the axis, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
+    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    order = ints_of(ints, ORDER)
+    for at in range(first, last):
         s = order[at, 0]
         if shape[s, BALL_RADIUS] == math.inf:
             continue
@@ -80,10 +91,8 @@ def sort_and_sweep(
 def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
     if bounds_are_stale(floats, ints):
-        found = sort_and_sweep(
-            floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND),
-            ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), ints_of(ints, ORDER), ints_of(ints, PROGRESS),
-        )  # fmt: skip
+        axis = sort_shapes(floats, ints)
+        found = search_range(floats, ints, axis, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != 0:
             return status

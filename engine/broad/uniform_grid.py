@@ -32,6 +32,11 @@ FAR = 1e9
 """Cells are counted up to here; all that lies beyond shares the last one."""
 
 
+Grid = tuple[Ints, Ints, Ints]
+"""cell (shapes, 4): the cell of a shape, and its bucket or -1 where it lies in none; start (buckets + 1,): the first member of
+each bucket; member (shapes,): shapes, those of a bucket side by side."""
+
+
 @kernel
 def width(fat: Floats, s: int) -> float:
     """The largest width [m] of the bounds of shape s."""
@@ -67,8 +72,10 @@ def cell_side(fat: Floats, shape: Floats, shapes: int) -> float:
 
 
 @kernel
-def search_grid(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes: int, candidate: Ints) -> int:
-    """Write the pairs of bounded shapes whose widened bounds overlap. Returns: their number, perhaps beyond the room."""
+def fill_grid(floats: Floats, ints: Ints) -> Grid:
+    """The grid of all bounded shapes."""
+    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
+    shapes = ints_of(ints, COUNT)[0, SHAPES]
     side = cell_side(fat, shape, shapes)
     buckets = 1
     while buckets < 2 * shapes:
@@ -88,8 +95,20 @@ def search_grid(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes
         if cell[s, 3] >= 0:
             member[place[cell[s, 3]]] = s
             place[cell[s, 3]] += 1
-    found = 0
-    for i in range(shapes):
+    return cell, start, member
+
+
+@kernel
+def search_range(floats: Floats, ints: Ints, grid: Grid, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs that a range of shapes finds in the grid, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
+    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    cell, start, member = grid
+    buckets = len(start) - 1
+    for i in range(first, last):
         moves = may_move(shape_kind, kind, i)
         if cell[i, 3] < 0:
             if shape[i, BALL_RADIUS] == math.inf:
@@ -129,10 +148,8 @@ def search_grid(fat: Floats, shape: Floats, shape_kind: Ints, kind: Ints, shapes
 def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
     if bounds_are_stale(floats, ints):
-        found = search_grid(
-            floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND),
-            ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE),
-        )  # fmt: skip
+        grid = fill_grid(floats, ints)
+        found = search_range(floats, ints, grid, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != 0:
             return status

@@ -134,7 +134,8 @@ def _once_for_all_values(function: Function) -> Function:
     from numba.core.types import unliteral
 
     def by_type(args: Any, kws: Any) -> Any:
-        return template(tuple(unliteral(one) for one in args), {name: unliteral(one) for name, one in kws.items()})
+        plain: Any = unliteral
+        return template(tuple(plain(one) for one in args), {name: plain(one) for name, one in kws.items()})
 
     cast(Any, function).get_call_template = by_type
     return function

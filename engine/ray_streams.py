@@ -24,6 +24,12 @@ Rays = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 
 
 @kernel
+def root_of(x: float) -> float:
+    """The square root, NaN below zero."""
+    return math.sqrt(x) if x >= 0.0 else math.nan
+
+
+@kernel
 def ray_in(rays: Rays, i: int, c: Vec, m: Mat) -> tuple[Vec, Vec]:
     """Origin and direction of ray i in the frame with origin c and axes m."""
     ox, oy, oz, dx, dy, dz = rays
@@ -52,7 +58,7 @@ def meet_sphere(n: int, rays: Rays, c: Vec, radius: float, t: Floats) -> None:
         x, y, z = ox[i] - c[0], oy[i] - c[1], oz[i] - c[2]
         b = x * dx[i] + y * dy[i] + z * dz[i]
         x, y, z = x - b * dx[i], y - b * dy[i], z - b * dz[i]
-        root = math.sqrt(radius * radius - (x * x + y * y + z * z))
+        root = root_of(radius * radius - (x * x + y * y + z * z))
         first, last = -b - root, -b + root
         found = first if first >= 0.0 else last
         t[i] = found if found >= 0.0 else MISS
@@ -104,7 +110,7 @@ def tube(o: Vec, d: Vec, radius: float) -> tuple[float, float]:
     inverse = 1.0 / (a if a >= PARALLEL else math.nan)
     b = (o[0] * d[0] + o[1] * d[1]) * inverse
     x, y = o[0] - b * d[0], o[1] - b * d[1]
-    root = math.sqrt((radius * radius - x * x - y * y) * inverse)
+    root = root_of((radius * radius - x * x - y * y) * inverse)
     return -b - root, -b + root
 
 
@@ -151,7 +157,7 @@ def end_sphere(o: Vec, d: Vec, end: float, square: float, sign: float) -> float:
     z = o[2] - end
     b = o[0] * d[0] + o[1] * d[1] + z * d[2]
     x, y, z = o[0] - b * d[0], o[1] - b * d[1], z - b * d[2]
-    found = -b - sign * math.sqrt(square - (x * x + y * y + z * z))
+    found = -b - sign * root_of(square - (x * x + y * y + z * z))
     return sign * found if found >= 0.0 else MISS
 
 

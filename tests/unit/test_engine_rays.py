@@ -116,7 +116,7 @@ def test_tiles_find_what_brute_force_finds_for_4e5_rays_of_each_shape(name: str)
         # A ray that grazes by less than rounding may hit or miss: with 1e-14 m of 1 m that is one of 1e7 or so.
         assert (np.isfinite(want.distance) != np.isfinite(got.distance)).sum() <= 1
         cosine = np.abs(np.sum(got.normal * _unit(aim - start), axis=1))[hit]
-        assert (np.abs(got.distance - want.distance)[hit] * cosine).max() < 1e-14 * max(1.0, distance) * 10
+        assert (np.abs(got.distance[hit] - want.distance[hit]) * cosine).max() < 1e-14 * max(1.0, distance) * 10
 
 
 def _first_crossing(shape: engine.Shape, o: list[Any], d: list[Any]) -> Any:

@@ -17,6 +17,8 @@ __all__ = ["UNITS", "growths", "qualities", "standings", "titled"]
 
 Row = dict[str, Any]
 UNITS = {"step": "step", "ray": "ray", "world-step": "step of one world"}
+LANE = 15
+"""Height of a line of text in a chart [px]."""
 QUALITIES = 4
 """Scenes whose penetration is drawn: more would say the same again."""
 
@@ -76,24 +78,26 @@ def growth_chart(store: "Store", sweep: Sweep, place: int) -> Figure:
     unit = UNITS.get(sweep.unit, sweep.unit)
     y = logarithmic(alt.Y, "cpu", f"CPU time per {unit} [us]", decades(row["cpu"] for row in rows))
     best = [row for row in rows if row["best"]]
-    ends = []
+    slopes: list[Row] = []
     for engine in dict.fromkeys(row.engine for row in sweep.rows):
         mine = [row for row in sweep.rows if row.engine == engine and row.best]
         fit = growth(sweep, mine) if mine else None
         if fit is not None:
-            last = drawn(store, mine[-1]) | {"size": float(mine[-1].parameters[sweep.parameter])}
-            ends.append(last | {"label": f"{sweep.parameter}^{fit.exponent:.2f}"})
+            label = f"{labels(store)[engine]}: {sweep.parameter} to the {fit.exponent:.2f}"
+            slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
     channels = style.channels() | {"tooltip": hover(("size", sweep.parameter))}
     layers = [
         chart(best).mark_line(strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
         chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
     ]
-    if ends:
-        text = chart(ends).mark_text(align="right", dx=-10, dy=-9, fontSize=11, fontWeight=600)
-        layers.append(text.encode(x=x, y=y, text="label:N", color=style.colour()))
+    if slopes:
+        # Beside the lines the labels of engines that are equally fast would cover each other.
+        lane = alt.Y("lane:Q", scale=None, axis=None)
+        text = chart(slopes).mark_text(align="left", baseline="middle", fontSize=11, fontWeight=600)
+        layers.append(text.encode(x=alt.value(12), y=lane, text="label:N", color=style.colour()))
     caption = (
         "Each point is one engine under one group of settings, open for the vendor's defaults; the line joins the fastest "
-        "setting whose checks hold, and the number at its end is its exponent: 1 means that twice the bodies "
+        "setting whose checks hold, and the exponent of that line stands in the corner: 1 means that twice the size "
         "cost twice the time. What did not finish has no point; the table says why."
     )
     title = f"Price of a {unit}: {titled(store, sweep.case, sweep.where)}"

@@ -81,7 +81,7 @@ NUTATION = ALONG * SPIN / ACROSS
 
 def _nutation(dt: float) -> float:
     """Twice the amplitude [rad] that a push of half a step of gravity's torque off the steady motion sets going."""
-    return 2 * MASS * G * LENGTH * np.sin(np.radians(TILT)) / ACROSS * dt / 2 / NUTATION + _gap(dt) / LENGTH
+    return float(2 * MASS * G * LENGTH * np.sin(np.radians(TILT)) / ACROSS * dt / 2 / NUTATION + _gap(dt) / LENGTH)
 
 
 def _gap(dt: float) -> float:

@@ -28,7 +28,7 @@ def _scene(spin: float = SPIN, half_extents: Vector3 = HALF, mass: float = 1.0) 
             inertia=box_inertia(mass, half_extents),
             visual=(PlacedShape(shape=Box(half_extents=half_extents)),),
             p_WB=(0.0, k - 1.0, 0.0),
-            w_WB=tuple(spin * (axis == k) for axis in range(3)),
+            w_WB=(spin * (k == 0), spin * (k == 1), spin * (k == 2)),
         )
         for k, name in enumerate(NAMES)
     )

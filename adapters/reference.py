@@ -113,8 +113,10 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
         raise SettingsError(str(error)) from error
 
 
-def _resolved(settings: Settings, used: "engine.Options") -> Settings:
+def _resolved(settings: Settings, used: "engine.Options", world: "engine.World") -> Settings:
     """What the engine uses, defaults filled in."""
+    filled = {name: getattr(used, name) for name in OPTIONS}
+    filled["broad_phase"] = world.broad_phase
     if used.solver == EXACT:
         return replace(
             settings,
@@ -123,9 +125,8 @@ def _resolved(settings: Settings, used: "engine.Options") -> Settings:
             integrator=used.integrator,
             solver=EXACT,
             tolerance=used.tolerance,
-            options={n: getattr(used, n) for n in OPTIONS if n not in SWEPT and getattr(used, n) is not None},
+            options={n: value for n, value in filled.items() if n not in SWEPT and value is not None},
         )
-    filled = {name: getattr(used, name) for name in OPTIONS}
     filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
     filled["step_tolerance"] = used.used_step_tolerance
     return replace(
@@ -342,7 +343,7 @@ def _build(scene: Scene, settings: Settings) -> Simulation:
         )
     except engine.NotSupported as error:
         raise Unsupported(error.what, error.why) from error
-    return _Simulation(world, scene, _resolved(settings, options))
+    return _Simulation(world, scene, _resolved(settings, options, world))
 
 
 # --- the adapter ----------------------------------------------------------------------------------

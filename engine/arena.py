@@ -23,7 +23,7 @@ SLOPE: Final = 5  # (bodies + 1, 13): time derivative
 TOTAL: Final = 6  # (bodies + 1, 13): weighted sum of derivatives
 SHAPE: Final = 7  # (shapes, 12)
 POSE: Final = 8  # (shapes, 12): position and rotation matrix in W
-BOUNDS: Final = 9  # (shapes, 6)
+BOUNDS: Final = 9  # (shapes, 7): lower and upper corner, and by how much they are widened
 JOINT: Final = 10  # (joints, 40)
 ROW: Final = 11  # (rows, 18)
 REACH: Final = 12  # (rows, 12): mass-weighted Jacobian
@@ -44,7 +44,12 @@ CONVEX_POINT: Final = 26  # (4 pairs, 32): their points, as POINT
 SIMPLEX: Final = 27  # (corners and faces, 10): scratch of GJK and EPA
 POLYGON: Final = 28  # (three polygons, 3): scratch of the clipping of features
 PRINCIPAL: Final = 29  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
-FLOAT_TABLES: Final = 30
+FAT: Final = 30  # (shapes, 6): widened bounds, which candidates were found for
+TOUCH: Final = 31  # (pairs of spheres, 16): what the sphere solver sweeps over
+TOUCH_REST: Final = 32  # (pairs of spheres, 16): what it needs less often
+OLD_TOUCH: Final = 33  # (pairs of spheres, 4): impulses of the last step
+MOVER: Final = 34  # (bodies + 1, 12): what the sphere solver reads and writes of a body
+FLOAT_TABLES: Final = 35
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -60,7 +65,7 @@ HEAD: Final = 9  # (shapes, 1): first old manifold of a shape
 NEXT: Final = 10  # (pairs, 1)
 ORDER: Final = 11  # (shapes, 1): the sorted axis
 EXCLUDED: Final = 12  # (excluded pairs of bodies, 2)
-COUNT: Final = 13  # (1, 16)
+COUNT: Final = 13  # (1, 18)
 CLIP_KEY: Final = 14  # (32, 2)
 POLYHEDRON: Final = 15  # (shapes, 5)
 SPAN: Final = 16  # (faces, 2): first corner and number of corners in LOOP
@@ -69,7 +74,11 @@ CONVEX_KEY: Final = 18  # (pairs, 1): number of points
 CONVEX_POINT_KEY: Final = 19  # (4 pairs, 2)
 SIMPLEX_KEY: Final = 20  # (corners and faces, 6)
 POLYGON_KEY: Final = 21  # (three polygons, 1)
-INT_TABLES: Final = 22
+CANDIDATE: Final = 22  # (pairs, 2): pairs whose widened bounds overlap
+TOUCH_KEY: Final = 23  # (pairs of spheres, 6)
+OLD_TOUCH_KEY: Final = 24  # (pairs of spheres, 2)
+PROGRESS: Final = 25  # (1, 2)
+INT_TABLES: Final = 26
 
 # Columns of POLYHEDRON.
 FIRST_VERTEX: Final = 0
@@ -229,13 +238,53 @@ RELAXATIONS: Final = 7
 RUNGE_KUTTA: Final = 8
 GYROSCOPIC: Final = 9
 CONTINUOUS: Final = 10
-BROAD: Final = 11  # 0 brute force, 1 sweep and prune
+BROAD: Final = 11  # 0 brute force inside the step, 1 found before it
 MATERIALS: Final = 12
 EXCLUSIONS: Final = 13
 STEPS: Final = 14
 NEW: Final = 15  # manifolds of this step that the last one did not have
 CONVEX_READY: Final = 16  # 1 where the convex narrow phase has answered the pairs of the coming step
-PAIRS: Final = 17  # pairs that wait for its answer
+PAIRS: Final = 17  # pairs of the coming step in PAIR
+
+# Columns of PROGRESS.
+CANDIDATES: Final = 0  # in CANDIDATE; -1 before the first search
+AXIS: Final = 1  # along which the shapes are sorted
+
+# Columns of TOUCH, after the normal.
+T_GAP: Final = 3
+T_NORMAL: Final = 4  # normal impulse
+T_TANGENT: Final = 5  # 3, in W
+T_NORMAL_MASS: Final = 8
+T_TANGENT_MASS: Final = 9
+T_FRICTION: Final = 10  # the coefficient now in force
+T_RADIUS_A: Final = 11
+T_RADIUS_B: Final = 12  # 0 for a plane or a box
+T_BASE: Final = 13  # of a plane or a box: n . p_A + gap, which stays
+
+# Columns of TOUCH_REST.
+R_PLACE: Final = 0  # 3, in W
+R_FIRST_GAP: Final = 3
+R_SUM: Final = 4  # 3: impulse on B over the step
+R_STATIC: Final = 7
+R_KINETIC: Final = 8
+R_RESTITUTION: Final = 9
+R_APPROACH: Final = 10
+R_STRUCK: Final = 11
+R_SPIKE: Final = 12
+R_NORMAL: Final = 13  # 3: at the start of the step
+
+# Columns of TOUCH_KEY.
+K_BODY_A: Final = 0
+K_BODY_B: Final = 1
+K_PAIR: Final = 2  # first shape times the number of shapes, plus second
+K_SLIPS: Final = 3
+K_ROUND: Final = 4  # 1 where B is a sphere too
+K_MOVES: Final = 5  # 1 where B is dynamic
+
+# Columns of MOVER: velocity and angular velocity first.
+M_INV_MASS: Final = 6
+M_INV_INERTIA: Final = 7
+M_PLACE: Final = 8  # 3
 
 
 def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:

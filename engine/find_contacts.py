@@ -1,4 +1,4 @@
-"""The collision stages of a step, in order: poses, bounds, broad phase, narrow phase with matching, preparation."""
+"""The collision stages of a step, in order: poses, bounds, broad phase unless done, narrow phase with matching, preparation."""
 
 from engine.arena import (
     BODIES,
@@ -28,7 +28,6 @@ from engine.arena import (
     OLD_MANIFOLD,
     OLD_POINT,
     OLD_POINT_KEY,
-    ORDER,
     PAIR,
     PAIRS,
     POINT,
@@ -44,7 +43,7 @@ from engine.arena import (
     TURNED,
     TYPE,
 )  # fmt: skip
-from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_bounds
+from engine.broad_phase import brute_force, pose_shapes, write_bounds
 from engine.carve import floats_of, ints_of
 from engine.contact_solver import prepare
 from engine.jit import kernel
@@ -67,25 +66,25 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     body, turned = floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     manifold, point = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     kind, shape_kind = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
-    excluded, order, pair = ints_of(ints, EXCLUDED), ints_of(ints, ORDER), ints_of(ints, PAIR)
+    excluded, pair = ints_of(ints, EXCLUDED), ints_of(ints, PAIR)
     key, point_key = ints_of(ints, MANIFOLD_KEY), ints_of(ints, POINT_KEY)
     old, old_point = floats_of(floats, ints, OLD_MANIFOLD), floats_of(floats, ints, OLD_POINT)
     old_key, old_point_key = ints_of(ints, OLD_KEY), ints_of(ints, OLD_POINT_KEY)
     head, following, count = ints_of(ints, HEAD), ints_of(ints, NEXT), ints_of(ints, COUNT)
     surface, materials = floats_of(floats, ints, SURFACE), count[0, MATERIALS]
     shapes, exclusions = count[0, SHAPES], count[0, EXCLUSIONS]
-    pose_shapes(state, shape, shape_kind, shapes, pose)
-    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
     if count[0, BROAD] == 0:
-        pairs = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
-    else:
-        pairs = sweep_and_prune(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, order, pair)
+        pose_shapes(state, shape, shape_kind, shapes, pose)
+        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
+        count[0, PAIRS] = brute_force(
+            bounds, shape_kind, kind, surface, materials, excluded, exclusions, shape, pose, shapes, pair
+        )
+    pairs = count[0, PAIRS]
     if pairs > pair.shape[0]:
         return 2
     for p in range(pairs):
         a, b = ordered(shape_kind, pair[p, 0], pair[p, 1])
         if count[0, CONVEX_READY] == 0 and is_convex_pair(shape_kind[a, TYPE], shape_kind[b, TYPE]):
-            count[0, PAIRS] = pairs
             return 3
     count[0, CONVEX_READY] = 0
     for b in range(count[0, BODIES] + 1):

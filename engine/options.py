@@ -18,7 +18,7 @@ FREE_INTEGRATORS = {
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
-BROAD_PHASES = ("sweep_and_prune", "brute_force")
+BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force")
 SOLVERS = ("tgs_soft", "exact")
 
 
@@ -29,12 +29,12 @@ class Options:
     Terms:
         dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
-        relative error of one step of dormand_prince alone (None: 1e-12); contact_hertz [Hz] (None: as stiff as
-        a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
-        correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
-        a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
-        effects are simulated; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations,
-        relaxations and springs, down to the relative residual `tolerance`.
+        relative error of one step of dormand_prince alone (None: 1e-12); broad_phase (None: by the number of shapes);
+        contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft
+        contact; max_push [m/s]: fastest correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None:
+        four times what gravity gives in a sub-step); margin [m]: contacts are made at least this far ahead; contacts,
+        gyroscopic, continuous: whether these effects are simulated; solver: of contacts, 'exact' solves Coulomb's law itself
+        once per sub-step, without iterations, relaxations and springs, down to the relative residual `tolerance`.
     """
 
     dt: float = 1 / 240
@@ -43,7 +43,7 @@ class Options:
     relaxations: int = 1
     integrator: str = "semi_implicit_euler"
     step_tolerance: float | None = None
-    broad_phase: str = "sweep_and_prune"
+    broad_phase: str | None = None
     contact_hertz: float | None = None
     contact_damping_ratio: float = 10.0
     max_push: float = 3.0
@@ -72,7 +72,7 @@ class Options:
             # Below 1e-14 the estimate is round-off, which no shorter step makes smaller.
             if not 1e-14 <= self.step_tolerance <= 1e-2:
                 raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
-        if self.broad_phase not in BROAD_PHASES:
+        if self.broad_phase is not None and self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
         if self.solver not in SOLVERS:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")

@@ -176,10 +176,18 @@ def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
 
     Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.5.
     """
-    angle = 0.5 * h * norm(w)
-    sine = 1.0 - angle * angle / 6.0 if angle < 1e-4 else math.sin(angle) / angle
+    square = 0.25 * h * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    if square < 0.01:
+        # Power series whose first terms left out are below 1e-17.
+        sine = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
+        cosine = 1.0 - square / 2.0 * (
+            1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0)))
+        )
+    else:
+        angle = math.sqrt(square)
+        sine, cosine = math.sin(angle) / angle, math.cos(angle)
     s = 0.5 * h * sine
-    return quat_unit(quat_mul((math.cos(angle), s * w[0], s * w[1], s * w[2]), q))
+    return quat_unit(quat_mul((cosine, s * w[0], s * w[1], s * w[2]), q))
 
 
 @kernel

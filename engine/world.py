@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from engine import arena as at
 from engine.arena import float_table, int_table
-from engine.assembly import assemble_world, grow
+from engine.assembly import assemble_world, grow, spheres_only
 from engine.bodies import Body, Surface
+from engine.broad.choice import choose_broad_phase, load_broad_phase
 from engine.check import finite
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
@@ -82,12 +83,16 @@ class World:
         self._polyhedral = bool((kinds[:, at.TYPE] >= at.HULL).any())
         self.touching = self.options.contacts and _may_touch(bodies)
         self.jointed = bool(joints)
+        self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
+        self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
+        self._find_pairs = load_broad_phase(self.broad_phase, len(kinds)) if self.touching else None
+        int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
         self._exact = None
         if self.touching and self.options.solver == "exact":
             from engine.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options.integrator)
+        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options.integrator, self.spheres)
 
     @property
     def certificate(self) -> "Certificate | None":
@@ -112,8 +117,14 @@ class World:
         """
         if count < 0:
             raise ValueError(f"world: step count {count}, expected at least 0")
+        status = 0
         while count > 0:
-            done, status = self._step(self._floats, self._ints, count)
+            if self._find_pairs is None:
+                done, status = self._step(self._floats, self._ints, count)
+            elif status == 3 or self._find_pairs(self._floats, self._ints) == 0:
+                done, status = self._step(self._floats, self._ints, 1)
+            else:
+                done, status = 0, 2
             if status == 1:
                 raise Diverged(self.steps)
             if status == 4:
@@ -157,6 +168,8 @@ class World:
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step."""
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
+        if self.spheres:
+            return self._sphere_contacts(count)
         key = int_table(self._ints, at.MANIFOLD_KEY)[:count]
         manifold = float_table(self._floats, self._ints, at.MANIFOLD)[:count]
         rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
@@ -170,6 +183,20 @@ class World:
             normal=manifold[rows // 4, at.NORMAL : at.NORMAL + 3],
             gap=point[:, at.FIRST_GAP],
             force=point[:, at.SUM : at.SUM + 3] / self.options.dt,
+        )
+
+    def _sphere_contacts(self, count: int) -> Contacts:
+        """As `contacts`, of a world of spheres."""
+        rest, key = float_table(self._floats, self._ints, at.TOUCH_REST)[:count], int_table(self._ints, at.TOUCH_KEY)[:count]
+        near = rest[:, at.R_FIRST_GAP] <= self.options.margin
+        hit = near | (np.abs(rest[:, at.R_SUM : at.R_SUM + 3]).max(axis=1, initial=0.0) > 0.0)
+        rest = rest[hit]
+        return Contacts(
+            bodies=key[hit][:, [at.K_BODY_A, at.K_BODY_B]],
+            point=rest[:, at.R_PLACE : at.R_PLACE + 3],
+            normal=rest[:, at.R_NORMAL : at.R_NORMAL + 3],
+            gap=rest[:, at.R_FIRST_GAP],
+            force=rest[:, at.R_SUM : at.R_SUM + 3] / self.options.dt,
         )
 
     def cast(self, origins: Any, directions: Any, max_range: float = np.inf) -> Hits:
@@ -211,7 +238,7 @@ def _may_touch(bodies: Sequence[Body]) -> bool:
     return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
 
 
-def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
+def _choose_step(touching: bool, jointed: bool, integrator: str, spheres: bool) -> Step:
     """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
     if integrator in FREE_INTEGRATORS:
         if touching or jointed:
@@ -220,6 +247,10 @@ def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
                 "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
             )
         return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
+    if spheres:
+        from engine.steps_spheres import step_spheres
+
+        return step_spheres
     if touching and jointed:
         from engine.steps_contact_jointed import step_contact_jointed
 

@@ -24,9 +24,6 @@ MODULES = (
     friction_turntable,
 )
 CASES = [module.CASE for module in MODULES]
-    m.CASE
-    for m in (friction_backspin, friction_roll_incline, friction_rolling_resistance, friction_slip_to_roll, friction_turntable)
-]
 G = 9.81
 
 

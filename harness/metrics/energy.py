@@ -13,7 +13,7 @@ from harness.reduction import last, maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["ENERGY_FINAL", "ENERGY_MAX", "ENERGY_STAGGERED", "METRIC"]
+__all__ = ["ENERGY_FINAL", "ENERGY_MAX", "ENERGY_SECULAR", "ENERGY_STAGGERED", "METRIC"]
 
 SOURCE = "conservation of energy; half-step correction: Hairer, Lubich, Wanner, Geometric Numerical Integration, section I.1.4"
 
@@ -92,10 +92,29 @@ def _staggered_drift(scene: Scene, actual: Trajectory, expected: Trajectory | No
     return drift
 
 
+def _secular(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    """|slope| of a straight line through the energy, over the whole run, as a share of the energy in play."""
+    _check(scene, actual)
+    if len(actual) < 3:
+        raise NotMeasurable(f"{len(actual)} samples, at least 3 are needed for a trend")
+    energy = _kinetic(scene, actual, actual.v_WB, actual.w_WB) + _potential(scene, actual)
+    if not np.isfinite(energy).all():
+        return float("nan")
+    slope = np.polynomial.Polynomial.fit(actual.time, energy, 1).convert().coef
+    return float(abs(slope[1]) if len(slope) > 1 else 0.0) * float(np.ptp(actual.time)) / _scale(scene, actual, expected)
+
+
 ENERGY_MAX = Metric(name="energy_drift_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_drift(s, a, e)))
 ENERGY_FINAL = Metric(name="energy_drift_final", unit="1", source=SOURCE, measure=lambda s, a, e: last(_drift(s, a, e)))
 ENERGY_STAGGERED = Metric(
     name="energy_drift_staggered_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_staggered_drift(s, a, e))
 )
 
-METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED)
+ENERGY_SECULAR = Metric(
+    name="energy_drift_secular",
+    unit="1",
+    source="slope of a straight line through the energy times the length of the run: what a bounded oscillation does not have",
+    measure=_secular,
+)
+
+METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED, ENERGY_SECULAR)

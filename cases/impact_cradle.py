@@ -66,8 +66,8 @@ CASE = Case(
         Check(
             metric=LAST_SHARE_ERROR,
             at_most=1e-6,
-            because="where a step is shorter than the way across a gap there is one pair at a time, whose exchange has no error of "
-            "the step; 1e-6 for single precision",
+            because="where a step is shorter than the way across a gap there is one pair at a time, whose exchange has no "
+            "error of the step; 1e-6 for single precision",
         ),
         Check(
             metric=MOMENTUM_MAX,

@@ -41,7 +41,7 @@ def _velocities(count: int, speed: float, seed: int) -> Floats:
 
 
 def scene(edge: float = EDGE, speed: float = SPEED, seed: int = 0) -> Scene:
-    """edge^3 spheres on a lattice in a free hollow cube, with random velocities of root mean square `speed` [m/s]; no gravity."""
+    """edge^3 spheres on a lattice in a free hollow cube at random velocities of root mean square `speed` [m/s]; no gravity."""
     n = round(edge)
     inner = n * CELL / 2
     places = [(CELL * (i + 0.5) - inner, CELL * (j + 0.5) - inner, CELL * (k + 0.5) - inner)
@@ -80,9 +80,11 @@ def growth(dt: float) -> float:
     """How fast [1/s] energy grows where each approach is measured a whole step dt [s] before it is answered.
 
     The line of centres of two spheres that close at v turns with v_t/d, so that a step earlier they seem to close faster by
-    v_t^2 dt/d: the impact gains mu u v_t^2 dt/d. Averaged over the area of aim that is 8/15 (v dt/d) mu v^2/2, and over Maxwell's
-    relative speeds, of variance 2 V^2/3 along each axis, with n pi d^2 v impacts a second (Chapman and Cowling, chapter 5):
+    v_t^2 dt/d: the impact gains mu u v_t^2 dt/d. Averaged over the area of aim that is 8/15 (v dt/d) mu v^2/2, and over
+    Maxwell's relative speeds, of variance 2 V^2/3 along each axis, with n pi d^2 v impacts a second:
     dE/dt = n pi d^2/2 * 8/15 (dt/d) (m/4) <v^4> for each sphere, with <v^4> = 15 (2 V^2/3)^2.
+
+    Source: Chapman, Cowling, The Mathematical Theory of Non-uniform Gases, 3rd ed., chapter 5 (frequency of collisions).
     """
     d, density = 2 * RADIUS, 1 / CELL**3
     spread = math.sqrt(2 / 3) * SPEED
@@ -116,8 +118,8 @@ CASE = Case(
         Check(
             metric=ANGULAR_MOMENTUM_MAX,
             at_most=1e-6,
-            because="an impact acts along one line on both, with equal arms; 1e-6 for single precision. What moves spheres apart "
-            "without an impulse shifts momentum aside",
+            because="an impact acts along one line on both, with equal arms; 1e-6 for single precision. What moves spheres "
+            "apart without an impulse shifts momentum aside",
         ),
         Check(
             metric=ENERGY_GROWTH,

@@ -64,8 +64,8 @@ CASE = Case(
         Check(
             metric=INSCRIBED_OVERLAP,
             at_most=lambda dt: 2 * (SPEED + np.sqrt(3) * HALF * SPIN) * dt,
-            because="cubes do not pass through each other; one step's way at the greatest speed of closing, that of two corners, "
-            "may lie between the touch and its discovery. Without this, bodies that never touch would pass",
+            because="cubes do not pass through each other; one step's way at the greatest speed of closing, that of two "
+            "corners, may lie between the touch and its discovery. Without this, bodies that never touch would pass",
         ),
         Check(
             metric=MOMENTUM_MAX,

@@ -34,8 +34,8 @@ SPINS = (
     (0.0, -30.0, 0.0),
     (10.0, 5.0, 15.0),
 )
-"""In turn: grip; grip askew, beyond what mu m v_n without the rebound could stop; slip; slip askew; backspin that grips; backspin
-that slips; spin alone, askew and about the vertical, which one point of contact cannot change."""
+"""In turn: grip; grip askew, beyond what mu m v_n without the rebound could stop; slip; slip askew; backspin that grips;
+backspin that slips; spin alone, askew and about the vertical, which one point of contact cannot change."""
 
 Motion = tuple[tuple[float, float], Vector3]
 
@@ -128,14 +128,14 @@ def _way(dt: float) -> float:
 
 DURATION = 0.5
 ARM = (
-    "without other forces Newton's and Coulomb's impulse leaves no error of the step, but for the lever: a ball may be caught one "
-    "step's way v_n dt above the plane or below it, which makes its arm that much longer or shorter; 1e-5 for single precision"
+    "without other forces Newton's and Coulomb's impulse leaves no error of the step, but for the lever: a ball may be caught "
+    "one step's way v_n dt above the plane or below it, which makes its arm longer or shorter by that; 1e-5 for single precision"
 )
 
 CASE = Case(
     name="impact_oblique",
     title="Spinning balls on rough ground",
-    question="Does a ball that meets rough ground askew grip or slip as one Coulomb impulse says, and leave with the right spin?",
+    question="Does a ball that meets rough ground askew grip or slip as one Coulomb impulse says, with the right spin?",
     source="Stronge, Impact Mechanics, 2nd ed., section 3.2; Maw, Barber, Fawcett, Wear 38 (1976) 101 (rigid limit)",
     truth="closed form",
     scene=scene,

@@ -43,7 +43,7 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
             deepest = np.maximum(deepest, np.max(r_a + r_b - distance))
     if pairs == 0:
         raise NotMeasurable("no two bodies of one convex shape can touch")
-    return float(np.maximum(deepest, 0.0))
+    return float(np.maximum(deepest, 0.0)) if actual.finite else float("nan")
 
 
 INSCRIBED_OVERLAP = Metric(

@@ -129,7 +129,7 @@ def _way(dt: float) -> float:
 DURATION = 0.5
 ARM = (
     "without other forces Newton's and Coulomb's impulse leaves no error of the step, but for the lever: a ball may be caught "
-    "one step's way v_n dt above the plane or below it, which makes its arm longer or shorter by that; 1e-5 for single precision"
+    "one step's way v_n dt above the plane or below it, which makes its arm longer or shorter; 1e-5 for single precision"
 )
 
 CASE = Case(

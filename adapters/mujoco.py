@@ -13,9 +13,10 @@ Deviations:
 * There is no coefficient of restitution. For e > 0 the contact becomes a spring and damper whose damping ratio is solved
   for, on the discrete recursion that the engine steps, so that the mean rebound over all phases of the step is e; single
   rebounds scatter by the phase (about .02 at e = .5) and the body sinks in by about 3 v dt. An e > 0 below the least rebound of
-  that family (about .03) is `Unsupported`; e = 0 keeps the usual contact, which does not rebound. The law is exact for one
-  point between a free body and a fixed one, and approximate where several contacts share a body. The discrete integrator
-  damps every rebound: `Unsupported`.
+  that family (about .03) is `Unsupported`; e = 0 keeps the usual contact, which is critically damped and cannot pull, so that
+  a body that nothing presses down leaves with up to e^-2 = .135 of its speed. The law is exact for one point between a free
+  body and a fixed one, and approximate where several contacts share a body. The discrete integrator damps every rebound:
+  `Unsupported`.
 * Friction with restitution needs the elliptic cone, whatever the track: a pyramid mixes the rebound into the friction. On
   the cone a slip still bends the rebound, by up to 18 % where the slip is fast; friction stays mu times the normal force.
 * Sliding, torsional and rolling friction share one cone, so that each takes from the others; a coefficient below 1e-5 counts as
@@ -1317,6 +1318,7 @@ ADAPTER = MujocoAdapter(
     deviations=(
         "contacts, limits and loop joints are soft: they sink, creep and gap",
         "restitution is a spring and damper calibrated to the mean rebound; single rebounds scatter with the phase of the step",
+        "without restitution a contact is critically damped and cannot pull: it gives back up to .135 of the speed of impact",
         "sliding, torsional and rolling friction share one cone",
         "the gyroscopic term cannot be switched off",
         "meshes and hulls are held in single precision, and a mesh collides as its hull",

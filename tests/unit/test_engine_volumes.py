@@ -249,3 +249,20 @@ def test_only_the_chosen_volume_is_loaded() -> None:
 def test_an_unknown_volume_is_refused() -> None:
     with pytest.raises(ValueError, match="bounding_volume 'kdop', expected one of aabb, obb, sphere"):
         engine.Options(bounding_volume="kdop")
+
+
+def test_the_adapter_resolves_broad_phase_volume_and_threads() -> None:
+    """By default as the engine chose them, else as asked."""
+    from adapters.reference import ADAPTER
+    from harness.adapter import Settings
+    from harness.scene import Body, PlacedShape, Plane, Scene, Sphere
+
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    for number, chosen in ((2, "brute_force"), (40, "uniform_grid")):
+        ball = (PlacedShape(shape=Sphere(radius=0.1)),)
+        scene = Scene(bodies=(ground, *(Body(name=f"b{k}", collision=ball, p_WB=(k, 0.0, 1.0)) for k in range(number))))
+        used = ADAPTER.build(scene, Settings()).resolved.options
+        assert (used["broad_phase"], used["bounding_volume"], used["threads"]) == (chosen, "aabb", 1)
+        asked = {"broad_phase": "bvh", "bounding_volume": "obb", "threads": 2}
+        resolved = ADAPTER.build(scene, Settings(options=asked)).resolved.options
+        assert {name: resolved[name] for name in asked} == asked

@@ -107,6 +107,14 @@ def test_the_certificate_sees_a_planted_wrong_impulse(wrong: tuple[float, float,
     assert relative_residual(_point((-1.0, 0.0, -3.0), 0.5), np.array([wrong])) > 1e-9
 
 
+def test_the_certificate_of_a_contact_without_friction_sees_a_pull_and_accepts_a_departure() -> None:
+    """At rest a pull leaves |r| / m = .5 m/s of 1 m/s; a contact that separates needs no impulse."""
+    held = Problem(np.eye(3) / 2.0, np.array([[0.5, 0.0, 0.0]]), np.zeros(1), 1.0)
+    assert relative_residual(held, np.array([[-1.0, 0.0, 0.0]])) == pytest.approx(0.5)
+    assert relative_residual(held, np.zeros((1, 3))) == 0.0
+    assert relative_residual(held, np.array([[-1e-15, 0.0, 0.0]])) < 1e-14
+
+
 def test_the_certificate_sees_an_error_on_the_light_one_of_two_bodies() -> None:
     """1e-7 of the light body's impulse is 1e-11 of the heavy one's, and is not hidden by it."""
     masses = np.array([1e4, 1.0])

@@ -85,7 +85,9 @@ def _once_for_all_values(function: Function) -> Function:
     if template is None:
         return function
 
-    from numba.core.types import unliteral
+    import numba
+
+    unliteral: Any = numba.types.unliteral
 
     def by_type(args: Any, kws: Any) -> Any:
         return template(tuple(unliteral(one) for one in args), {name: unliteral(one) for name, one in kws.items()})

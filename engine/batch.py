@@ -144,6 +144,7 @@ class Batch:
         for world, (f0, f1, i0, i1) in zip(self._worlds, self._place.tolist(), strict=True):
             self._floats[f0:f1], self._ints[i0:i1] = world.save()
             world.adopt(self._floats[f0:f1], self._ints[i0:i1])
+            world.search_inside()
             loads.append(f0 + self._ints[i0 + 3 * at.LOAD])
         self._state = begins[:, :1] + np.arange(13 * self._bodies)
         self._load = np.array(loads)[:, None] + np.arange(6 * self._bodies)

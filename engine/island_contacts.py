@@ -47,7 +47,7 @@ from engine.arena import (
     TURNED,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
+from engine.contact_solver import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
 from engine.jit import kernel
 from engine.motion import drift, kick
 from engine.steps_contact import FRESH, slow_approach, soft_factors
@@ -137,7 +137,7 @@ def press_island(
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
     for b in range(state.shape[0]):
         drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
-    refresh(state, n, manifold, key, point)
+    refresh(state, 0, n, manifold, key, point)
     for _ in range(count[0, RELAXATIONS] * patience):
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
     return bounce(n, manifold, key, point)
@@ -155,12 +155,12 @@ def release_island(
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
             sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, setting[0, MAX_PUSH], 0, 1)
     friction_mode(state, body, n, manifold, key, point)
-    sum_impulses(n, manifold, key, point)
+    end_substep(n, key, point)
 
 
 @kernel
 def give_island(floats: Floats, ints: Ints, i: int) -> None:
-    """Copy the dynamic bodies and the contacts of island i back from its own memory."""
+    """End the step of island i, and copy its dynamic bodies and its contacts back from its own memory."""
     state, _, turned, _, kind = bodies_of(floats, ints, i)
     manifold, point, key = contacts_of(floats, ints, i)
     span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
@@ -172,6 +172,7 @@ def give_island(floats: Floats, ints: Ints, i: int) -> None:
             copy_row(turned, r, all_turned, owner[first + r, 0])
     all_manifolds, all_points = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     all_keys = ints_of(ints, MANIFOLD_KEY)
+    end_step(manifold.shape[0], manifold, key, point)
     first = span[i, FIRST_MANIFOLD]
     for k in range(manifold.shape[0]):
         m = grouped[first + k, 0]

@@ -43,7 +43,7 @@ from engine.arena import (
     VECTOR,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
+from engine.contact_solver import approach, bounce, end_substep, friction_mode, refresh, sweep, warm_start
 from engine.coordinate import bounded_rows
 from engine.direct import assemble
 from engine.island_contacts import bodies_of, contacts_of, copy_row, give_island, take_island
@@ -152,7 +152,7 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, substep: int) -> bo
         hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
     for b in range(state.shape[0]):
         drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
-    refresh(state, n, manifold, key, point)
+    refresh(state, 0, n, manifold, key, point)
     for _ in range(count[0, RELAXATIONS] * sweeps):
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
         hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
@@ -177,7 +177,7 @@ def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None
             sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, setting[0, MAX_PUSH], 0, 1)
             hold_joints(state, row, row_body, span[i, EQUALITIES], span[i, ROWS], reach, matrix, low, vector)
     friction_mode(state, body, n, manifold, key, point)
-    sum_impulses(n, manifold, key, point)
+    end_substep(n, key, point)
 
 
 @kernel

@@ -8,6 +8,7 @@ from engine.arena import (
     BODY_A,
     BODY_B,
     BODY_KIND,
+    BROAD,
     CHILD,
     COUNT,
     DT,
@@ -35,8 +36,11 @@ from engine.arena import (
     NEW,
     OLD_KEY,
     PARENT,
+    POINT,
+    REST,
     RESTLESS_BODIES,
     RUNGE_KUTTA,
+    SEARCHED,
     SETTING,
     SLEEP,
     SLEEP_TIME,
@@ -49,7 +53,7 @@ from engine.arena import (
     TURNED,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.find_contacts import find_contacts
+from engine.find_contacts import find_contacts, keep_contacts
 from engine.finite_state import is_finite
 from engine.islands import assign_rows, connect, group_bodies, group_links, number_islands, start_islands
 from engine.jit import kernel
@@ -74,10 +78,34 @@ def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
 
 
 @kernel
-def begin_islands(floats: Floats, ints: Ints) -> int:
+def meet(floats: Floats, ints: Ints, keeping: int) -> int:
+    """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
+    state, body, rest = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, REST)
+    setting, point = floats_of(floats, ints, SETTING), floats_of(floats, ints, POINT)
+    kind, count, key = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, MANIFOLD_KEY)
+    tally, sleeps = ints_of(ints, TALLY), floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0
+    searching = keeping == 0 or not keep_contacts(state, body, kind, rest, setting, count, key, point)
+    while True:
+        if searching:
+            if count[0, BROAD] == 1 and tally[0, SEARCHED] == 0:
+                return 5
+            status = find_contacts(floats, ints)
+            if status != 0:
+                return status
+            tally[0, AROUSED] += count[0, NEW]
+        if not sleeps or mark_touched(floats, ints) == 0:
+            return 0
+        if wake_marked(floats, ints) == 2:
+            return 2
+        searching = True
+
+
+@kernel
+def begin_islands(floats: Floats, ints: Ints, keeping: int) -> int:
     """Find the contacts of this step, wake whom they reach, move the bodies that nothing touches, and group the others.
 
-    Returns: 0, or 2 or 3 as `find_contacts`.
+    Args: keeping: 1 to keep the contacts of the last step where all bodies are still.
+    Returns: 0, or 2 or 3 as `find_contacts`, or 5 if pairs must be found anew before the step, since bodies woke.
     """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
@@ -86,20 +114,13 @@ def begin_islands(floats: Floats, ints: Ints) -> int:
     manifold, key = floats_of(floats, ints, MANIFOLD), ints_of(ints, MANIFOLD_KEY)
     grouped, grouped_joint = ints_of(ints, GROUPED), ints_of(ints, GROUPED_JOINT)
     bodies, joints, dt, gyroscopic = count[0, BODIES], count[0, JOINTS], setting[0, DT], count[0, GYROSCOPIC]
-    sleeps = floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0
-    if sleeps:
+    if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0:
         mark_changed(floats, ints)
         if wake_marked(floats, ints) == 2:
             return 2
-    searching = True
-    while searching:
-        status = find_contacts(floats, ints)
-        if status != 0:
-            return status
-        tally[0, AROUSED] += count[0, NEW]
-        searching = sleeps and mark_touched(floats, ints) > 0
-        if searching and wake_marked(floats, ints) == 2:
-            return 2
+    status = meet(floats, ints, keeping)
+    if status != 0:
+        return status
     for j in range(joints):
         if kind[joint_kind[j, PARENT], MOTION] == DYNAMIC or kind[joint_kind[j, CHILD], MOTION] == DYNAMIC:
             kind[joint_kind[j, PARENT], TOUCHED] = 1
@@ -158,7 +179,7 @@ def end_islands(floats: Floats, ints: Ints) -> int:
         if kind[b, TOUCHED] == 1 and kind[b, MOTION] == KINEMATIC:
             for _ in range(count[0, SUBSTEPS]):
                 drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
-    tally[0, AROUSED] = 0
+    tally[0, AROUSED], tally[0, SEARCHED] = 0, 0
     count[0, STEPS] += 1
     if not is_finite(state, count[0, BODIES]):
         return 1

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from engine.check import not_negative, positive
 
-__all__ = ["ADAPTIVE", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
+__all__ = ["ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
@@ -18,7 +18,8 @@ FREE_INTEGRATORS = {
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
-BROAD_PHASES = ("sweep_and_prune", "brute_force")
+BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force")
+BOUNDING_VOLUMES = ("aabb", "obb", "sphere")
 SOLVERS = ("tgs_soft", "exact")
 
 
@@ -29,16 +30,18 @@ class Options:
     Terms:
         dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
-        relative error of one step of dormand_prince alone (None: 1e-12); contact_hertz [Hz] (None: as stiff as
-        a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
-        correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
-        a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
-        effects are simulated; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations,
-        relaxations and springs, down to the relative residual `tolerance`; threads: how many, of those
-        that Numba was started with, work at once on the islands of a world with contact, which changes no bit of the answer;
-        sleeping: whether an island of which all bodies have been slower than sleep_speed [m/s] for sleep_time [s] stands still
-        until something outside of it changes, where sqrt(2 E / m) of the kinetic energy E is a body's speed; it errs by up to
-        sleep_speed in velocity, and keeps down what accelerates by less than sleep_speed / sleep_time.
+        relative error of one step of dormand_prince alone (None: 1e-12); broad_phase (None: by the number of shapes);
+        bounding_volume: what two shapes are compared by, after their axis-aligned boxes; threads: how many, of those that
+        Numba was started with, share the broad phase, and the islands of a world with contacts that is not one of spheres
+        alone, without changing a bit of the answer; contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter of its
+        rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest correction of penetration; bounce_speed
+        [m/s]: slower approaches do not bounce (None: four times what gravity gives in a sub-step); margin [m]: contacts are
+        made at least this far ahead; contacts, gyroscopic, continuous: whether these effects are simulated; solver: of
+        contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations, relaxations and springs, down to
+        the relative residual `tolerance`; sleeping: whether an island of which all bodies have been slower than sleep_speed
+        [m/s] for sleep_time [s] stands still until something outside of it changes, where sqrt(2 E / m) of the kinetic energy
+        E is a body's speed; it errs by up to sleep_speed in velocity, and keeps down what accelerates by less than sleep_speed
+        / sleep_time. With it a world of spheres alone is solved by manifolds like any other, not by the solver of spheres.
     """
 
     dt: float = 1 / 240
@@ -47,7 +50,9 @@ class Options:
     relaxations: int = 1
     integrator: str = "semi_implicit_euler"
     step_tolerance: float | None = None
-    broad_phase: str = "sweep_and_prune"
+    broad_phase: str | None = None
+    bounding_volume: str = "aabb"
+    threads: int = 1
     contact_hertz: float | None = None
     contact_damping_ratio: float = 10.0
     max_push: float = 3.0
@@ -58,14 +63,13 @@ class Options:
     continuous: bool = False
     solver: str = "tgs_soft"
     tolerance: float = 1e-11
-    threads: int = 1
     sleeping: bool = False
     sleep_speed: float = 1e-3
     sleep_time: float = 0.5
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
-        for name in ("substeps", "iterations"):
+        for name in ("substeps", "iterations", "threads"):
             if getattr(self, name) < 1:
                 raise ValueError(f"options: {name} {getattr(self, name)}, expected at least 1")
         if self.relaxations < 0:
@@ -80,8 +84,12 @@ class Options:
             # Below 1e-14 the estimate is round-off, which no shorter step makes smaller.
             if not 1e-14 <= self.step_tolerance <= 1e-2:
                 raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
-        if self.broad_phase not in BROAD_PHASES:
+        if self.broad_phase is not None and self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
+        if self.bounding_volume not in BOUNDING_VOLUMES:
+            raise ValueError(
+                f"options: bounding_volume '{self.bounding_volume}', expected one of {', '.join(BOUNDING_VOLUMES)}"
+            )
         if self.solver not in SOLVERS:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
         positive("options", "tolerance", self.tolerance, "")
@@ -92,9 +100,6 @@ class Options:
         not_negative("options", "margin", self.margin, "m")
         if self.bounce_speed is not None and not (math.isfinite(self.bounce_speed) and self.bounce_speed >= 0):
             raise ValueError(f"options: bounce_speed {self.bounce_speed} m/s, expected at least 0")
-
-        if self.threads < 1:
-            raise ValueError(f"options: threads {self.threads}, expected at least 1")
         positive("options", "sleep_speed", self.sleep_speed, "m/s")
         positive("options", "sleep_time", self.sleep_time, "s")
 

@@ -14,6 +14,8 @@ Contacts that it wakes with start from the impulses that they fell asleep with.
 Source: Catto, Box2D, 2007 (islands, sleep); Schmidl, Optimization-Based Animation, 2002 (freezing by kinetic energy).
 """
 
+import math
+
 from engine.arena import (
     ASLEEP,
     AWAKE,
@@ -24,6 +26,7 @@ from engine.arena import (
     BODY_KIND,
     BOUNDS,
     CALM,
+    CANDIDATES,
     CHILD,
     COUNT,
     DT,
@@ -44,7 +47,9 @@ from engine.arena import (
     POINT,
     POINT_KEY,
     POINTS,
+    PROGRESS,
     REMEMBERED,
+    REST,
     RESTING,
     RESTING_KEY,
     RESTING_MANIFOLD,
@@ -53,6 +58,7 @@ from engine.arena import (
     RESTLESS,
     RESTLESS_BODIES,
     ROOT,
+    SEARCHED,
     SETTING,
     SHAPE_KIND,
     SHAPES,
@@ -202,7 +208,7 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
     kind, count, island, tally = (
         ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
     )  # fmt: skip
-    calm, key = floats_of(floats, ints, CALM), ints_of(ints, RESTING_KEY)
+    calm, key, rest = floats_of(floats, ints, CALM), ints_of(ints, RESTING_KEY), floats_of(floats, ints, REST)
     aside, point_aside = floats_of(floats, ints, RESTING_MANIFOLD), floats_of(floats, ints, RESTING_POINT)
     point_key_aside = ints_of(ints, RESTING_POINT_KEY)
     rising = 0
@@ -221,8 +227,9 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
     tally[0, RESTING] = still
     for b in range(count[0, BODIES]):
         if island[b, ASLEEP] > 0 and island[island[b, ASLEEP] - 1, WAKES] == 1:
-            island[b, ASLEEP], kind[b, MOTION], calm[b, 0] = 0, DYNAMIC, 0.0
+            island[b, ASLEEP], kind[b, MOTION], calm[b, 0], rest[b, 0] = 0, DYNAMIC, 0.0, math.inf
             tally[0, AWAKE] += 1
+            tally[0, SEARCHED], ints_of(ints, PROGRESS)[0, CANDIDATES] = 0, -1
     for b in range(count[0, BODIES]):
         island[b, WAKES] = 0
     return 0
@@ -274,6 +281,7 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
             while island[root, ROOT] != root:
                 root = island[root, ROOT]
             island[b, ASLEEP], kind[b, MOTION] = root + 1, STATIC
+            ints_of(ints, PROGRESS)[0, CANDIDATES] = -1
             store3(state, b, V, (0.0, 0.0, 0.0))
             store3(state, b, W, (0.0, 0.0, 0.0))
             tally[0, AWAKE] -= 1

@@ -15,12 +15,12 @@ __all__ = ["step_islands", "step_islands_parallel"]
 
 @entry
 def step_islands(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies in contact, one island after the other. Returns: as `step_contact`."""
+    """Advance bodies in contact, one island after the other. Returns: as `step_contact`, or 5 as `begin_islands`."""
     stages, tally = ints_of(ints, COUNT)[0, SUBSTEPS] + 1, ints_of(ints, TALLY)
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints)
+        status = begin_islands(floats, ints, 1)
         if status != 0:
             return step, status
         hit, some = 0, stages_at_once(ints)
@@ -44,7 +44,7 @@ def step_islands_parallel(floats: Floats, ints: Ints, steps: int) -> tuple[int, 
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints)
+        status = begin_islands(floats, ints, 1)
         if status != 0:
             return step, status
         hit, some = 0, stages_at_once(ints)

@@ -15,12 +15,12 @@ __all__ = ["step_islands_jointed", "step_islands_jointed_parallel"]
 
 @entry
 def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies in contact and held by joints, one island after the other. Returns: as `step_contact`."""
+    """Advance bodies in contact and held by joints, one island after the other. Returns: as `step_islands`."""
     stages, tally = ints_of(ints, COUNT)[0, SUBSTEPS] + 1, ints_of(ints, TALLY)
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints)
+        status = begin_islands(floats, ints, 0)
         if status != 0:
             return step, status
         make_room_for_rows(ints)
@@ -45,7 +45,7 @@ def step_islands_jointed_parallel(floats: Floats, ints: Ints, steps: int) -> tup
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints)
+        status = begin_islands(floats, ints, 0)
         if status != 0:
             return step, status
         make_room_for_rows(ints)

@@ -10,7 +10,10 @@ from harness.metric import Metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["Axis", "Case", "Check", "Converged"]
+__all__ = ["Axis", "Case", "Check", "Converged", "Rays", "Unit"]
+
+Unit = Literal["step", "ray", "world-step"]
+"""What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,17 +62,30 @@ class Axis:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Rays:
+    """Rays of one cast: origins (r, 3) m and unit directions (r, 3) in W, followed up to max_range [m]."""
+
+    origins: Floats
+    directions: Floats
+    max_range: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
     """One question put to every engine.
 
     Terms:
         name: the file's; its prefix is the family. duration [s].
         scene(**parameters) gives the scene; expected(time (t,), **parameters) the truth at those times, a `Converged`, or
-        None where only conservation or statistics judge. truth: what kind of truth that is, in words.
+        None where only conservation or statistics judge. truth: what kind of truth that is, in words. coarsest [s]: without
+        `expected`, the truth is the exact solver of the reference engine, extrapolated from runs of at most this step.
         sample_interval [s]: distance of recorded samples, 0 for every step. dt [s]: the step of a quick look; ladder: the
         steps of an accuracy run. with_contacts: record contacts at each sample.
         headline: the metric drawn against time step and cost. scale: the size of that metric's value that counts as 1.
         ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
+        steady [s]: from there on every step costs alike, so the clock starts there; None clocks whole runs.
+        rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
+        worlds: the parameter that says how many equal worlds are stepped together, '' for none.
     """
 
     name: str
@@ -81,6 +97,7 @@ class Case:
     checks: tuple[Check, ...]
     duration: float
     expected: Callable[..., Trajectory | Converged | None] | None = None
+    coarsest: float | None = None
     observe: tuple[Metric, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     hard: Axis | None = None
@@ -91,6 +108,23 @@ class Case:
     with_contacts: bool = False
     headline: str = ""
     scale: float = 1.0
+    steady: float | None = None
+    rays: Callable[..., Rays] | None = None
+    worlds: str = ""
+
+    def count_of_worlds(self, parameters: Mapping[str, Any]) -> int:
+        """How many worlds are stepped together."""
+        return int(parameters[self.worlds]) if self.worlds else 1
+
+    def unit(self, parameters: Mapping[str, Any]) -> Unit:
+        """What the clock counts."""
+        if self.rays is not None:
+            return "ray"
+        return "world-step" if self.count_of_worlds(parameters) > 1 else "step"
+
+    def __post_init__(self) -> None:
+        if self.coarsest is not None and self.expected is not None:
+            raise ValueError(f"case '{self.name}': has both a truth and a coarsest step to make one from, expected one of them")
 
     @property
     def family(self) -> str:

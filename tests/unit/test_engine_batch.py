@@ -62,7 +62,28 @@ def _tied(seed: int) -> engine.World:
     return engine.World([GROUND, *bodies], [joint], ROUGH)
 
 
-@pytest.mark.parametrize("build", [_free, _chain, _pile, _hulls, _tied])
+def _spheres(seed: int) -> engine.World:
+    """A hundred falling spheres, which have a solver of their own and, alone, find their pairs by a grid before each step."""
+    rng = np.random.default_rng(seed)
+    bodies = [
+        engine.Body(
+            name=f"b{k}", inertia=0.004 * np.eye(3), shapes=[engine.Placed(engine.Sphere(0.1))],
+            p_WB=(0.21 * (k % 5), 0.21 * (k // 5 % 5), 0.12 + 0.22 * (k // 25)), v_WB=rng.normal(size=3),
+        )
+        for k in range(100)
+    ]  # fmt: skip
+    return engine.World([GROUND, *bodies], surfaces=ROUGH)
+
+
+def _crowd(seed: int) -> engine.World:
+    """Thirty boxes, compared by oriented boxes in a tree where they are alone."""
+    rng = np.random.default_rng(seed)
+    shape = engine.Box((0.1, 0.08, 0.12))
+    bodies = [_body(f"b{k}", shape, rng, p_WB=(0.2 * (k % 6), 0, 0.2 + 0.3 * (k // 6))) for k in range(30)]
+    return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(broad_phase="bvh", bounding_volume="obb"))
+
+
+@pytest.mark.parametrize("build", [_free, _chain, _pile, _hulls, _tied, _spheres, _crowd])
 def test_worlds_in_a_batch_end_with_the_bits_they_have_alone(build: Callable[[int], engine.World]) -> None:
     """States and everything else that decides the future, contacts included, in calls of one and of many steps."""
     worlds = [build(seed) for seed in range(6)]

@@ -8,6 +8,14 @@ import engine
 G = 9.81
 ROUGH = {("default", "default"): engine.Surface(static_friction=0.5, kinetic_friction=0.5)}
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
+SEARCH = {"broad_phase": "brute_force"}
+"""The broad phase of `_world`: so few shapes are searched inside the step by brute force, and before it by any other."""
+
+
+@pytest.fixture(autouse=True, params=["brute_force", "uniform_grid"])
+def _search(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every test with pairs found inside the step, where who sleeps is known, and before it, where they must be found anew."""
+    monkeypatch.setitem(SEARCH, "broad_phase", request.param)
 
 
 def _box(name: str, half: tuple[float, float, float] = (0.1, 0.1, 0.1), **state: object) -> engine.Body:
@@ -17,7 +25,7 @@ def _box(name: str, half: tuple[float, float, float] = (0.1, 0.1, 0.1), **state:
 
 
 def _world(bodies: list[engine.Body], **options: object) -> engine.World:
-    chosen = {"sleeping": True, "sleep_time": 0.25, **options}
+    chosen = {"sleeping": True, "sleep_time": 0.25, **SEARCH, **options}
     return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(**chosen))  # type: ignore[arg-type]
 
 

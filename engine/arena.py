@@ -203,6 +203,7 @@ SPIKE: Final = 25  # largest normal impulse of the step
 PLACE: Final = 26  # 3: the point in W
 ROUND_A: Final = 29  # radius [m] of a round surface: its touching point does not turn with the body
 ROUND_B: Final = 30
+PUSH: Final = 31  # pseudo-impulse of the split position correction
 
 # Columns of SURFACE beside the law's.
 APART: Final = 5
@@ -216,6 +217,8 @@ MAX_PUSH: Final = 6
 BOUNCE_SPEED: Final = 7  # below it there is no restitution; negative: chosen from the sub-step
 MARGIN: Final = 8
 STEP_TOLERANCE: Final = 9
+WHOLE_STEP: Final = 10  # DT but while a swept step goes on in parts
+LAST_SPAN: Final = 11  # time that the impulses at hand belong to
 
 # Columns of COUNT.
 BODIES: Final = 0
@@ -236,6 +239,11 @@ STEPS: Final = 14
 NEW: Final = 15  # manifolds of this step that the last one did not have
 CONVEX_READY: Final = 16  # 1 where the convex narrow phase has answered the pairs of the coming step
 PAIRS: Final = 17  # pairs that wait for its answer
+
+# Values of CONTINUOUS, in the order of the option's.
+OFF: Final = 0
+SPECULATIVE: Final = 1
+SWEPT: Final = 2
 
 
 def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:

@@ -12,7 +12,7 @@ from engine.bodies import Body, Surface
 from engine.check import finite, spd_inertia, unit_quaternion
 from engine.errors import NotSupported
 from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
-from engine.options import BROAD_PHASES, FREE_INTEGRATORS, Options
+from engine.options import BROAD_PHASES, CONTINUOUS, FREE_INTEGRATORS, Options
 from engine.polyhedra import Polyhedron
 from engine.principal_frame import principal_frame
 from engine.solids import body_solids, quat_mat, quat_mul
@@ -36,8 +36,14 @@ def assemble_world(
     options: Options, apart: Sequence[tuple[str, str]] = (),
 ) -> tuple[FloatArray, IntArray]:  # fmt: skip
     """The arena of a world at its start. Raises: ValueError, NotSupported."""
+    _check_pairs(surfaces, apart)
     n, nj = len(bodies), len(joints)
     index: dict[str, int] = {}
+    known: set[str] = set()
+    for joint in joints:
+        if joint.name in known:
+            raise ValueError(f"joint '{joint.name}': the name is taken")
+        known.add(joint.name)
     for i, body in enumerate(bodies):
         if body.name in index or body.name == WORLD:
             raise ValueError(f"body '{body.name}': the name is taken")
@@ -96,7 +102,7 @@ def assemble_world(
     if excluded:
         int_table(ints, at.EXCLUDED)[:] = excluded
     setting = float_table(floats, ints, at.SETTING)[0]
-    setting[at.DT] = options.dt
+    setting[at.DT] = setting[at.WHOLE_STEP] = setting[at.LAST_SPAN] = options.dt
     setting[at.GRAVITY : at.GRAVITY + 3] = finite("world", "gravity", gravity, (3,), "m/s2")
     hertz = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
     setting[at.HERTZ], setting[at.DAMPING_RATIO] = hertz, options.contact_damping_ratio
@@ -107,10 +113,21 @@ def assemble_world(
     count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = n, ns, nj
     count[at.SUBSTEPS], count[at.ITERATIONS], count[at.RELAXATIONS] = options.substeps, options.iterations, options.relaxations
     count[at.RUNGE_KUTTA] = int(options.integrator == "rk4")
-    count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), int(options.continuous)
+    count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), CONTINUOUS.index(options.continuous)
     count[at.BROAD] = int(options.broad_phase == BROAD_PHASES[0])
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
     return floats, ints
+
+
+def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tuple[str, str]]) -> None:
+    """Raises: ValueError for what is no pair of materials, and for a pair with one law in each order."""
+    for field, pairs in (("surfaces", surfaces), ("apart", apart)):
+        for pair in pairs:
+            if not isinstance(pair, tuple | list) or len(pair) != 2 or not all(isinstance(one, str) for one in pair):
+                raise ValueError(f"world: {field} names {pair!r}, expected a pair of materials")
+    for (one, two), law in surfaces.items():
+        if surfaces.get((two, one), law) != law:
+            raise ValueError(f"world: surfaces give {(one, two)} and {(two, one)} different laws, expected one")
 
 
 def _convex_rooms(

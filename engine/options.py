@@ -1,11 +1,10 @@
 """How a world is solved."""
 
-import math
 from dataclasses import dataclass
 
-from engine.check import not_negative, positive
+from engine.check import not_negative, positive, whole
 
-__all__ = ["ADAPTIVE", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
+__all__ = ["ADAPTIVE", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
@@ -19,7 +18,8 @@ FREE_INTEGRATORS = {
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
 BROAD_PHASES = ("sweep_and_prune", "brute_force")
-SOLVERS = ("tgs_soft", "exact")
+SOLVERS = ("tgs_soft", "exact", "sequential_impulses")
+CONTINUOUS = ("off", "speculative", "swept")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,9 +32,11 @@ class Options:
         relative error of one step of dormand_prince alone (None: 1e-12); contact_hertz [Hz] (None: as stiff as
         a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
         correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
-        a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic, continuous: whether these
-        effects are simulated; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations,
-        relaxations and springs, down to the relative residual `tolerance`.
+        a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic: whether these effects
+        are simulated; continuous: collision of fast bodies, 'speculative' makes contacts for the way of the whole step, 'swept'
+        stops the world at each impact; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without
+        iterations, relaxations and springs, down to the relative residual `tolerance`; 'sequential_impulses' sweeps
+        `iterations` times over velocities and once more over positions, without relaxations and springs.
     """
 
     dt: float = 1 / 240
@@ -51,17 +53,14 @@ class Options:
     margin: float = 1e-3
     contacts: bool = True
     gyroscopic: bool = True
-    continuous: bool = False
+    continuous: str = "off"
     solver: str = "tgs_soft"
     tolerance: float = 1e-11
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
-        for name in ("substeps", "iterations"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"options: {name} {getattr(self, name)}, expected at least 1")
-        if self.relaxations < 0:
-            raise ValueError(f"options: relaxations {self.relaxations}, expected at least 0")
+        for name, least in (("substeps", 1), ("iterations", 1), ("relaxations", 0)):
+            whole("options", name, getattr(self, name), least)
         if self.integrator not in INTEGRATORS:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
         if self.step_tolerance is not None:
@@ -76,14 +75,16 @@ class Options:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
         if self.solver not in SOLVERS:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
+        if self.continuous not in CONTINUOUS:
+            raise ValueError(f"options: continuous {self.continuous!r}, expected one of {', '.join(CONTINUOUS)}")
         positive("options", "tolerance", self.tolerance, "")
         if self.contact_hertz is not None:
             positive("options", "contact_hertz", self.contact_hertz, "Hz")
         not_negative("options", "contact_damping_ratio", self.contact_damping_ratio, "")
         positive("options", "max_push", self.max_push, "m/s")
         not_negative("options", "margin", self.margin, "m")
-        if self.bounce_speed is not None and not (math.isfinite(self.bounce_speed) and self.bounce_speed >= 0):
-            raise ValueError(f"options: bounce_speed {self.bounce_speed} m/s, expected at least 0")
+        if self.bounce_speed is not None:
+            not_negative("options", "bounce_speed", self.bounce_speed, "m/s")
 
     @property
     def used_step_tolerance(self) -> float | None:

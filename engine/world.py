@@ -12,13 +12,14 @@ from engine import arena as at
 from engine.arena import float_table, int_table
 from engine.assembly import assemble_world, grow
 from engine.bodies import Body, Surface
-from engine.check import finite
+from engine.check import finite, number, whole
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
 from engine.options import FREE_INTEGRATORS, Options
 
 if TYPE_CHECKING:
     from engine.exact.steps import Certificate
+    from engine.swept.steps import Impacts
 
 __all__ = ["Contacts", "Hits", "World"]
 
@@ -61,7 +62,8 @@ class World:
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch.
     Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for an integrator of free
-        bodies where there are joints or contacts, and for what the exact solver lacks.
+        bodies where there are joints or contacts, for what the exact solver lacks, and for joints beside contacts where these
+        are swept or solved by sequential impulses.
     """
 
     def __init__(
@@ -87,12 +89,27 @@ class World:
             from engine.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options.integrator)
+        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options)
+        self._swept = None
+        if self.touching and self.options.continuous == "swept":
+            if self.jointed or self._exact is not None:
+                raise NotSupported(
+                    f"swept collision with {'joints' if self.jointed else 'the exact solver'}",
+                    "a step in parts is known to the soft solver and to sequential impulses, without joints",
+                )
+            from engine.swept.steps import SweptSteps
+
+            self._step = self._swept = SweptSteps(self.options, self._step, len(self._names), len(kinds))
 
     @property
     def certificate(self) -> "Certificate | None":
         """What the exact solver certifies of all steps done so far; None where another solver, or none, was at work."""
         return None if self._exact is None else self._exact.certificate
+
+    @property
+    def impacts(self) -> "Impacts | None":
+        """The impacts of all steps so far; None where collision is not swept."""
+        return None if self._swept is None else self._swept.impacts
 
     @property
     def stages(self) -> tuple[str, ...]:
@@ -110,8 +127,7 @@ class World:
 
         Raises: Diverged, ValueError for count < 0.
         """
-        if count < 0:
-            raise ValueError(f"world: step count {count}, expected at least 0")
+        count = whole("world", "step count", count, 0)
         while count > 0:
             done, status = self._step(self._floats, self._ints, count)
             if status == 1:
@@ -132,13 +148,29 @@ class World:
 
     def set_load(self, f_B_W: Any, tau_B_W: Any) -> None:
         """Apply forces (n, 3) N at the centres of mass and torques (n, 3) N m, in W, from now on. Raises: ValueError."""
-        n = len(self._names)
         load = float_table(self._floats, self._ints, at.LOAD)
-        load[:-1, :3] = finite("world", "f_B_W", f_B_W, (n, 3), "N")
-        load[:-1, 3:] = finite("world", "tau_B_W", tau_B_W, (n, 3), "N m")
+        force, torque = self._per_body("f_B_W", f_B_W, "N"), self._per_body("tau_B_W", tau_B_W, "N m")
+        load[:-1, :3], load[:-1, 3:] = force, torque
+
+    def _per_body(self, field: str, value: Any, unit: str) -> FloatArray:
+        """One vector (n, 3) for each body. Raises: ValueError naming the first body whose vector is not finite."""
+        n = len(self._names)
+        try:
+            return finite("world", field, value, (n, 3), unit)
+        except ValueError:
+            table = np.asarray(value)
+            if table.shape == (n, 3) and table.dtype.kind == "f":
+                bad = int((~np.isfinite(table)).any(axis=1).argmax())
+                finite(f"body '{self._names[bad]}'", field, table[bad], (3,), unit)
+            raise
 
     def add_force(self, body: int, f_W: Any, point_W: Any) -> None:
-        """Add a force [N] at a point [m], both in W, to the load on a body: f at the centre of mass and (point - p_WB) x f."""
+        """Add a force [N] at a point [m], both in W, to the load on a body: f at the centre of mass and (point - p_WB) x f.
+
+        Raises: ValueError.
+        """
+        if whole("world", "body", body, 0) >= len(self._names):
+            raise ValueError(f"world: body {body}, expected at most {len(self._names) - 1}")
         f, point = finite("world", "f_W", f_W, (3,), "N"), finite("world", "point_W", point_W, (3,), "m")
         load = float_table(self._floats, self._ints, at.LOAD)
         load[body, :3] += f
@@ -155,7 +187,7 @@ class World:
             row[at.DRIVE + 3] = finite(f"joint '{joint}'", "target_velocity", target_velocity, (), "rad/s or m/s")
 
     def contacts(self) -> Contacts:
-        """The contact points of the last step, with the force of the whole step."""
+        """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
         key = int_table(self._ints, at.MANIFOLD_KEY)[:count]
         manifold = float_table(self._floats, self._ints, at.MANIFOLD)[:count]
@@ -164,12 +196,22 @@ class World:
         near = point[:, at.FIRST_GAP] <= self.options.margin
         hit = near | (np.abs(point[:, at.SUM : at.SUM + 3]).max(axis=1, initial=0.0) > 0.0)
         rows, point = rows[hit], point[hit]
-        return Contacts(
+        found = Contacts(
             bodies=key[rows // 4][:, [at.BODY_A, at.BODY_B]],
             point=point[:, at.PLACE : at.PLACE + 3],
             normal=manifold[rows // 4, at.NORMAL : at.NORMAL + 3],
             gap=point[:, at.FIRST_GAP],
             force=point[:, at.SUM : at.SUM + 3] / self.options.dt,
+        )
+        if self._swept is None:
+            return found
+        past = self._swept.earlier
+        return Contacts(
+            bodies=np.concatenate([past.bodies, found.bodies]),
+            point=np.concatenate([past.point, found.point]),
+            normal=np.concatenate([past.normal, found.normal]),
+            gap=np.concatenate([past.gap, found.gap]),
+            force=np.concatenate([past.impulse / self.options.dt, found.force]),
         )
 
     def cast(self, origins: Any, directions: Any, max_range: float = np.inf) -> Hits:
@@ -187,6 +229,8 @@ class World:
         if len(d) and length.min() < 1e-12:
             raise ValueError(f"rays: direction {int(length.argmin())} has length 0")
         distance, normal, who = np.empty((1, len(o))), np.empty((len(o), 3)), np.empty((len(o), 2), np.int64)
+        if not number("rays", "max_range", max_range) >= 0:
+            raise ValueError(f"rays: max_range {max_range} m, expected at least 0")
         unit = np.ascontiguousarray(np.where(np.abs(length - 1) < 1e-15, d, d / length))
         cast_rays(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
         if self._polyhedral:
@@ -201,7 +245,11 @@ class World:
         return self._floats.copy(), self._ints.copy()
 
     def restore(self, saved: tuple[FloatArray, IntArray]) -> None:
-        """Back to a saved state of this world."""
+        """Back to a saved state of this world. Raises: ValueError for that of a world with other bodies, shapes or joints."""
+        columns = [at.BODIES, at.SHAPES, at.JOINTS]
+        got, own = (int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
+        if got != own:
+            raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own}")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
 
@@ -211,8 +259,9 @@ def _may_touch(bodies: Sequence[Body]) -> bool:
     return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
 
 
-def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
+def _choose_step(touching: bool, jointed: bool, options: Options) -> Step:
     """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
+    integrator = options.integrator
     if integrator in FREE_INTEGRATORS:
         if touching or jointed:
             raise NotSupported(
@@ -220,6 +269,12 @@ def _choose_step(touching: bool, jointed: bool, integrator: str) -> Step:
                 "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
             )
         return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
+    if touching and options.solver == "sequential_impulses":
+        if jointed:
+            raise NotSupported("joints beside contacts", "sequential impulses know contacts only")
+        from engine.steps_sequential import step_sequential_impulses
+
+        return step_sequential_impulses
     if touching and jointed:
         from engine.steps_contact_jointed import step_contact_jointed
 

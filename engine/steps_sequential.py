@@ -12,6 +12,7 @@ from engine.arena import (
     MANIFOLD,
     MANIFOLD_KEY,
     MANIFOLDS,
+    MARGIN,
     POINT,
     RUNGE_KUTTA,
     SETTING,
@@ -35,6 +36,9 @@ from engine.vec import Floats, Ints
 
 __all__ = ["step_sequential_impulses"]
 
+SLOP = 0.1
+"""Share of the margin [1] that bodies may overlap, so that contacts last from step to step."""
+
 
 @entry
 def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
@@ -45,7 +49,7 @@ def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[in
     kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
     bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
     h, iterations = dt / substeps, count[0, ITERATIONS]
-    slow = slow_approach(setting, h)
+    slow, slop = slow_approach(setting, h), SLOP * setting[0, MARGIN]
     for step in range(steps):
         status = find_contacts(floats, ints)
         if status != 0:
@@ -70,7 +74,7 @@ def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[in
                     if kind[b, TOUCHED] == 1:
                         drift(state, body, kind, turned, b, h, gyroscopic)
                 refresh(state, n, manifold, key, point)
-                push_apart(state, body, kind, turned, bodies, pseudo, n, manifold, key, point, h, iterations)
+                push_apart(state, body, kind, turned, bodies, pseudo, n, manifold, key, point, h, iterations, slop)
                 if bounce(n, manifold, key, point):
                     for _ in range(iterations):
                         sweep_velocities(state, body, turned, n, manifold, key, point, h, 1)

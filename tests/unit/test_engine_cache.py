@@ -1,4 +1,4 @@
-"""The kernel cache: an edit of any function is seen, code that did not change is not compiled again; and no compiler is needed."""
+"""The kernel cache: an edit of any function is seen, what did not change is not compiled again; and no compiler is needed."""
 
 import os
 import shutil

@@ -12,6 +12,8 @@ G = 9.81
 DEFAULT = ("default", "default")
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 DT = 1 / 240
+SLOP = 1e-4
+"""The depth [m] that is left alone, a tenth of the margin."""
 
 
 def _ball(radius: float = 0.05, name: str = "ball", **state: object) -> engine.Body:
@@ -44,14 +46,17 @@ def test_a_box_at_rest_stays_where_it_is_and_presses_with_its_weight() -> None:
     assert found.force.sum(axis=0) == pytest.approx([0.0, 0.0, -3.0 * G], abs=1e-7)
 
 
-@pytest.mark.parametrize("depth", [1e-4, 5e-3])
+@pytest.mark.parametrize("depth", [1e-3, 5e-3])
 def test_a_depth_is_worked_off_by_a_fifth_of_it_in_each_step_and_gives_no_velocity(depth: float) -> None:
-    """s_k = s_0 (1 - beta)^k with beta = 1/5: pseudo-velocities are forgotten, so the box is not thrown up."""
-    world = _world([GROUND, _cube(p_WB=(0, 0, 0.1 - depth))], _rough(0.5))
+    """Beyond the slop, a tenth of the margin, s_k = s_0 (1 - beta)^k with beta = 1/5, since pseudo-velocities are forgotten and
+    do not throw the box up. Each sweep over four corners halves what is missing; twenty leave 1e-6 of the work of the first step
+    and of its g dt = 4 cm/s.
+    """
+    world = _world([GROUND, _cube(p_WB=(0, 0, 0.1 - SLOP - depth))], _rough(0.5))
     for k in range(1, 20):
         world.step()
-        assert 0.1 - world.state()[1, 2] == pytest.approx(depth * 0.8**k, rel=1e-6, abs=1e-12)
-        assert abs(world.state()[1, 9]) < 1e-9
+        assert 0.1 - SLOP - world.state()[1, 2] == pytest.approx(depth * 0.8**k, rel=1e-6)
+        assert np.abs(world.state()[1, 7:10]).max() < 1e-6
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.7])
@@ -110,8 +115,9 @@ def test_a_ball_bounces_with_the_velocity_of_its_impact(restitution: float) -> N
 
 
 def test_a_collision_in_space_keeps_both_momenta() -> None:
-    """Impulses are equal, opposite and at one point. Pseudo-velocities move no momentum but the places at which it acts: a
-    depth of micrometres, worked off across 4 kg m/s, changes L by 1e-5.
+    """Impulses are equal, opposite and at one point. Pseudo-velocities move no momentum but the places at which it acts, by the
+    depth: a corner turning at 3 rad/s leaves its tangent by w^2 r dt^2 / 2 = 2e-5 m in a step; two bodies, three steps,
+    at 1 m/s and with a reduced mass of 2/3 kg: L may change by 1e-4.
     """
     one = _cube(name="one", p_WB=(-0.3, 0.03, 0.02), v_WB=(2.0, 0, 0), w_WB=(1.0, 2.0, 0.5))
     two = _cube(name="two", p_WB=(0.3, 0, 0), v_WB=(-1.0, 0.1, 0), w_WB=(0, -1.0, 3.0), mass=2.0)
@@ -127,7 +133,7 @@ def test_a_collision_in_space_keeps_both_momenta() -> None:
     world.step(120)
     assert np.abs(world.state()[:, 7:10] - start[:, 7:10]).max() > 0.5
     assert momenta()[:3] == pytest.approx(before[:3], abs=1e-12)
-    assert momenta()[3:] == pytest.approx(before[3:], abs=1e-5)
+    assert momenta()[3:] == pytest.approx(before[3:], abs=1e-4)
 
 
 def test_a_stack_of_ten_boxes_stands() -> None:

@@ -48,9 +48,9 @@ def test_a_box_at_rest_stays_where_it_is_and_presses_with_its_weight() -> None:
 
 @pytest.mark.parametrize("depth", [1e-3, 5e-3])
 def test_a_depth_is_worked_off_by_a_fifth_of_it_in_each_step_and_gives_no_velocity(depth: float) -> None:
-    """Beyond the slop, a tenth of the margin, s_k = s_0 (1 - beta)^k with beta = 1/5, since pseudo-velocities are forgotten and
-    do not throw the box up. Each sweep over four corners halves what is missing; twenty leave 1e-6 of the work of the first step
-    and of its g dt = 4 cm/s.
+    """Beyond the slop, a tenth of the margin, s_k = s_0 (1 - beta)^k with beta = 1/5, since pseudo-velocities are forgotten
+    and do not throw the box up. Each sweep over four corners halves what is missing; twenty leave 1e-6 of the work of the first
+    step and of its g dt = 4 cm/s.
     """
     world = _world([GROUND, _cube(p_WB=(0, 0, 0.1 - SLOP - depth))], _rough(0.5))
     for k in range(1, 20):

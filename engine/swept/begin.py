@@ -28,10 +28,11 @@ def begins(state: Floats, setting: Floats, i: int, j: int, n: Vec, point: Floats
     """
     if ahead <= FAST * setting[0, MARGIN]:
         return True
-    nearest, slowest = math.inf, math.inf
+    slowest = math.inf
     for k in range(at, at + points):
         x = load3(point, k, PLACE)
         vi = add(load3(state, i, V), cross(load3(state, i, W), sub(x, load3(state, i, P))))
         vj = add(load3(state, j, V), cross(load3(state, j, W), sub(x, load3(state, j, P))))
-        nearest, slowest = min(nearest, point[k, FIRST_GAP]), min(slowest, dot(n, sub(vj, vi)))
-    return nearest <= touch_gap(setting) and slowest * setting[0, WHOLE_STEP] <= setting[0, MARGIN]
+        if point[k, FIRST_GAP] <= touch_gap(setting):
+            slowest = min(slowest, dot(n, sub(vj, vi)))
+    return slowest * float(setting[0, WHOLE_STEP]) <= touch_gap(setting) / IN_TOUCH

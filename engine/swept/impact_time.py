@@ -28,6 +28,8 @@ __all__ = ["impact_time"]
 
 SINKS = 0.25
 """Share of half the thickness of the thinner shape [1] that a pair in touch may sink in within a step."""
+LEAVES = 4.0
+"""How many gaps of touch [1] a pair that flies apart has to gain before it is looked at again."""
 MAX_ROUNDS = 256
 NEWTON = 16
 SHARP = 1e-14
@@ -118,6 +120,12 @@ def impact_time(
             if dot(sub(load3(t.pose, a, 0), load3(t.pose, b, 0)), out) < 0.0:
                 return math.inf
         gap, n, xa, xb = separation(t, a, b, work, key)
+        if k == 0 and gap <= touch:
+            # A bounce: past the moment of touch, the pair is apart like any other.
+            parting = -closing_speed(t, path, a, b, time, n, xa, xb)
+            if parting * span > LEAVES * touch:
+                time = LEAVES * touch / parting
+                continue
         if sinking == -math.inf and gap <= touch:
             # What would not sink in by more than `touch` in the time left rests, slides, or passes by.
             if k > 0 and closing_speed(t, path, a, b, time, n, xa, xb) * (span - time) > touch:

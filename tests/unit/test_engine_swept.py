@@ -198,16 +198,37 @@ def test_no_bullet_gets_through_at_any_attitude(name: str, barrier: engine.Body)
             w_WB=rng.normal(size=3) * 30,
         )  # fmt: skip
         world = _world([barrier, bullet], engine.Surface(static_friction=0.3, kinetic_friction=0.3, restitution=0.4))
-        energy = []
         for _ in range(int(0.3 / (speed * DT)) + 12):
             world.step()
-            state = world.state()[1]
-            assert state[0] < 0, (seed, speed)
-            r = Rotation.from_quat(state[3:7], scalar_first=True)
-            spin = r.inv().apply(state[10:])
-            energy.append(0.5 * state[7:10] @ state[7:10] + 0.5 * spin @ (np.array([2.0, 2.5, 1.2]) * 1e-3 * spin))
+            assert world.state()[1, 0] < 0, (seed, speed)
         assert world.impacts is not None
         assert world.impacts.count > 0
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_bullet_never_gains_energy(name: str, restitution: float) -> None:
+    """Without friction a blow gives back at most what it takes, and with e = 1 all of it: to rounding of a hundred operations a
+    step, 1e-13, also where a second corner strikes within the same step. With e = 0 the bullet stays in touch and springs push
+    out what it sinks in, so there the whole is judged by its start. The inertia is the same about every axis: no spin, however
+    fast, makes an error of flight.
+    """
+    for seed in range(12):
+        rng = np.random.default_rng(1000 + seed)
+        speed = 10 ** rng.uniform(0.5, 2.7)
+        bullet = engine.Body(
+            name="bullet", inertia=2e-3 * np.eye(3), shapes=[engine.Placed(SHAPES[name])], p_WB=(-0.15 - speed * DT, 0, 0),
+            q_WB=rng.normal(size=4), v_WB=(speed, *rng.normal(size=2) * speed * 0.3), w_WB=rng.normal(size=3) * 100,
+        )  # fmt: skip
+        world = _world([WALL, bullet], engine.Surface(restitution=restitution))
+        energy = []
+        for _ in range(10):
+            state = world.state()[1]
+            energy.append(0.5 * state[7:10] @ state[7:10] + 1e-3 * state[10:] @ state[10:])
+            world.step()
+        ratio = np.divide(energy[1:], energy[0] if restitution == 0 else energy[:-1])
+        assert ratio.max() < 1 + 1e-13
+        assert restitution < 1 or ratio.min() > 1 - 1e-13
 
 
 @pytest.mark.parametrize("spin", [30.0, 100.0, 300.0])
@@ -381,3 +402,24 @@ def test_scenes_without_the_sweep_never_load_it() -> None:
         "assert loaded == ['engine.swept.begin'], loaded"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("barrier", [WALL, SHEET], ids=["wall", "mesh"])
+@pytest.mark.parametrize("name", SHAPES)
+def test_none_of_a_thousand_bullets_gets_through(name: str, barrier: engine.Body) -> None:
+    """As above, with any speed of 3 to 500 m/s, any slant, spins of 1 to 300 rad/s and any restitution."""
+    for seed in range(100):
+        rng = np.random.default_rng(1000 + seed)
+        speed, spin = 10 ** rng.uniform(0.5, 2.7), 10 ** rng.uniform(0, 2.5)
+        start = -0.15 - rng.uniform(0, 2) * speed * DT
+        bullet = _bullet(
+            SHAPES[name], p_WB=(start, *rng.uniform(-0.3, 0.3, 2)), q_WB=rng.normal(size=4),
+            v_WB=(speed, *rng.normal(size=2) * speed * 0.3), w_WB=rng.normal(size=3) * spin,
+        )  # fmt: skip
+        law = engine.Surface(static_friction=0.3, kinetic_friction=0.3, restitution=rng.uniform(0, 1))
+        world = _world([barrier, bullet], law)
+        for _ in range(int(0.3 / (speed * DT)) + 12):
+            world.step()
+            x, y, z = world.state()[1, :3]
+            assert x < 0 or max(abs(y), abs(z)) > 1, (seed, speed)

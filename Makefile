@@ -40,7 +40,7 @@ lint: $(STAMP)     ## style, types, layers
 	$(BIN)/lint-imports
 
 lock:              ## requirements.lock anew from pyproject.toml (needs uv)
-	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --no-header --no-emit-index-url pyproject.toml -o requirements.lock
+	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --extra decomposition --no-header --no-emit-index-url pyproject.toml -o requirements.lock
 
 clean:             ## everything that can be made again
 	rm -rf build $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

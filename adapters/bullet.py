@@ -33,7 +33,7 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -839,6 +839,10 @@ class _Simulation:
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         return self._sensed().cast(origins, directions, max_range)
 
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], object]:
+        """A function that casts these rays again into the shapes as they lie now."""
+        return self._sensed().caster(origins, directions, max_range)
+
     def render(self, camera: Camera) -> Floats:
         return self._sensed().render(camera, self._place)
 
@@ -932,16 +936,21 @@ class _Twin:
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hits, see `Simulation.cast`."""
-        ends = origins + directions * max_range
         fraction, owner, normal = np.ones(len(origins)), np.full(len(origins), -1), np.zeros((len(origins), 3))
-        for start in range(0, len(origins), RAY_BATCH):
-            part = slice(start, start + RAY_BATCH)
-            hits = self.port.call("rayTestBatch", origins[part].tolist(), ends[part].tolist())
+        for number, hits in enumerate(self.caster(origins, directions, max_range)()):
+            part = slice(number * RAY_BATCH, (number + 1) * RAY_BATCH)
             fraction[part] = [hit[2] for hit in hits]
             owner[part] = [self.owners.get(hit[0], -1) for hit in hits]
             normal[part] = [hit[4] for hit in hits]
         normal[owner < 0] = 0.0
         return Hits(np.where(owner < 0, np.inf, fraction * max_range), owner.astype(np.int64), normal)
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], list[Any]]:
+        """A function that casts these rays, RAY_BATCH of them in one native call, and gives the binding's own tuples."""
+        ends = origins + directions * max_range
+        starts = range(0, len(origins), RAY_BATCH)
+        parts = [(origins[k : k + RAY_BATCH].tolist(), ends[k : k + RAY_BATCH].tolist()) for k in starts]
+        return lambda: [self.port.call("rayTestBatch", *part) for part in parts]
 
     def render(self, camera: Camera, places: Mapping[str, int]) -> Floats:
         """The z-depth image of TinyRenderer, see `Simulation.render`; z = f n / (f - (f - n) d) of its depth buffer d."""

@@ -13,9 +13,10 @@ Deviations:
 * There is no coefficient of restitution. For e > 0 the contact becomes a spring and damper whose damping ratio is solved
   for, on the discrete recursion that the engine steps, so that the mean rebound over all phases of the step is e; single
   rebounds scatter by the phase (about .02 at e = .5) and the body sinks in by about 3 v dt. An e > 0 below the least rebound of
-  that family (about .03) is `Unsupported`; e = 0 keeps the usual contact, which does not rebound. The law is exact for one
-  point between a free body and a fixed one, and approximate where several contacts share a body. The discrete integrator
-  damps every rebound: `Unsupported`.
+  that family (about .03) is `Unsupported`; e = 0 keeps the usual contact, which is critically damped and cannot pull, so that
+  a body that nothing presses down leaves with up to e^-2 = .135 of its speed. The law is exact for one point between a free
+  body and a fixed one, and approximate where several contacts share a body. The discrete integrator damps every rebound:
+  `Unsupported`.
 * Friction with restitution needs the elliptic cone, whatever the track: a pyramid mixes the rebound into the friction. On
   the cone a slip still bends the rebound, by up to 18 % where the slip is fast; friction stays mu times the normal force.
 * Sliding, torsional and rolling friction share one cone, so that each takes from the others; a coefficient below 1e-5 counts as
@@ -286,33 +287,34 @@ class MujocoSimulation:
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hit of each ray, one native call for each run of equal origins."""
+        m = self._m
+        geom, distance, normal = self.caster(origins, directions, max_range)()
+        # The engine's cutoff leaves out whole shapes, not hits.
+        hit = (geom >= 0) & (distance >= 0) & (distance <= max_range)
+        body = np.where(hit, self._places.scene_body[m.geom_bodyid[np.where(hit, geom, 0)]] if m.ngeom else -1, -1)
+        return Hits(np.where(hit, distance, np.inf), body.astype(np.int64), np.where(hit[:, None], normal, 0.0))
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], tuple[Any, Floats, Floats]]:
+        """A function that casts these rays and gives geoms (r,), distances (r,) m, -1 for none, and normals (r, 3)."""
         mj, m, d = self._mj, self._m, self._d
-        self._mj.mj_kinematics(m, d)
         start = np.ascontiguousarray(origins, dtype=np.float64)
         ray = np.ascontiguousarray(directions, dtype=np.float64)
         r = len(ray)
         geom, distance, normal = np.full(r, -1, dtype=np.int32), np.full(r, -1.0), np.zeros((r, 3))
         seen = np.array([group in (BOTH_GROUP, COLLISION_GROUP) for group in range(6)], dtype=np.uint8)
         turns = np.flatnonzero((start[1:] != start[:-1]).any(axis=1)) + 1
-        for a, b in pairwise([0, *turns.tolist(), r] if r else []):
-            mj.mj_multiRay(
-                m,
-                d,
-                start[a],
-                ray[a:b].reshape(-1),
-                seen,
-                True,
-                -1,
-                geom[a:b],
-                distance[a:b],
-                normal[a:b].reshape(-1),
-                b - a,
-                max_range,
-            )
-        # The engine's cutoff leaves out whole shapes, not hits.
-        hit = (geom >= 0) & (distance >= 0) & (distance <= max_range)
-        body = np.where(hit, self._places.scene_body[m.geom_bodyid[np.where(hit, geom, 0)]] if m.ngeom else -1, -1)
-        return Hits(np.where(hit, distance, np.inf), body.astype(np.int64), np.where(hit[:, None], normal, 0.0))
+        parts = [
+            (start[a], ray[a:b].reshape(-1), geom[a:b], distance[a:b], normal[a:b].reshape(-1), b - a)
+            for a, b in pairwise([0, *turns.tolist(), r] if r else [])
+        ]
+
+        def cast() -> tuple[Any, Floats, Floats]:
+            mj.mj_kinematics(m, d)
+            for origin, rays, geoms, distances, normals, count in parts:
+                mj.mj_multiRay(m, d, origin, rays, seen, True, -1, geoms, distances, normals, count, max_range)
+            return geom, distance, normal
+
+        return cast
 
     def render(self, camera: Camera) -> Floats:
         """z-depth [m] by OpenGL on EGL."""
@@ -1316,6 +1318,7 @@ ADAPTER = MujocoAdapter(
     deviations=(
         "contacts, limits and loop joints are soft: they sink, creep and gap",
         "restitution is a spring and damper calibrated to the mean rebound; single rebounds scatter with the phase of the step",
+        "without restitution a contact is critically damped and cannot pull: it gives back up to .135 of the speed of impact",
         "sliding, torsional and rolling friction share one cone",
         "the gyroscopic term cannot be switched off",
         "meshes and hulls are held in single precision, and a mesh collides as its hull",

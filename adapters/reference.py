@@ -69,6 +69,8 @@ OPTIONS: Mapping[str, type] = {
     "step_tolerance": float,
     "broad_phase": str,
     "continuous": str,
+    "bounding_volume": str,
+    "threads": int,
     "contact_hertz": float,
     "contact_damping_ratio": float,
     "max_push": float,
@@ -128,10 +130,11 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
         raise SettingsError(str(error)) from error
 
 
-def _resolved(settings: Settings, used: "engine.Options") -> Settings:
+def _resolved(settings: Settings, used: "engine.Options", world: "engine.World") -> Settings:
     """What the engine uses, defaults filled in."""
     soft, exact = used.solver == SOLVER, used.solver == EXACT
     filled = {name: getattr(used, name) for name in OPTIONS if soft or name not in SOFT}
+    filled["broad_phase"] = world.broad_phase
     if soft:
         filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
     filled["step_tolerance"] = used.used_step_tolerance
@@ -186,6 +189,7 @@ def _body(body: Body, effects: Effect) -> "engine.Body":
         mass=body.mass,
         inertia=body.inertia,
         shapes=tuple(_placed(part) for part in body.collision),
+        visual=None if body.visual is None else tuple(_placed(part) for part in body.visual),
         material=body.material,
         p_WB=body.p_WB,
         q_WB=body.q_WB,
@@ -339,13 +343,12 @@ class _Simulation:
         """Nothing to free: the world is arrays."""
 
 
-def _build(scene: Scene, settings: Settings) -> Simulation:
+def _world(scene: Scene, options: Any) -> Any:
     import engine
 
     effects = scene.effects
-    options = _options(scene, settings)
     try:
-        world = engine.World(
+        return engine.World(
             bodies=[_body(body, effects) for body in scene.bodies],
             joints=[_joint(joint, effects) for joint in scene.joints] if Effect.JOINTS in effects else (),
             surfaces={law.between: _surface(law, effects) for law in scene.surfaces},
@@ -355,7 +358,12 @@ def _build(scene: Scene, settings: Settings) -> Simulation:
         )
     except engine.NotSupported as error:
         raise Unsupported(error.what, error.why) from error
-    return _Simulation(world, scene, _resolved(settings, options))
+
+
+def _build(scene: Scene, settings: Settings) -> Simulation:
+    options = _options(scene, settings)
+    world = _world(scene, options)
+    return _Simulation(world, scene, _resolved(settings, options, world))
 
 
 # --- the adapter ----------------------------------------------------------------------------------
@@ -370,6 +378,12 @@ class _Reference(Adapter):
         from engine.sources import source_digest
 
         return f"{engine.__version__}+{source_digest()[:8]}"
+
+    def compile(self, scene: Scene, settings: Settings) -> None:
+        world = _world(scene, _options(scene, settings))
+        world.compile()
+        if scene.sensors:
+            world.cast([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 1.0)
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         return _build(scene, settings)
@@ -417,4 +431,5 @@ ADAPTER = _Reference(
         "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
         "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",
     ),
+    compile_allowance=900.0,
 )  # fmt: skip

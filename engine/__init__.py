@@ -9,12 +9,13 @@ from engine.options import Options
 from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh
 
 if TYPE_CHECKING:
+    from engine.batch import Batch
     from engine.world import Contacts, Hits, World
 
 __all__ = [
-    "WORLD", "Ball", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged", "Drive", "Fixed",
-    "Hits", "Joint", "Limits", "ManyImpacts", "NotSupported", "Options", "Placed", "Plane", "Prismatic", "Revolute", "Shape",
-    "Sphere", "Spring", "Surface", "TriangleMesh", "World",
+    "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged",
+    "Drive", "Fixed", "Hits", "Joint", "Limits", "ManyImpacts", "NotSupported", "Options", "Placed", "Plane", "Prismatic",
+    "Revolute", "Shape", "Sphere", "Spring", "Surface", "TriangleMesh", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"
@@ -26,4 +27,8 @@ def __getattr__(name: str) -> Any:
         import engine.world
 
         return getattr(engine.world, name)
+    if name == "Batch":
+        import engine.batch
+
+        return engine.batch.Batch
     raise AttributeError(f"module 'engine' has no attribute '{name}'")

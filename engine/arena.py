@@ -23,15 +23,15 @@ SLOPE: Final = 5  # (bodies + 1, 13): time derivative
 TOTAL: Final = 6  # (bodies + 1, 13): weighted sum of derivatives
 SHAPE: Final = 7  # (shapes, 12)
 POSE: Final = 8  # (shapes, 12): position and rotation matrix in W
-BOUNDS: Final = 9  # (shapes, 6)
+BOUNDS: Final = 9  # (shapes, 7): lower and upper corner, and by how much they are widened
 JOINT: Final = 10  # (joints, 40)
 ROW: Final = 11  # (rows, 18)
 REACH: Final = 12  # (rows, 12): mass-weighted Jacobian
 MATRIX: Final = 13  # (rows, rows)
 FACTOR: Final = 14  # (rows, rows)
 VECTOR: Final = 15  # (8, rows)
-MANIFOLD: Final = 16  # (pairs, 20)
-POINT: Final = 17  # (4 pairs, 32)
+MANIFOLD: Final = 16  # (pairs, 54)
+POINT: Final = 17  # (4 pairs, 36)
 OLD_MANIFOLD: Final = 18
 OLD_POINT: Final = 19
 SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
@@ -44,7 +44,13 @@ CONVEX_POINT: Final = 26  # (4 pairs, 32): their points, as POINT
 SIMPLEX: Final = 27  # (corners and faces, 10): scratch of GJK and EPA
 POLYGON: Final = 28  # (three polygons, 3): scratch of the clipping of features
 PRINCIPAL: Final = 29  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
-FLOAT_TABLES: Final = 30
+FAT: Final = 30  # (shapes, 6): widened bounds, which candidates were found for
+TOUCH: Final = 31  # (pairs of spheres, 16): what the sphere solver sweeps over
+TOUCH_REST: Final = 32  # (pairs of spheres, 16): what it needs less often
+OLD_TOUCH: Final = 33  # (pairs of spheres, 4): impulses of the last step
+MOVER: Final = 34  # (bodies + 1, 8): what the sphere solver reads and writes of a body
+REST: Final = 35  # (bodies + 1, 7): pose since which a body counts as still
+FLOAT_TABLES: Final = 36
 
 # Tables of integers.
 BODY_KIND: Final = 0  # (bodies + 1, 4)
@@ -60,7 +66,7 @@ HEAD: Final = 9  # (shapes, 1): first old manifold of a shape
 NEXT: Final = 10  # (pairs, 1)
 ORDER: Final = 11  # (shapes, 1): the sorted axis
 EXCLUDED: Final = 12  # (excluded pairs of bodies, 2)
-COUNT: Final = 13  # (1, 16)
+COUNT: Final = 13  # (1, 18)
 CLIP_KEY: Final = 14  # (32, 2)
 POLYHEDRON: Final = 15  # (shapes, 5)
 SPAN: Final = 16  # (faces, 2): first corner and number of corners in LOOP
@@ -69,7 +75,11 @@ CONVEX_KEY: Final = 18  # (pairs, 1): number of points
 CONVEX_POINT_KEY: Final = 19  # (4 pairs, 2)
 SIMPLEX_KEY: Final = 20  # (corners and faces, 6)
 POLYGON_KEY: Final = 21  # (three polygons, 1)
-INT_TABLES: Final = 22
+CANDIDATE: Final = 22  # (pairs, 2): pairs whose widened bounds overlap
+TOUCH_KEY: Final = 23  # (pairs of spheres, 6)
+OLD_TOUCH_KEY: Final = 24  # (pairs of spheres, 2)
+PROGRESS: Final = 25  # (1, 2)
+INT_TABLES: Final = 26
 
 # Columns of POLYHEDRON.
 FIRST_VERTEX: Final = 0
@@ -92,6 +102,7 @@ INV_INERTIA: Final = 8  # 6, in B
 LINEAR_DAMPING: Final = 14
 ANGULAR_DAMPING: Final = 15
 ROUND: Final = 16  # 1 where the inertia is the same about every axis
+EXTENT: Final = 17  # radius [m] about the centre of mass that holds all shapes
 
 # Columns of PRINCIPAL.
 MOMENTS: Final = 0  # 3, ascending
@@ -101,6 +112,7 @@ STRIDE: Final = 7  # the adaptive integrator's next step [s], 0 before the first
 # Columns of BODY_KIND.
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
+STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
 STATIC: Final = 0
 KINEMATIC: Final = 1
 DYNAMIC: Final = 2
@@ -175,6 +187,15 @@ NORMAL: Final = 0  # 3
 LAW: Final = 3  # 5: static, kinetic, restitution, rolling, torsional
 SPIN_IMPULSE: Final = 8  # 3: rolling and torsional impulse in W
 SPIN_MASS: Final = 11  # rolling, torsional
+TANGENTS: Final = 13  # 6: two unit vectors that make a right-handed frame with the normal
+CENTRE_A: Final = 19  # 3, in W, from the centre of mass of A
+CENTRE_B: Final = 22
+NORMAL_BLOCK: Final = 25  # 6: inverse mass on (V3, W1, W2)
+TANGENT_BLOCK: Final = 31  # 6: on (V1, V2, W3)
+COUPLING: Final = 37  # 9: rows V1, V2, W3 by the forces of the other block
+STOP_BLOCK: Final = 46  # 6: inverse of TANGENT_BLOCK, or of its part on (V1, V2) for points that give no moment
+POINT_SHARE: Final = 53  # 1 / number of points
+STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre
 
 # Columns of MANIFOLD_KEY.
 SHAPE_A: Final = 0
@@ -184,6 +205,7 @@ BODY_B: Final = 3
 POINTS: Final = 4
 SLIPS: Final = 5
 LEADS: Final = 6  # 0 if the points move with A, 1 if with B
+STRIKES: Final = 7  # 1 if a point strikes in this sub-step
 
 # Columns of POINT.
 ARM_A: Final = 0  # 3, in W, from the centre of mass of A
@@ -199,11 +221,13 @@ APPROACH: Final = 19  # normal velocity at impact
 STRUCK: Final = 20
 SUM: Final = 21  # 3: impulse on B over the step
 FIRST_GAP: Final = 24
-SPIKE: Final = 25  # largest normal impulse of the step
+SPIKE: Final = 25  # largest normal impulse of a sub-step in which the point strikes
 PLACE: Final = 26  # 3: the point in W
 ROUND_A: Final = 29  # radius [m] of a round surface: its touching point does not turn with the body
 ROUND_B: Final = 30
-PUSH: Final = 31  # pseudo-impulse of the split position correction
+SPREAD: Final = 31  # 2: place about the manifold's centre along its tangents
+HELD: Final = 33  # 2: friction impulse along the tangents
+PUSH: Final = 35  # pseudo-impulse of the split position correction
 
 # Columns of SURFACE beside the law's.
 APART: Final = 5
@@ -232,13 +256,52 @@ RELAXATIONS: Final = 7
 RUNGE_KUTTA: Final = 8
 GYROSCOPIC: Final = 9
 CONTINUOUS: Final = 10
-BROAD: Final = 11  # 0 brute force, 1 sweep and prune
+BROAD: Final = 11  # 0 brute force inside the step, 1 found before it
 MATERIALS: Final = 12
 EXCLUSIONS: Final = 13
 STEPS: Final = 14
 NEW: Final = 15  # manifolds of this step that the last one did not have
 CONVEX_READY: Final = 16  # 1 where the convex narrow phase has answered the pairs of the coming step
-PAIRS: Final = 17  # pairs that wait for its answer
+PAIRS: Final = 17  # pairs of the coming step in PAIR
+
+# Columns of PROGRESS.
+CANDIDATES: Final = 0  # in CANDIDATE; -1 before the first search
+AXIS: Final = 1  # along which the shapes are sorted
+
+# Columns of TOUCH, after the normal.
+T_GAP: Final = 3
+T_NORMAL: Final = 4  # normal impulse
+T_TANGENT: Final = 5  # 3, in W
+T_NORMAL_MASS: Final = 8
+T_TANGENT_MASS: Final = 9
+T_FRICTION: Final = 10  # the coefficient now in force
+T_RADIUS_A: Final = 11
+T_RADIUS_B: Final = 12  # 0 for a plane or a box
+T_BASE: Final = 13  # of a plane or a box: n . p_A + gap, which stays
+
+# Columns of TOUCH_REST.
+R_PLACE: Final = 0  # 3, in W
+R_FIRST_GAP: Final = 3
+R_SUM: Final = 4  # 3: impulse on B over the step
+R_STATIC: Final = 7
+R_KINETIC: Final = 8
+R_RESTITUTION: Final = 9
+R_APPROACH: Final = 10
+R_STRUCK: Final = 11
+R_SPIKE: Final = 12
+R_NORMAL: Final = 13  # 3: at the start of the step
+
+# Columns of TOUCH_KEY.
+K_BODY_A: Final = 0
+K_BODY_B: Final = 1
+K_PAIR: Final = 2  # first shape times the number of shapes, plus second
+K_SLIPS: Final = 3
+K_ROUND: Final = 4  # 1 where B is a sphere too
+K_MOVES: Final = 5  # 1 where B is dynamic
+
+# Columns of MOVER: velocity and angular velocity first.
+M_INV_MASS: Final = 6
+M_INV_INERTIA: Final = 7
 
 # Values of CONTINUOUS, in the order of the option's.
 OFF: Final = 0

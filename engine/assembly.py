@@ -12,23 +12,47 @@ from engine.bodies import Body, Surface
 from engine.check import finite, spd_inertia, unit_quaternion
 from engine.errors import NotSupported
 from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
-from engine.options import BROAD_PHASES, CONTINUOUS, FREE_INTEGRATORS, Options
+from engine.options import CONTINUOUS, FREE_INTEGRATORS, Options
 from engine.polyhedra import Polyhedron
 from engine.principal_frame import principal_frame
+from engine.shapes import Box, Plane, Sphere
 from engine.solids import body_solids, quat_mat, quat_mul
 
-__all__ = ["assemble_world", "grow"]
+__all__ = ["assemble_world", "grow", "spheres_only"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
+ENDLESS = 1e9
+"""The extent [m] of a plane: where it turns at all, it does not count as still."""
 
 
 def six(m: FloatArray) -> list[float]:
     """(xx, yy, zz, xy, xz, yz) of a symmetric matrix."""
     return [m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]]
+
+
+def spheres_only(
+    bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], options: Options
+) -> bool:
+    """Whether the world is one that `steps_spheres` serves."""
+    if not options.contacts or options.solver != "tgs_soft" or options.continuous == "swept":
+        return False
+    if joints or any(law.rolling_friction > 0 or law.torsional_friction > 0 for law in surfaces.values()):
+        return False
+    for body in bodies:
+        if body.motion == "dynamic":
+            inertia = np.asarray(body.inertia, float)
+            single = len(body.shapes) == 1 and isinstance(body.shapes[0].shape, Sphere) and not np.any(body.shapes[0].p_BS)
+            if body.shapes and not (single and np.array_equal(inertia, inertia[0, 0] * np.eye(3))):
+                return False
+        elif body.shapes and (
+            body.motion != "static" or any(not isinstance(placed.shape, Sphere | Box | Plane) for placed in body.shapes)
+        ):
+            return False
+    return True
 
 
 def assemble_world(
@@ -55,7 +79,9 @@ def assemble_world(
     polyhedra = [(s, solid.polyhedron) for s, (_, solid) in enumerate(shapes) if convex and solid.polyhedron is not None]
     rows = sum(ROWS[type(joint)] + 3 for joint in joints) + 1
     movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
-    pairs = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
+    near = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
+    spheres = spheres_only(bodies, joints, surfaces, options)
+    pairs, touches = (0, near) if spheres else (near, 0)
     materials = sorted({body.material for body in bodies} | {one for pair in (*surfaces, *apart) for one in pair})
     excluded = [
         (index[joint.parent], index[joint.child])
@@ -64,17 +90,22 @@ def assemble_world(
     ]
     float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
     float_shapes = [
-        (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 6),
-        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 20), (4 * pairs, 32),
-        (pairs, 20), (4 * pairs, 32), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
+        (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
+        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 54), (4 * pairs + 1, 36),
+        (pairs, 54), (4 * pairs, 36), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
         (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
+        (ns, 6), (touches, 16), (touches, 16), (touches, 4), (n + 1 if spheres else 0, 8),
+        (n + 1, 7),
     ]  # fmt: skip
     int_shapes = [
-        (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (pairs, 2), (pairs, 8), (4 * pairs, 2), (pairs, 8), (4 * pairs, 2),
-        (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 18), (32, 2), *int_rooms,
+        (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (near, 2), (pairs, 8), (4 * pairs + 1, 2), (pairs, 8),
+        (4 * pairs, 2), (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 18), (32, 2), *int_rooms,
+        (near, 2), (touches, 6), (touches, 2), (1, 2),
     ]  # fmt: skip
     floats, ints = new_arena(float_shapes, int_shapes)
     _write_bodies(floats, ints, bodies)
+    float_table(floats, ints, at.REST)[:] = np.inf
+    float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
     for s, (i, solid) in enumerate(shapes):
         if solid.kind in (at.PLANE, at.TRIANGLE) and bodies[i].motion == "dynamic":
             if solid.kind == at.TRIANGLE:
@@ -85,6 +116,8 @@ def assemble_world(
         row[at.TURN : at.TURN + 4] = solid.turn
         row[at.SIZE : at.SIZE + 3] = solid.size
         row[at.BALL_RADIUS] = solid.radius
+        body = float_table(floats, ints, at.BODY)[i]
+        body[at.EXTENT] = max(body[at.EXTENT], min(float(np.linalg.norm(solid.offset)) + solid.radius, ENDLESS))
         int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
         int_table(ints, at.ORDER)[s, 0] = s
         int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
@@ -114,7 +147,7 @@ def assemble_world(
     count[at.SUBSTEPS], count[at.ITERATIONS], count[at.RELAXATIONS] = options.substeps, options.iterations, options.relaxations
     count[at.RUNGE_KUTTA] = int(options.integrator == "rk4")
     count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), CONTINUOUS.index(options.continuous)
-    count[at.BROAD] = int(options.broad_phase == BROAD_PHASES[0])
+    int_table(ints, at.PROGRESS)[0, at.CANDIDATES] = -1
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
     return floats, ints
 
@@ -240,8 +273,9 @@ def _write_joint(
 def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
     """The same world in an arena with room for twice as many pairs."""
     by_pair = {at.MANIFOLD, at.POINT, at.OLD_MANIFOLD, at.OLD_POINT, at.CONVEX_NORMAL, at.CONVEX_POINT}
+    by_pair |= {at.TOUCH, at.TOUCH_REST, at.OLD_TOUCH}
     ints_by_pair = {at.PAIR, at.MANIFOLD_KEY, at.POINT_KEY, at.OLD_KEY, at.OLD_POINT_KEY, at.NEXT}
-    ints_by_pair |= {at.CONVEX_KEY, at.CONVEX_POINT_KEY}
+    ints_by_pair |= {at.CONVEX_KEY, at.CONVEX_POINT_KEY, at.CANDIDATE, at.TOUCH_KEY, at.OLD_TOUCH_KEY}
     old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
     old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
     new_floats, new_ints = new_arena(

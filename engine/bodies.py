@@ -21,7 +21,8 @@ class Body:
     """A rigid body.
 
     Terms:
-        mass [kg]; inertia (3, 3) kg m2 in B about the centre of mass; p_WB [m], q_WB (w, x, y, z), v_WB [m/s] of the centre of
+        mass [kg]; inertia (3, 3) kg m2 in B about the centre of mass; shapes: what touches; visual: what is drawn and seen by
+        rays that ask for it, the same if None; p_WB [m], q_WB (w, x, y, z), v_WB [m/s] of the centre of
         mass, w_WB [rad/s] in W; linear_damping and angular_damping: rates c [1/s] in v' = -c v and w' = -c w;
         motion: 'static' never moves, 'kinematic' keeps its velocities whatever touches it.
     """
@@ -30,6 +31,7 @@ class Body:
     mass: float = 1.0
     inertia: Any = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     shapes: Sequence[Placed] = ()
+    visual: Sequence[Placed] | None = None
     material: str = "default"
     p_WB: Numbers = (0.0, 0.0, 0.0)
     q_WB: Numbers = (1.0, 0.0, 0.0, 0.0)

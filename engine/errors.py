@@ -12,11 +12,11 @@ class NotSupported(Exception):
 
 
 class Diverged(Exception):
-    """The motion could not be followed beyond step number `step`, counted from 1."""
+    """The motion could not be followed beyond step number `step`, counted from 1; in a batch, that of world number `world`."""
 
-    def __init__(self, step: int, why: str = "the state is not finite") -> None:
-        super().__init__(f"{why} after step {step}")
-        self.step = step
+    def __init__(self, step: int, why: str = "the state is not finite", world: int | None = None) -> None:
+        super().__init__(f"{'' if world is None else f'world {world}: '}{why} after step {step}")
+        self.step, self.world = step, world
 
 
 class ManyImpacts(RuntimeWarning):

@@ -1,4 +1,7 @@
-"""The collision stages of a step, in order: poses, bounds, broad phase, narrow phase with matching, preparation."""
+"""The collision stages of a step, in order: poses, bounds, broad phase unless done, narrow phase with matching, preparation.
+
+Where every body is still, a step may keep the contacts of the last one and run none of this.
+"""
 
 from engine.arena import (
     BODIES,
@@ -23,17 +26,18 @@ from engine.arena import (
     MANIFOLDS,
     MARGIN,
     MATERIALS,
+    NEW,
     NEXT,
     OLD_KEY,
     OLD_MANIFOLD,
     OLD_POINT,
     OLD_POINT_KEY,
-    ORDER,
     PAIR,
     PAIRS,
     POINT,
     POINT_KEY,
     POSE,
+    REST,
     SETTING,
     SHAPE,
     SHAPE_KIND,
@@ -44,15 +48,27 @@ from engine.arena import (
     TURNED,
     TYPE,
 )  # fmt: skip
-from engine.broad_phase import brute_force, pose_shapes, sweep_and_prune, write_bounds
+from engine.broad_phase import brute_force, pose_shapes, write_bounds
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import prepare
 from engine.jit import kernel
-from engine.manifolds import build_manifolds, keep_old, ordered
+from engine.manifolds import build_manifolds, keep_old, ordered, start_anew
 from engine.narrow.collide import is_convex_pair
+from engine.stillness import keep_rest, mark_still
 from engine.vec import Floats, Ints
 
-__all__ = ["find_contacts"]
+__all__ = ["find_contacts", "keep_contacts"]
+
+
+@kernel
+def keep_contacts(
+    state: Floats, body: Floats, kind: Ints, rest: Floats, setting: Floats, count: Ints, key: Ints, point: Floats
+) -> bool:
+    """Keep the contacts of the last step for this one, where all bodies are still. Returns: whether they are."""
+    if not mark_still(state, body, kind, rest, count[0, BODIES], setting[0, DT], setting[0, MARGIN]):
+        return False
+    start_anew(state, 0, count[0, MANIFOLDS], key, point)
+    count[0, NEW] = 0
+    return True
 
 
 @kernel
@@ -67,35 +83,35 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     body, turned = floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     manifold, point = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     kind, shape_kind = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
-    excluded, order, pair = ints_of(ints, EXCLUDED), ints_of(ints, ORDER), ints_of(ints, PAIR)
+    excluded, pair = ints_of(ints, EXCLUDED), ints_of(ints, PAIR)
     key, point_key = ints_of(ints, MANIFOLD_KEY), ints_of(ints, POINT_KEY)
     old, old_point = floats_of(floats, ints, OLD_MANIFOLD), floats_of(floats, ints, OLD_POINT)
     old_key, old_point_key = ints_of(ints, OLD_KEY), ints_of(ints, OLD_POINT_KEY)
     head, following, count = ints_of(ints, HEAD), ints_of(ints, NEXT), ints_of(ints, COUNT)
     surface, materials = floats_of(floats, ints, SURFACE), count[0, MATERIALS]
     shapes, exclusions = count[0, SHAPES], count[0, EXCLUSIONS]
-    pose_shapes(state, shape, shape_kind, shapes, pose)
-    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting[0, MARGIN], setting[0, DT])
+    rest, bodies = floats_of(floats, ints, REST), count[0, BODIES]
+    mark_still(state, body, kind, rest, bodies, setting[0, DT], setting[0, MARGIN])
     if count[0, BROAD] == 0:
-        pairs = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
-    else:
-        pairs = sweep_and_prune(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, order, pair)
+        pose_shapes(state, shape, shape_kind, shapes, pose)
+        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
+        count[0, PAIRS] = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
+    pairs = count[0, PAIRS]
     if pairs > pair.shape[0]:
         return 2
     for p in range(pairs):
         a, b = ordered(shape_kind, pair[p, 0], pair[p, 1])
         if count[0, CONVEX_READY] == 0 and is_convex_pair(shape_kind[a, TYPE], shape_kind[b, TYPE]):
-            count[0, PAIRS] = pairs
             return 3
     count[0, CONVEX_READY] = 0
-    for b in range(count[0, BODIES] + 1):
+    for b in range(bodies + 1):
         kind[b, TOUCHED] = 0
-    keep_old(count, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
+    keep_old(count, kind, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
     build_manifolds(
-        state, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
+        state, body, turned, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
         point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints,
         CLIP_KEY), floats_of(floats, ints, CONVEX_NORMAL), floats_of(floats, ints, CONVEX_POINT), ints_of(ints, CONVEX_KEY),
         ints_of(ints, CONVEX_POINT_KEY),
     )  # fmt: skip
-    prepare(state, body, turned, shape, shape_kind, pose, count[0, MANIFOLDS], manifold, key, point)
+    keep_rest(state, kind, rest, bodies)
     return 0

@@ -10,6 +10,7 @@ import fcntl
 import hashlib
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -17,7 +18,7 @@ import platformdirs
 
 from engine.sources import source_digest
 
-__all__ = ["FLAGS", "cache_directory", "entry", "kernel"]
+__all__ = ["FLAGS", "cache_directory", "entry", "inlined", "jit_is_off", "kernel", "parallel_entry", "stream"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -38,6 +39,13 @@ def cache_directory() -> Path:
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
 
 
+def jit_is_off() -> bool:
+    """Whether functions run as plain Python."""
+    import numba
+
+    return bool(numba.config.__dict__["DISABLE_JIT"])
+
+
 def _prepare() -> None:
     """Point Numba to the cache; must run before the first function is decorated."""
     import numba
@@ -54,7 +62,21 @@ def kernel(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    return _once_for_all_values(_compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True))
+
+
+def stream(function: Function) -> Function:
+    """A kernel whose array arguments do not overlap, so that the compiler may take several steps of a loop at once.
+
+    Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
+    Returns: the same function, compiled on first use for the argument types that it meets.
+    """
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_apart())
+
+
+def inlined(function: Function) -> Function:
+    """As `kernel`, put in place of every call: for what costs less than handing over its arrays."""
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
 
 
 def entry(function: Function) -> Function:
@@ -68,12 +90,55 @@ def entry(function: Function) -> Function:
     return _one_at_a_time(_compiled(function, cache=True))
 
 
-def _compiled(function: Function, **options: bool) -> Function:
+def parallel_entry(function: Function) -> Function:
+    """As `entry`, with the loops over `numba.prange` shared out among threads, and nothing else.
+
+    Args: function: its `prange` loops must write to places of their own only, so that no order of threads can be seen.
+    Returns: the same function, compiled on first use or loaded from the cache.
+    """
+    no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
+    return _one_at_a_time(_compiled(function, cache=True, parallel={"prange": True, **no_more}))
+
+
+@cache
+def _apart() -> type:
+    """Numba's compiler with the promise that arrays do not overlap, which it knows as a flag but not as an option."""
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder
+
+    class Apart(CompilerBase):
+        def define_pipelines(self) -> list[Any]:
+            self.state.flags.noalias = True
+            passes: Any = DefaultPassBuilder
+            return [passes.define_nopython_pipeline(self.state)]
+
+    return Apart
+
+
+def _compiled(function: Function, **options: bool | type | dict[str, bool]) -> Function:
     """The function under Numba with the flags of this package; Numba's stubs do not know all options, hence Any."""
     import numba
 
     njit: Any = numba.njit
     return cast(Function, njit(fastmath=set(FLAGS), error_model="numpy", nogil=True, **options)(function))
+
+
+def _once_for_all_values(function: Function) -> Function:
+    """The compiled function that callers meet by the types of arguments alone.
+
+    Numba would compile it anew for each constant that a caller passes, `load3` for each column; inlining does that better.
+    """
+    template = getattr(function, "get_call_template", None)
+    if template is None:
+        return function
+
+    from numba.core.types import unliteral
+
+    def by_type(args: Any, kws: Any) -> Any:
+        plain: Any = unliteral
+        return template(tuple(plain(one) for one in args), {name: plain(one) for name, one in kws.items()})
+
+    cast(Any, function).get_call_template = by_type
+    return function
 
 
 def _one_at_a_time(function: Function) -> Function:

@@ -10,6 +10,7 @@ GDC 2005.
 import math
 
 from engine.arena import (
+    ARM_A,
     BALL_RADIUS,
     BODY_A,
     BODY_B,
@@ -33,11 +34,15 @@ from engine.arena import (
     OWNER,
     PLACE,
     POINTS,
+    SEPARATION,
     SHAPE_A,
     SHAPE_B,
     SIZE,
     SLIPS,
+    SPHERE,
     SPIN_IMPULSE,
+    STILL,
+    SUM,
     SWEPT,
     TANGENT_IMPULSE,
     TOUCHED,
@@ -48,13 +53,14 @@ from engine.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.contact_solver import prepare
 from engine.jit import kernel
 from engine.narrow.box_box import FACE_OF_B
 from engine.narrow.collide import collide, is_convex_pair
 from engine.swept.begin import begins
 from engine.vec import Floats, Ints, add, axpy, cross, dot, load3, norm, store3, sub
 
-__all__ = ["CORNERS_OF_B", "build_manifolds", "keep_old", "look_ahead", "ordered", "thinnest"]
+__all__ = ["CORNERS_OF_B", "build_manifolds", "keep_old", "look_ahead", "ordered", "start_anew", "thinnest"]
 
 CORNERS_OF_B = 1 << 24
 """Features of convex pairs from here belong to corners of B on a face of A."""
@@ -66,10 +72,10 @@ AT_REST = 1e-6
 
 @kernel
 def keep_old(
-    count: Ints, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
-    old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, shapes: int,
+    count: Ints, body_kind: Ints, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats,
+    old_key: Ints, old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, shapes: int,
 ) -> None:  # fmt: skip
-    """Move the last step's manifolds aside and list them by their first shape."""
+    """Move the last step's manifolds aside and list them by their first shape; those of still bodies whole."""
     n = count[0, MANIFOLDS]
     count[0, OLD_MANIFOLDS] = n
     for s in range(shapes):
@@ -79,9 +85,9 @@ def keep_old(
             old[m, c] = manifold[m, c]
         for c in range(old_key.shape[1]):
             old_key[m, c] = manifold_key[m, c]
-        for k in range(manifold_key[m, POINTS]):
-            at = 4 * m + k
-            for c in range(NORMAL_IMPULSE, TANGENT_IMPULSE + 3):
+        still = body_kind[manifold_key[m, BODY_A], STILL] == 1 and body_kind[manifold_key[m, BODY_B], STILL] == 1
+        for at in range(4 * m, 4 * m + manifold_key[m, POINTS]):
+            for c in range(0 if still else NORMAL_IMPULSE, old_point.shape[1] if still else TANGENT_IMPULSE + 3):
                 old_point[at, c] = point[at, c]
             store3(old_point, at, PLACE, load3(point, at, PLACE))
             old_point_key[at, 0] = point_key[at, 0]
@@ -120,7 +126,9 @@ def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, s
     speed = norm(sub(load3(state, j, V), load3(state, i, V)))
     for s, owner in ((a, i), (b, j)):
         if shape[s, BALL_RADIUS] < math.inf:
-            speed += norm(load3(state, owner, W)) * (norm(load3(shape, s, OFFSET)) + shape[s, BALL_RADIUS])
+            # Turning does not move the surface of a ball, but for its centre.
+            swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if shape_kind[s, TYPE] != SPHERE else 0.0)
+            speed += norm(load3(state, owner, W)) * swing
     way = setting[0, MARGIN] + dt * (speed + dt * norm(load3(setting, 0, 1)))
     if continuous == OFF:
         way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
@@ -141,17 +149,57 @@ def matching_point(point: Floats, key: Ints, i: int, old: Floats, old_key: Ints,
 
 
 @kernel
-def build_manifolds(
-    state: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats, surface: Floats, setting: Floats,
-    count: Ints,
-    pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats, old_key: Ints,
-    old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, clip: Floats, clip_key: Ints,
-    convex_normal: Floats, convex_point: Floats, convex_key: Ints, convex_point_key: Ints,
+def take_over(
+    found: int, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, m: int, old: Floats, old_key: Ints,
+    old_point: Floats, old_point_key: Ints,
 ) -> None:  # fmt: skip
-    """Run the narrow phase on all pairs and match the points found with the old ones."""
+    """Take an old manifold over as it was, into row `found`."""
+    for c in range(old.shape[1]):
+        manifold[found, c] = old[m, c]
+    for c in range(old_key.shape[1]):
+        manifold_key[found, c] = old_key[m, c]
+    for k in range(old_key[m, POINTS]):
+        for c in range(old_point.shape[1]):
+            point[4 * found + k, c] = old_point[4 * m + k, c]
+        point_key[4 * found + k, 0] = old_point_key[4 * m + k, 0]
+
+
+@kernel
+def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) -> None:
+    """Begin a step with the manifolds first..end - 1 as they are; `refresh` has put their points where the bodies are now."""
+    for m in range(first, end):
+        pa = load3(state, key[m, BODY_A], P)
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            point[i, FIRST_GAP] = point[i, SEPARATION]
+            store3(point, i, PLACE, add(pa, load3(point, i, ARM_A)))
+            store3(point, i, SUM, (0.0, 0.0, 0.0))
+
+
+@kernel
+def build_manifolds(
+    state: Floats, body: Floats, turned: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats,
+    surface: Floats, setting: Floats, count: Ints, pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats,
+    point_key: Ints, old: Floats, old_key: Ints, old_point: Floats, old_point_key: Ints, head: Ints, following: Ints,
+    clip: Floats, clip_key: Ints, convex_normal: Floats, convex_point: Floats, convex_key: Ints, convex_point_key: Ints,
+) -> None:  # fmt: skip
+    """Run the narrow phase on all pairs, match the points found with the old ones, and prepare them.
+
+    Manifolds between still bodies stay what they were.
+    """
     found, new = 0, 0
     for p in range(pairs):
         a, b = ordered(shape_kind, pair[p, 0], pair[p, 1])
+        i, j = shape_kind[a, OWNER], shape_kind[b, OWNER]
+        m = head[a, 0]
+        while m >= 0 and old_key[m, SHAPE_B] != b:
+            m = following[m, 0]
+        if m >= 0 and body_kind[i, STILL] == 1 and body_kind[j, STILL] == 1:
+            take_over(found, manifold, manifold_key, point, point_key, m, old, old_key, old_point, old_point_key)
+            start_anew(state, found, found + 1, manifold_key, point)
+            body_kind[i, TOUCHED] = 1
+            body_kind[j, TOUCHED] = 1
+            found += 1
+            continue
         margin = look_ahead(state, shape, shape_kind, a, b, setting, count[0, CONTINUOUS])
         at = 4 * found
         if is_convex_pair(shape_kind[a, TYPE], shape_kind[b, TYPE]):
@@ -166,7 +214,6 @@ def build_manifolds(
             points, normal = collide(shape, shape_kind, pose, a, b, margin, point, point_key, at, clip, clip_key)
         if points <= 0:
             continue
-        i, j = shape_kind[a, OWNER], shape_kind[b, OWNER]
         if count[0, CONTINUOUS] == SWEPT and not begins(state, setting, i, j, normal, point, at, points, margin):
             continue
         for k in range(points):
@@ -186,9 +233,6 @@ def build_manifolds(
         manifold_key[found, LEADS] = 1 if corners_of_b or point_key[at, 0] >= CORNERS_OF_B else 0
         body_kind[i, TOUCHED] = 1
         body_kind[j, TOUCHED] = 1
-        m = head[a, 0]
-        while m >= 0 and old_key[m, SHAPE_B] != b:
-            m = following[m, 0]
         if m < 0:
             new += 1
             place = load3(point, at, PLACE)
@@ -205,5 +249,6 @@ def build_manifolds(
                 if twin >= 0:
                     point[at + k, NORMAL_IMPULSE] = old_point[twin, NORMAL_IMPULSE]
                     store3(point, at + k, TANGENT_IMPULSE, load3(old_point, twin, TANGENT_IMPULSE))
+        prepare(state, body, turned, shape, shape_kind, pose, found, manifold, manifold_key, point)
         found += 1
     count[0, MANIFOLDS], count[0, NEW] = found, new

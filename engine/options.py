@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 from engine.check import not_negative, positive, whole
 
-__all__ = ["ADAPTIVE", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
+__all__ = [
+    "ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options",
+]  # fmt: skip
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
@@ -17,7 +19,8 @@ FREE_INTEGRATORS = {
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
-BROAD_PHASES = ("sweep_and_prune", "brute_force")
+BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force")
+BOUNDING_VOLUMES = ("aabb", "obb", "sphere")
 SOLVERS = ("tgs_soft", "exact", "sequential_impulses")
 CONTINUOUS = ("off", "speculative", "swept")
 
@@ -29,14 +32,16 @@ class Options:
     Terms:
         dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
-        relative error of one step of dormand_prince alone (None: 1e-12); contact_hertz [Hz] (None: as stiff as
-        a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest
-        correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in
-        a sub-step); margin [m]: contacts are made at least this far ahead; contacts, gyroscopic: whether these effects
-        are simulated; continuous: collision of fast bodies, 'speculative' makes contacts for the way of the whole step, 'swept'
-        stops the world at each impact; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without
-        iterations, relaxations and springs, down to the relative residual `tolerance`; 'sequential_impulses' sweeps
-        `iterations` times over velocities and once more over positions, without relaxations and springs.
+        relative error of one step of dormand_prince alone (None: 1e-12); broad_phase (None: by the number of shapes);
+        bounding_volume: what two shapes are compared by, after their axis-aligned boxes; threads: that share the broad phase;
+        contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter of its rate) and contact_damping_ratio of the soft
+        contact; max_push [m/s]: fastest correction of penetration; bounce_speed [m/s]: slower approaches do not bounce (None:
+        four times what gravity gives in a sub-step); margin [m]: contacts are made at least this far ahead; contacts,
+        gyroscopic: whether these effects are simulated; continuous: collision of fast bodies, 'speculative' makes contacts for
+        the way of the whole step, 'swept' stops the world at each impact; solver: of contacts, 'exact' solves Coulomb's law
+        itself once per sub-step, without iterations, relaxations and springs, down to the relative residual `tolerance`;
+        'sequential_impulses' sweeps `iterations` times over velocities and once more over positions, without relaxations and
+        springs.
     """
 
     dt: float = 1 / 240
@@ -45,7 +50,9 @@ class Options:
     relaxations: int = 1
     integrator: str = "semi_implicit_euler"
     step_tolerance: float | None = None
-    broad_phase: str = "sweep_and_prune"
+    broad_phase: str | None = None
+    bounding_volume: str = "aabb"
+    threads: int = 1
     contact_hertz: float | None = None
     contact_damping_ratio: float = 10.0
     max_push: float = 3.0
@@ -59,7 +66,7 @@ class Options:
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
-        for name, least in (("substeps", 1), ("iterations", 1), ("relaxations", 0)):
+        for name, least in (("substeps", 1), ("iterations", 1), ("relaxations", 0), ("threads", 1)):
             whole("options", name, getattr(self, name), least)
         if self.integrator not in INTEGRATORS:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
@@ -71,8 +78,12 @@ class Options:
             # Below 1e-14 the estimate is round-off, which no shorter step makes smaller.
             if not 1e-14 <= self.step_tolerance <= 1e-2:
                 raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
-        if self.broad_phase not in BROAD_PHASES:
+        if self.broad_phase is not None and self.broad_phase not in BROAD_PHASES:
             raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
+        if self.bounding_volume not in BOUNDING_VOLUMES:
+            raise ValueError(
+                f"options: bounding_volume '{self.bounding_volume}', expected one of {', '.join(BOUNDING_VOLUMES)}"
+            )
         if self.solver not in SOLVERS:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
         if self.continuous not in CONTINUOUS:

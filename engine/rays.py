@@ -1,4 +1,4 @@
-"""The first hit of each ray among all shapes, by closed forms.
+"""The first hit of each ray among the shapes with closed forms, one ray and one shape after the other: the oracle of the tiles.
 
 A ray that starts inside a solid hits its exit; the normal points out of the shape.
 
@@ -14,6 +14,7 @@ from engine.arena import (
     COUNT,
     CYLINDER,
     OWNER,
+    PART,
     PLANE,
     POSE,
     SHAPE,
@@ -168,13 +169,11 @@ def cast_rays(
     directions: Floats,
     max_range: float,
     distance: Floats,
+    body: Ints,
+    part: Ints,
     normal: Floats,
-    who: Ints,
 ) -> None:
-    """Write distance [m], normal in W, and (body, shape) of the first hit of every ray; inf and -1 where there is none.
-
-    Args: origins, directions (r, 3), unit, in W; distance (1, r); normal (r, 3); who (r, 2).
-    """
+    """As `engine.ray_tiles.cast_tiles`, for finite origins (r, 3) and unit directions (r, 3)."""
     state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
     shape_kind, count = ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
     shapes = count[0, SHAPES]
@@ -206,7 +205,8 @@ def cast_rays(
                 t, n = ray_plane(lo, ld)
             if t < MISS and (t < best or (t == best and hit_shape < 0)):
                 best, facing, hit_shape = t, mat_vec(m, n), s
-        distance[0, r] = best if hit_shape >= 0 else math.inf
-        store3(normal, r, 0, facing if hit_shape >= 0 else (0.0, 0.0, 0.0))
-        who[r, 0] = shape_kind[hit_shape, OWNER] if hit_shape >= 0 else -1
-        who[r, 1] = hit_shape
+        hit = hit_shape >= 0
+        distance[r] = best if hit else math.inf
+        store3(normal, r, 0, facing if hit else (0.0, 0.0, 0.0))
+        body[r] = shape_kind[hit_shape, OWNER] if hit else -1
+        part[r] = shape_kind[hit_shape, PART] if hit else -1

@@ -7,13 +7,17 @@ For each point in turn, with the effective mass m of its direction and the veloc
     restitution   l_N <- max(l_N - m_N (u_N + e u_before), 0)      for points that struck
     position      p   <- max(p - m_N (w_N + beta (s + slop) / h), 0)     pseudo-velocities w, forgotten after the move
 
-and each change of an impulse goes into the velocities at once. The slop is a depth left alone, so that contacts last; without
-it a stack of ten boxes rattles at 1 cm/s, as sweeps that end too early part what they should hold. Soft sub-stepped contact has
-a spring where this has the pseudo-velocities.
+and each change of an impulse goes into the velocities at once. Sweeps go through the contacts forwards and backwards in turn:
+always in one order, from the ground up, a stack of ten boxes keeps swaying at 7 cm/s. The slop is a depth left alone, so that
+contacts last; without it such a stack rattles at 1 cm/s, as sweeps that end too early part what they should hold. Soft
+sub-stepped contact has a spring where this has the pseudo-velocities.
 
 Source: Catto, Iterative Dynamics with Temporal Coherence, GDC 2005 (accumulated impulses, warm start); Catto, Fast and Simple
-Physics using Sequential Impulses, GDC 2006 (split impulse); Jean, Comput. Methods Appl. Mech. Eng. 177, 1999 (cone).
+Physics using Sequential Impulses, GDC 2006 (split impulse); Jean, Comput. Methods Appl. Mech. Eng. 177, 1999 (cone); Saad,
+Iterative Methods for Sparse Linear Systems, 2003, section 4.1 (symmetric Gauss-Seidel).
 """
+
+import math
 
 from engine.arena import (
     APPROACH,
@@ -22,6 +26,7 @@ from engine.arena import (
     BODY_A,
     BODY_B,
     DYNAMIC,
+    HELD,
     INV_MASS,
     LAW,
     MOTION,
@@ -36,19 +41,19 @@ from engine.arena import (
     SPIN_IMPULSE,
     SPIN_MASS,
     STRUCK,
-    TANGENT_IMPULSE,
     TANGENT_MASS,
+    TANGENTS,
     P,
     Q,
     V,
     W,
 )  # fmt: skip
-from engine.contact_solver import push
 from engine.jit import kernel
 from engine.motion import turn_inertia
 from engine.vec import (
     Floats,
     Ints,
+    Sym,
     Vec,
     add,
     axpy,
@@ -73,6 +78,19 @@ BAUMGARTE = 0.2
 
 
 @kernel
+def push(
+    ma: float, ia: Sym, ra: Vec, mb: float, ib: Sym, rb: Vec, impulse: Vec, va: Vec, wa: Vec, vb: Vec, wb: Vec
+) -> tuple[Vec, Vec, Vec, Vec]:
+    """The velocities after an impulse on B and its reaction on A."""
+    return (
+        axpy(-ma, impulse, va),
+        sub(wa, sym_vec(ia, cross(ra, impulse))),
+        axpy(mb, impulse, vb),
+        add(wb, sym_vec(ib, cross(rb, impulse))),
+    )
+
+
+@kernel
 def spin_impulse(manifold: Floats, m: int, n: Vec, w: Vec, total: float) -> Vec:
     """The impulse [N m s] against rolling and spinning at the relative angular velocity w, under the normal impulse `total`."""
     before = load3(manifold, m, SPIN_IMPULSE)
@@ -88,15 +106,16 @@ def spin_impulse(manifold: Floats, m: int, n: Vec, w: Vec, total: float) -> Vec:
 @kernel
 def sweep_velocities(
     state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float,
-    bouncing: int,
+    bouncing: int, back: int,
 ) -> None:  # fmt: skip
     """One sweep over all manifolds: friction first, then the normals, which matter most.
 
-    Args: bouncing: 1 to aim at the velocity after restitution where a point struck.
+    Args: bouncing: 1 to aim at the velocity after restitution where a point struck; back: 1 to go from the last to the first.
     """
-    for m in range(manifolds):
+    for turn in range(manifolds):
+        m = manifolds - 1 - turn if back == 1 else turn
         a, b = key[m, BODY_A], key[m, BODY_B]
-        n = load3(manifold, m, NORMAL)
+        n, t1, t2 = load3(manifold, m, NORMAL), load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
         ma, mb = body[a, INV_MASS], body[b, INV_MASS]
         ia, ib = load6(turned, a, 0), load6(turned, b, 0)
         va, wa, vb, wb = load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W)
@@ -111,17 +130,20 @@ def sweep_velocities(
             wa, wb = sub(wa, sym_vec(ia, change)), add(wb, sym_vec(ib, change))
         friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
         if friction > 0.0:
-            for i in range(first, last):
+            for k in range(first, last):
+                i = first + last - 1 - k if back == 1 else k
                 ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
                 u = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
-                held = load3(point, i, TANGENT_IMPULSE)
-                tangent = axpy(-point[i, TANGENT_MASS], axpy(-dot(n, u), n, u), held)
-                size, most = norm(tangent), friction * point[i, NORMAL_IMPULSE]
+                was_1, was_2 = point[i, HELD], point[i, HELD + 1]
+                one, two = was_1 - point[i, TANGENT_MASS] * dot(t1, u), was_2 - point[i, TANGENT_MASS] * dot(t2, u)
+                size, most = math.sqrt(one * one + two * two), friction * point[i, NORMAL_IMPULSE]
                 if size > most:
-                    tangent = scale(most / size, tangent)
-                store3(point, i, TANGENT_IMPULSE, tangent)
-                va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, sub(tangent, held), va, wa, vb, wb)
-        for i in range(first, last):
+                    one, two = most / size * one, most / size * two
+                point[i, HELD], point[i, HELD + 1] = one, two
+                change = axpy(one - was_1, t1, scale(two - was_2, t2))
+                va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, change, va, wa, vb, wb)
+        for k in range(first, last):
+            i = first + last - 1 - k if back == 1 else k
             ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
             bias = max(point[i, SEPARATION], 0.0) / h
             if bouncing == 1 and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
@@ -142,10 +164,10 @@ def sweep_velocities(
 def push_apart(
     state: Floats, body: Floats, kind: Ints, turned: Floats, bodies: int, pseudo: Floats, manifolds: int, manifold: Floats,
     key: Ints, point: Floats, h: float, sweeps: int, slop: float,
-) -> None:  # fmt: skip
+) -> bool:  # fmt: skip
     """Work off depths by pseudo-velocities, kept in `pseudo` (bodies + 1, 13), that last for this one move of h seconds.
 
-    Args: slop [m]: the depth that is left.
+    Args: slop [m]: the depth that is left. Returns: whether anything was deep enough to move.
     """
     deep = False
     for m in range(manifolds):
@@ -153,7 +175,7 @@ def push_apart(
             point[i, PUSH] = 0.0
             deep = deep or point[i, SEPARATION] < -slop
     if not deep:
-        return
+        return False
     for b in range(bodies + 1):
         store3(pseudo, b, V, (0.0, 0.0, 0.0))
         store3(pseudo, b, W, (0.0, 0.0, 0.0))
@@ -182,3 +204,4 @@ def push_apart(
             store3(state, b, P, axpy(h, load3(pseudo, b, V), load3(state, b, P)))
             store4(state, b, Q, quat_turn(load4(state, b, Q), load3(pseudo, b, W), h))
             turn_inertia(state, body, turned, b)
+    return True

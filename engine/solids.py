@@ -16,7 +16,7 @@ from engine.check import unit_quaternion
 from engine.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, inner_edges, triangle_polyhedron
 from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
 
-__all__ = ["Solid", "body_solids", "quat_mat", "quat_mul"]
+__all__ = ["Solid", "body_solids", "mat_quat", "quat_mat", "quat_mul"]
 
 FloatArray = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def _closed_form(shape: Shape) -> tuple[int, list[float], float, FloatArray]:
     raise TypeError(f"{type(shape).__name__} is made of several numbers")
 
 
-def _mat_quat(m: FloatArray) -> FloatArray:
+def mat_quat(m: FloatArray) -> FloatArray:
     """The unit quaternion (w, x, y, z) of a rotation matrix.
 
     Source: Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1, 1978.
@@ -116,7 +116,7 @@ def _triangle(corners: FloatArray, inner: int, offset: FloatArray, turn: FloatAr
     radius = float(np.linalg.norm(flat - middle, axis=1).max())
     place = offset + quat_mat(turn) @ (corners[0] + own @ middle)
     made = triangle_polyhedron(flat - middle)
-    return Solid(at.TRIANGLE, (half[0], half[1], 0.0), radius, place, quat_mul(turn, _mat_quat(own)), part, made, inner)
+    return Solid(at.TRIANGLE, (half[0], half[1], 0.0), radius, place, quat_mul(turn, mat_quat(own)), part, made, inner)
 
 
 def body_solids(body: Body) -> Iterator[Solid]:

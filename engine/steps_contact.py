@@ -22,6 +22,7 @@ from engine.arena import (
     NEW,
     POINT,
     RELAXATIONS,
+    REST,
     RUNGE_KUTTA,
     SETTING,
     STATE,
@@ -31,8 +32,8 @@ from engine.arena import (
     TURNED,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
-from engine.find_contacts import find_contacts
+from engine.contact_solver import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
+from engine.find_contacts import find_contacts, keep_contacts
 from engine.finite_state import is_finite
 from engine.jit import entry, kernel
 from engine.motion import drift, drift_free, kick
@@ -76,15 +77,16 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    kind, count, rest = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), floats_of(floats, ints, REST)
     bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
     h = dt / substeps
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
     for step in range(steps):
-        status = find_contacts(floats, ints)
-        if status != 0:
-            return step, status
+        if not keep_contacts(state, body, kind, rest, setting, count, key, point):
+            status = find_contacts(floats, ints)
+            if status != 0:
+                return step, status
         n = count[0, MANIFOLDS]
         for b in range(bodies):
             if kind[b, TOUCHED] == 0:
@@ -105,14 +107,15 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 for b in range(bodies):
                     if kind[b, TOUCHED] == 1:
                         drift(state, body, kind, turned, b, h, gyroscopic)
-                refresh(state, n, manifold, key, point)
+                refresh(state, 0, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                 if bounce(n, manifold, key, point):
                     for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
                 friction_mode(state, body, n, manifold, key, point)
-                sum_impulses(n, manifold, key, point)
+                end_substep(n, key, point)
+            end_step(n, manifold, key, point)
         count[0, STEPS] += 1
         if not is_finite(state, bodies):
             return step + 1, 1

@@ -44,7 +44,7 @@ from engine.arena import (
     VECTOR,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, sweep, warm_start
+from engine.contact_solver import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
 from engine.coordinate import bounded_rows
 from engine.direct import apply, assemble, solve_bounded
 from engine.find_contacts import find_contacts
@@ -125,7 +125,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                 if kind[b, TOUCHED] == 1:
                     drift(state, body, kind, turned, b, h, gyroscopic)
             if n > 0:
-                refresh(state, n, manifold, key, point)
+                refresh(state, 0, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                     hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
@@ -134,7 +134,8 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
                         hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
                 friction_mode(state, body, n, manifold, key, point)
-                sum_impulses(n, manifold, key, point)
+                end_substep(n, key, point)
+        end_step(n, manifold, key, point)
         count[0, STEPS] += 1
         if not is_finite(state, bodies):
             return step + 1, 1

@@ -14,6 +14,7 @@ from engine.arena import (
     MANIFOLDS,
     MARGIN,
     POINT,
+    REST,
     RUNGE_KUTTA,
     SETTING,
     START,
@@ -24,8 +25,8 @@ from engine.arena import (
     TURNED,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import approach, bounce, friction_mode, refresh, sum_impulses, warm_start
-from engine.find_contacts import find_contacts
+from engine.contact_solver import approach, bounce, end_step, end_substep, friction_mode, refresh, warm_start
+from engine.find_contacts import find_contacts, keep_contacts
 from engine.finite_state import is_finite
 from engine.jit import entry
 from engine.motion import drift, drift_free, kick
@@ -46,14 +47,15 @@ def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[in
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting, pseudo = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    kind, count, rest = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), floats_of(floats, ints, REST)
     bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
     h, iterations = dt / substeps, count[0, ITERATIONS]
     slow, slop = slow_approach(setting, h), SLOP * setting[0, MARGIN]
     for step in range(steps):
-        status = find_contacts(floats, ints)
-        if status != 0:
-            return step, status
+        if not keep_contacts(state, body, kind, rest, setting, count, key, point):
+            status = find_contacts(floats, ints)
+            if status != 0:
+                return step, status
         n = count[0, MANIFOLDS]
         for b in range(bodies):
             if kind[b, TOUCHED] == 0:
@@ -68,18 +70,20 @@ def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[in
                         kick(state, body, kind, turned, load, setting, b, h)
                 approach(state, kind, setting, n, manifold, key, point, h, slow)
                 warm_start(state, body, turned, n, manifold, key, point)
-                for _ in range(iterations):
-                    sweep_velocities(state, body, turned, n, manifold, key, point, h, 0)
+                for k in range(iterations):
+                    sweep_velocities(state, body, turned, n, manifold, key, point, h, 0, k % 2)
                 for b in range(bodies):
                     if kind[b, TOUCHED] == 1:
                         drift(state, body, kind, turned, b, h, gyroscopic)
-                refresh(state, n, manifold, key, point)
-                push_apart(state, body, kind, turned, bodies, pseudo, n, manifold, key, point, h, iterations, slop)
+                refresh(state, 0, n, manifold, key, point)
+                if push_apart(state, body, kind, turned, bodies, pseudo, n, manifold, key, point, h, iterations, slop):
+                    refresh(state, 0, n, manifold, key, point)
                 if bounce(n, manifold, key, point):
-                    for _ in range(iterations):
-                        sweep_velocities(state, body, turned, n, manifold, key, point, h, 1)
+                    for k in range(iterations):
+                        sweep_velocities(state, body, turned, n, manifold, key, point, h, 1, k % 2)
                 friction_mode(state, body, n, manifold, key, point)
-                sum_impulses(n, manifold, key, point)
+                end_substep(n, key, point)
+            end_step(n, manifold, key, point)
         count[0, STEPS] += 1
         if not is_finite(state, bodies):
             return step + 1, 1

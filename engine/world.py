@@ -1,7 +1,9 @@
 """A world of bodies, joints and surfaces: advance it, read it, cast rays into it, save it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
@@ -10,22 +12,37 @@ from numpy.typing import NDArray
 
 from engine import arena as at
 from engine.arena import float_table, int_table
-from engine.assembly import assemble_world, grow
+from engine.assembly import assemble_world, grow, spheres_only
 from engine.bodies import Body, Surface
+from engine.broad.choice import DropApart, FindPairs, choose_broad_phase, load_search, load_volume, search_pairs
 from engine.check import finite, number, whole
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
 from engine.options import FREE_INTEGRATORS, Options
+from engine.shapes import Placed
 
 if TYPE_CHECKING:
     from engine.exact.steps import Certificate
+    from engine.ray_tree import RayTree
     from engine.swept.steps import Impacts
 
-__all__ = ["Contacts", "Hits", "World"]
+__all__ = ["Contacts", "Hits", "Kernels", "World"]
+
+GEOMETRIES = ("collision", "visual")
+METHODS = ("tiles", "brute_force")
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class Kernels:
+    """What advances a world: its step, and where that does not find its pairs, the search before it and the test after that."""
+
+    step: Step
+    find_pairs: FindPairs | None
+    drop_apart: DropApart | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,16 +97,24 @@ class World:
         self._joints = {joint.name: j for j, joint in enumerate(joints)}
         self._names = [body.name for body in bodies]
         kinds = int_table(self._ints, at.SHAPE_KIND)
-        self._part = kinds[:, at.PART].copy()
         self._polyhedral = bool((kinds[:, at.TYPE] >= at.HULL).any())
+        self._tree: RayTree | None = None
+        self._bodies = tuple(bodies)
+        self._drawn = self if all(body.visual is None for body in bodies) else None
         self.touching = self.options.contacts and _may_touch(bodies)
         self.jointed = bool(joints)
+        self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
+        self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
+        volume, threads = self.options.bounding_volume, self.options.threads
+        self._find_pairs = load_search(self.broad_phase, volume, len(kinds), threads) if self.touching else None
+        self._drop_apart = load_volume(volume) if self.touching else None
+        int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
         self._exact = None
         if self.touching and self.options.solver == "exact":
             from engine.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options)
+        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options, self.spheres)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:
@@ -99,7 +124,8 @@ class World:
                 )
             from engine.swept.steps import SweptSteps
 
-            self._step = self._swept = SweptSteps(self.options, self._step, len(self._names), len(kinds))
+            search = None if self._find_pairs is None else partial(search_pairs, self._find_pairs, self._drop_apart)
+            self._step = self._swept = SweptSteps(self.options, self._step, search, len(self._names), len(kinds))
 
     @property
     def certificate(self) -> "Certificate | None":
@@ -127,9 +153,14 @@ class World:
 
         Raises: Diverged, ValueError for count < 0.
         """
-        count = whole("world", "step count", count, 0)
+        count, status = whole("world", "step count", count, 0), 0
         while count > 0:
-            done, status = self._step(self._floats, self._ints, count)
+            if self._find_pairs is None or self._swept is not None:
+                done, status = self._step(self._floats, self._ints, count)
+            elif status == 3 or self._search() == 0:
+                done, status = self._step(self._floats, self._ints, 1)
+            else:
+                done, status = 0, 2
             if status == 1:
                 raise Diverged(self.steps)
             if status == 4:
@@ -141,6 +172,22 @@ class World:
                 collide_convex(self._floats, self._ints)
             if status == 2:
                 self._floats, self._ints = grow(self._floats, self._ints)
+
+    def compile(self) -> None:
+        """Compile, or load from the cache, every stage that a step may run, by taking one: for a world to be thrown away."""
+        with suppress(Diverged):
+            self.step(1)
+        if self._swept is not None:
+            self._swept.compile(self._floats, self._ints)
+        if self.touching and self._polyhedral:
+            from engine.collide_convex import collide_convex
+
+            collide_convex(self._floats, self._ints)
+
+    def _search(self) -> int:
+        """Find the pairs of the coming step. Returns: 0, or 2 if the arena must grow first."""
+        assert self._find_pairs is not None
+        return search_pairs(self._find_pairs, self._drop_apart, self._floats, self._ints)
 
     def state(self) -> FloatArray:
         """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step."""
@@ -189,6 +236,8 @@ class World:
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
+        if self.spheres:
+            return self._sphere_contacts(count)
         key = int_table(self._ints, at.MANIFOLD_KEY)[:count]
         manifold = float_table(self._floats, self._ints, at.MANIFOLD)[:count]
         rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
@@ -214,31 +263,79 @@ class World:
             force=np.concatenate([past.impulse / self.options.dt, found.force]),
         )
 
-    def cast(self, origins: Any, directions: Any, max_range: float = np.inf) -> Hits:
+    def _sphere_contacts(self, count: int) -> Contacts:
+        """As `contacts`, of a world of spheres."""
+        rest, key = float_table(self._floats, self._ints, at.TOUCH_REST)[:count], int_table(self._ints, at.TOUCH_KEY)[:count]
+        near = rest[:, at.R_FIRST_GAP] <= self.options.margin
+        hit = near | (np.abs(rest[:, at.R_SUM : at.R_SUM + 3]).max(axis=1, initial=0.0) > 0.0)
+        rest = rest[hit]
+        return Contacts(
+            bodies=key[hit][:, [at.K_BODY_A, at.K_BODY_B]],
+            point=rest[:, at.R_PLACE : at.R_PLACE + 3],
+            normal=rest[:, at.R_NORMAL : at.R_NORMAL + 3],
+            gap=rest[:, at.R_FIRST_GAP],
+            force=rest[:, at.R_SUM : at.R_SUM + 3] / self.options.dt,
+        )
+
+    def cast(
+        self,
+        origins: Any,
+        directions: Any,
+        max_range: float = np.inf,
+        *,
+        geometry: str = "collision",
+        method: str = "tiles",
+        threads: int = 1,
+    ) -> Hits:
         """The first hit of each ray within max_range [m].
 
-        Args: origins (r, 3) m, directions (r, 3) in W; directions are taken as unit vectors after division by their length.
-        Raises: ValueError for shapes that do not fit, values that are not finite, or a direction of length zero.
+        Args:
+            origins (r, 3) m, or (3,) for all rays; directions (r, 3), of any length; both in W. Neighbouring rays are faster
+            when they are alike, row by row in an image or a scan. geometry: 'collision' or 'visual', the shapes that a body is
+            drawn with. method: 'tiles', or 'brute_force' for one ray and shape after the other. threads: of the tiles.
+        Raises: ValueError for shapes that do not fit, values that are not finite, a direction of length zero, or other choices.
         """
-        from engine.rays import cast_rays
-
-        o, d = np.ascontiguousarray(origins, float), np.asarray(directions, float)
-        finite("rays", "origins", o, (len(o), 3), "m")
-        finite("rays", "directions", d, (len(o), 3), "1")
-        length = np.linalg.norm(d, axis=1, keepdims=True)
-        if len(d) and length.min() < 1e-12:
-            raise ValueError(f"rays: direction {int(length.argmin())} has length 0")
-        distance, normal, who = np.empty((1, len(o))), np.empty((len(o), 3)), np.empty((len(o), 2), np.int64)
+        if geometry not in GEOMETRIES or method not in METHODS or threads < 1:
+            raise ValueError(
+                f"rays: geometry '{geometry}', method '{method}', threads {threads}, expected {' or '.join(GEOMETRIES)}, "
+                f"{' or '.join(METHODS)}, at least 1"
+            )
         if not number("rays", "max_range", max_range) >= 0:
             raise ValueError(f"rays: max_range {max_range} m, expected at least 0")
-        unit = np.ascontiguousarray(np.where(np.abs(length - 1) < 1e-15, d, d / length))
-        cast_rays(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
+        if geometry == "visual" and self._drawn is not self:
+            return self._as_drawn().cast(origins, directions, max_range, method=method, threads=threads)
+        d = np.ascontiguousarray(directions, float)
+        o = np.atleast_2d(np.ascontiguousarray(origins, float))
+        if d.ndim != 2 or d.shape[1] != 3 or o.shape not in (d.shape, (1, 3)):
+            raise ValueError(f"rays: origins {np.shape(origins)} and directions {d.shape}, expected (r, 3) and (r, 3), or (3,)")
+        hits = _room(len(d))
+        answers = (hits.distance, hits.body, hits.shape, hits.normal)
+        if method == "brute_force":
+            from engine.rays import cast_rays
+
+            _check_rays(o, d)
+            d = d / np.linalg.norm(d, axis=1, keepdims=True)
+            cast_rays(self._floats, self._ints, np.broadcast_to(o, d.shape).copy(), d, float(max_range), *answers)
+        elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), *answers):
+            _check_rays(o, d)
         if self._polyhedral:
+            from engine.ray_tree import ray_tree
             from engine.rays_polyhedra import cast_on_polyhedra
 
-            cast_on_polyhedra(self._floats, self._ints, o, unit, float(max_range), distance, normal, who)
-        shape = np.where(who[:, 0] >= 0, self._part[who[:, 1]], -1) if len(self._part) else who[:, 1].copy()
-        return Hits(distance=distance[0], body=who[:, 0].copy(), shape=shape, normal=normal)
+            self._tree = tree = self._tree or ray_tree(self._floats, self._ints)
+            branches = (tree.root, tree.node, tree.link, tree.solid, tree.frame)
+            cast_on_polyhedra(self._floats, self._ints, *branches, o, d, float(max_range), *answers)
+        return hits
+
+    def _as_drawn(self) -> "World":
+        """A world of the bodies with their visual shapes, where they are now."""
+        if self._drawn is None:
+            self._drawn = World(
+                [replace(body, shapes=_looks(body), visual=None, motion="kinematic") for body in self._bodies],
+                options=Options(contacts=False),
+            )
+        self._drawn.state()[:] = self.state()
+        return self._drawn
 
     def save(self) -> tuple[FloatArray, IntArray]:
         """All that decides the future, bit for bit, warm-start impulses included."""
@@ -252,6 +349,54 @@ class World:
             raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own}")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
+    def adopt(self, floats: FloatArray, ints: IntArray) -> None:
+        """Work in this memory from now on, which holds a saved state of this world."""
+        self._floats, self._ints = floats, ints
+
+    @property
+    def kernels(self) -> Kernels:
+        """The compiled functions that advance this world in its memory."""
+        return Kernels(self._step, self._find_pairs, self._drop_apart)
+
+
+def _looks(body: Body) -> Sequence[Placed]:
+    """What a body is drawn with."""
+    return body.shapes if body.visual is None else body.visual
+
+
+def _room(count: int) -> Hits:
+    """Hits to be written, in one piece of memory: asked for in several, it would come back from the system anew each time."""
+    whole = np.empty(6 * count)
+    numbers = whole.view(np.int64)
+    normal = whole[3 * count :].reshape(count, 3)
+    return Hits(whole[:count], numbers[count : 2 * count], numbers[2 * count : 3 * count], normal)
+
+
+def _check_rays(origins: FloatArray, directions: FloatArray) -> None:
+    """Raises: ValueError naming what is wrong with rays."""
+    finite("rays", "origins", origins, origins.shape, "m")
+    finite("rays", "directions", directions, directions.shape, "1")
+    length = np.linalg.norm(directions, axis=1)
+    wrong = (length < 1e-12) | (length == np.inf)
+    if wrong.any():
+        raise ValueError(
+            f"rays: direction {int(wrong.argmax())} has length {length[wrong.argmax()]:g}, expected 1e-12 to 1e150"
+        )
+
+
+def _choose_tiles(threads: int) -> Callable[..., bool]:
+    """The compiled cast for so many threads."""
+    if threads == 1:
+        from engine.ray_tiles import cast_tiles
+
+        return cast_tiles
+    import numba
+
+    from engine.ray_tiles_parallel import cast_tiles_parallel
+
+    numba.set_num_threads(min(threads, numba.config.__dict__["NUMBA_NUM_THREADS"]))
+    return cast_tiles_parallel
+
 
 def _may_touch(bodies: Sequence[Body]) -> bool:
     """Whether two bodies have shapes and one of them is dynamic."""
@@ -259,7 +404,7 @@ def _may_touch(bodies: Sequence[Body]) -> bool:
     return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
 
 
-def _choose_step(touching: bool, jointed: bool, options: Options) -> Step:
+def _choose_step(touching: bool, jointed: bool, options: Options, spheres: bool) -> Step:
     """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
     integrator = options.integrator
     if integrator in FREE_INTEGRATORS:
@@ -275,6 +420,10 @@ def _choose_step(touching: bool, jointed: bool, options: Options) -> Step:
         from engine.steps_sequential import step_sequential_impulses
 
         return step_sequential_impulses
+    if spheres:
+        from engine.steps_spheres import step_spheres
+
+        return step_spheres
     if touching and jointed:
         from engine.steps_contact_jointed import step_contact_jointed
 

@@ -21,6 +21,8 @@ The contract, proven by `harness.conformance`:
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
+* Two things may be offered beyond the protocol, for the clock: `build_batch`, many worlds of one scene on one thread, and
+  `Simulation.caster(origins, directions, max_range)`, a function that casts the same rays again into arrays made beforehand.
 """
 
 from abc import ABC, abstractmethod
@@ -29,6 +31,7 @@ from dataclasses import asdict, dataclass, field, replace
 from enum import Flag, auto
 from typing import Any, Protocol
 
+from harness.batch import Batch, Turns
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, State
 
@@ -189,7 +192,8 @@ class Adapter(ABC):
         name: as on the command line. distribution: the package that is installed. title: as in the report.
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
         users would try. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures.
-        deviations: what every answer of this engine carries, whatever the track.
+        deviations: what every answer of this engine carries, whatever the track. compile_allowance [s]: what an engine that
+        compiles itself on first use may take for that, once, beyond a trial's deadline.
     """
 
     name: str
@@ -200,6 +204,13 @@ class Adapter(ABC):
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
     deviations: tuple[str, ...] = ()
+    compile_allowance: float = 0.0
+
+    def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled
+        """Compile what this scene needs, where the engine does such a thing; a trial's deadline begins after it.
+
+        Raises: as `build`.
+        """
 
     @abstractmethod
     def version(self) -> str:
@@ -208,3 +219,18 @@ class Adapter(ABC):
     @abstractmethod
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
+
+    def build_batch(self, scene: Scene, settings: Settings, count: int) -> Batch:
+        """`count` equal worlds that are stepped together; one simulation each, unless an adapter knows better.
+
+        Raises: Unsupported, Unavailable, SettingsError.
+        """
+        made: list[Simulation] = []
+        try:
+            for _ in range(count):
+                made.append(self.build(scene, settings))
+        except BaseException:
+            for simulation in made:
+                simulation.close()
+            raise
+        return Turns(made)

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import tomli_w
 
@@ -38,8 +39,13 @@ def _write_json(path: Path, content: object) -> None:
 
 
 def _study_toml(study: Study) -> bytes:
-    plain = json.loads(json.dumps(asdict(study)))
-    return tomli_w.dumps(plain).encode()
+    def told(value: Any) -> Any:
+        """Without what is left open: TOML has no word for nothing."""
+        if isinstance(value, dict):
+            return {name: told(part) for name, part in value.items() if part is not None}
+        return [told(part) for part in value] if isinstance(value, list | tuple) else value
+
+    return tomli_w.dumps(told(asdict(study))).encode()
 
 
 def _accuracy(trials: Sequence[Trial], reasons: Mapping[str, str | None], journal: Journal, folder: Path, workers: int) -> None:

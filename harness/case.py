@@ -10,7 +10,10 @@ from harness.metric import Metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["Axis", "Case", "Check", "Converged"]
+__all__ = ["Axis", "Case", "Check", "Converged", "Rays", "Unit"]
+
+Unit = Literal["step", "ray", "world-step"]
+"""What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,6 +62,15 @@ class Axis:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Rays:
+    """Rays of one cast: origins (r, 3) m and unit directions (r, 3) in W, followed up to max_range [m]."""
+
+    origins: Floats
+    directions: Floats
+    max_range: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
     """One question put to every engine.
 
@@ -70,6 +82,9 @@ class Case:
         steps of an accuracy run. with_contacts: record contacts at each sample.
         headline: the metric drawn against time step and cost. scale: the size of that metric's value that counts as 1.
         ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
+        steady [s]: from there on every step costs alike, so the clock starts there; None clocks whole runs.
+        rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
+        worlds: the parameter that says how many equal worlds are stepped together, '' for none.
     """
 
     name: str
@@ -91,6 +106,19 @@ class Case:
     with_contacts: bool = False
     headline: str = ""
     scale: float = 1.0
+    steady: float | None = None
+    rays: Callable[..., Rays] | None = None
+    worlds: str = ""
+
+    def count_of_worlds(self, parameters: Mapping[str, Any]) -> int:
+        """How many worlds are stepped together."""
+        return int(parameters[self.worlds]) if self.worlds else 1
+
+    def unit(self, parameters: Mapping[str, Any]) -> Unit:
+        """What the clock counts."""
+        if self.rays is not None:
+            return "ray"
+        return "world-step" if self.count_of_worlds(parameters) > 1 else "step"
 
     @property
     def family(self) -> str:

@@ -10,6 +10,8 @@ import click
 from harness.listing import print_csv, print_json, print_markdown, print_table
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from harness.case import Case
     from harness.store import Store
     from harness.study import Study
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _GATE, _USAGE, _MACHINE, _INTERRUPTED = 1, 2, 3, 130
-_TABLES = ("trials", "measurements", "samples")
+_TABLES = ("trials", "measurements", "samples", "scaling")
 
 
 def _stop(code: int, message: str) -> NoReturn:
@@ -186,7 +188,7 @@ def run(
     shard: tuple[int, int],
     resume: bool,
 ) -> None:
-    """Run STUDY: a built-in name (quick, accuracy), a study file, or a scene file of your own."""
+    """Run STUDY: a built-in name (quick, accuracy, scaling), a study file, or a scene file of your own."""
     from harness import discover
     from harness.campaign import carry_out
 
@@ -213,6 +215,20 @@ def run(
         sys.exit(_GATE)
 
 
+def _rows(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
+    """The rows of a table and its columns."""
+    if table == "scaling":
+        from harness.scaling import COLUMNS, Scaling
+
+        return Scaling(store).rows(), COLUMNS
+    frame = getattr(store, table)
+    rows = [
+        {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
+        for row in frame.to_dict(orient="records")
+    ]
+    return rows, [str(name) for name in frame.columns]
+
+
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--table", type=click.Choice(_TABLES), default="trials", show_default=True)
@@ -221,18 +237,18 @@ def show(folder: Path, table: str, form: str) -> None:
     """Print a table of the run folder DIR."""
     from harness.store import Store
 
-    frame = getattr(Store(folder), table)
-    rows = [
-        {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
-        for row in frame.to_dict(orient="records")
-    ]
-    columns = [str(name) for name in frame.columns]
+    rows, columns = _rows(Store(folder), table)
     if form == "json":
         print_json(rows)
     elif form == "csv":
         print_csv(columns, rows)
     elif form == "markdown":
         print_markdown(columns, rows)
+    elif table == "scaling":
+        from harness.scaling import BRIEF
+        from harness.scaling import brief as in_brief
+
+        print_table(table, BRIEF, [in_brief(row) for row in rows])
     else:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns

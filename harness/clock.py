@@ -2,7 +2,7 @@
 
 Protocol: each trial of a group gets a process of its own, with one thread; it warms up, calibrates how many runs of the scene
 make one sample, and then waits, pinned to one core and without a garbage collector. Block by block, in a new random order each
-time, every process takes one sample. Building, resetting and reading are outside the clock; inside it is one call of `step`.
+time, every process takes one sample. What is clocked, and what is not, stands in `harness.bench`.
 """
 
 import contextlib
@@ -12,8 +12,8 @@ import os
 import random
 import resource
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -21,12 +21,14 @@ from pathlib import Path
 import numpy as np
 
 from harness import discover
-from harness.adapter import Simulation
+from harness.bench import Bench
+from harness.case import Unit
 from harness.record import Sample, Timing
 from harness.study import Trial
+from harness.trajectory import Floats
 from harness.worker import confine, context
 
-__all__ = ["Clocked", "clock_group", "clock_steps", "summarise"]
+__all__ = ["Clocked", "calibrate", "clock_group", "summarise"]
 
 _LONGEST = 10.0
 """A single run of a scene is cut off after this many times the sample's length."""
@@ -43,60 +45,49 @@ def _canary() -> float:
     return time.perf_counter() - start
 
 
-@dataclass(slots=True)
-class _Plan:
-    """How one sample is made: `runs` runs of `steps` steps each."""
-
-    runs: int
-    steps: int
-
-
-def clock_steps(simulation: Simulation, steps: int) -> tuple[float, float]:
-    """CPU and wall seconds of one call of `step`."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    simulation.step(steps)
-    return time.process_time() - cpu, time.perf_counter() - wall
-
-
 def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
-    """Answer 'plan' once, then a sample for each block number that comes down the pipe; any exception is sent back as text."""
+    """Send the steps of a sample once, then a sample for each block that comes down the pipe; an exception is sent as text."""
     confine(trial.experiment.memory, log)
     try:
-        case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
-        scene = case.scene(**trial.parameters)
-        whole = max(1, round(case.duration / trial.settings.dt))
-        plan = _calibrate(lambda: adapter.build(scene, trial.settings), whole, trial.experiment.sample_seconds)
+        bench = Bench(discover.case(trial.case), discover.adapter(trial.engine), trial)
         if core is not None:
             os.sched_setaffinity(0, {core})
-        pipe.send(plan)
+        steps = calibrate(bench, trial.experiment.sample_seconds)
+        pipe.send(steps)
         gc.disable()
         while (block := pipe.recv()) is not None:
-            canary, cpu, wall = _canary(), 0.0, 0.0
+            if not bench.steady:
+                bench.stop()
+            canary = _canary()
             switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw
-            for _ in range(plan.runs):
-                simulation = adapter.build(scene, trial.settings)
-                one_cpu, one_wall = clock_steps(simulation, plan.steps)
-                simulation.close()
-                cpu, wall = cpu + one_cpu, wall + one_wall
+            cpu, wall = bench.clock(steps)
             switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw - switches
-            pipe.send((block, plan.runs * plan.steps, cpu, wall, canary, switches))
+            pipe.send(
+                Sample(
+                    process=0, block=block, steps=steps, units=bench.units, cpu=cpu, wall=wall, canary=canary, switches=switches
+                )
+            )
+        bench.stop()
     except Exception as error:
         pipe.send(f"{type(error).__name__}: {error}")
 
 
-def _calibrate(build: Callable[[], Simulation], whole: int, seconds: float) -> _Plan:
-    """Warm up and find the plan whose sample lasts `seconds`, cutting a run that would last much longer."""
-    simulation = build()
-    simulation.step(1)
+def calibrate(bench: Bench, seconds: float) -> int:
+    """Warm up and find how many steps or casts last `seconds` of CPU time: whole runs of a scene, unless one is too long."""
+    bench.start()
+    bench.clock(1)
+    if bench.steady:
+        count, spent = 1, bench.clock(1)[0]
+        while spent < seconds / 4:
+            count *= 4
+            spent = bench.clock(count)[0]
+        return max(1, math.ceil(count * seconds / spent))
     done, spent = 1, 0.0
-    while done < whole and spent < _LONGEST * seconds:
-        count = min(max(1, whole // 20), whole - done)
-        spent += clock_steps(simulation, count)[1]
+    while done < bench.whole and spent < _LONGEST * seconds:
+        count = min(max(1, bench.whole // 20), bench.whole - done)
+        spent += bench.clock(count)[0]
         done += count
-    simulation.close()
-    if done < whole:
-        return _Plan(1, done)
-    return _Plan(max(1, math.ceil(seconds / max(spent, 1e-7))) if whole > 1 else 1, whole)
+    return done if done < bench.whole else bench.whole * max(1, math.ceil(seconds / max(spent, 1e-7)))
 
 
 @dataclass(slots=True)
@@ -106,7 +97,6 @@ class Clocked:
     trial: Trial
     process: BaseProcess
     pipe: Connection
-    plan: _Plan | None = None
     trouble: str = ""
 
     def sample(self, block: int, seconds: float) -> object:
@@ -143,34 +133,46 @@ class Clocked:
         self.pipe.close()
 
 
-def summarise(trial: Trial, samples: Sequence[Sample], note: str = "") -> Timing:
-    """Median and 95 % bootstrap interval of CPU seconds per simulated second; the verdict on its stability."""
-    if not samples:
-        return Timing(trial=trial.trial, note=note or "no sample was taken")
+def _interval(values: Floats) -> tuple[float, float]:
+    """95 % bootstrap interval of the median."""
     from scipy.stats import bootstrap
 
-    dt = trial.settings.dt
-    cpu = np.array([s.cpu / (s.steps * dt) for s in samples])
-    wall = np.array([s.wall / (s.steps * dt) for s in samples])
+    if len(values) > 1 and np.ptp(values) > 0:
+        found = bootstrap((values,), np.median, method="percentile", n_resamples=2000, rng=0).confidence_interval
+        return float(found.low), float(found.high)
+    return float(values.min()), float(values.max())
+
+
+def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Unit = "step") -> Timing:
+    """Median and 95 % bootstrap interval of CPU seconds per unit of work, per simulated second too where that is a step."""
+    if not samples:
+        return Timing(trial=trial.trial, note=note or "no sample was taken")
+    cpu = np.array([s.cpu / (s.steps * s.units) for s in samples])
+    wall = np.array([s.wall / (s.steps * s.units) for s in samples])
     canary = np.array([s.canary for s in samples])
-    middle = float(np.median(cpu))
-    if len(cpu) > 1 and np.ptp(cpu) > 0:
-        interval = bootstrap((cpu,), np.median, method="percentile", n_resamples=2000, rng=0).confidence_interval
-        low, high = float(interval.low), float(interval.high)
-    else:
-        low, high = float(cpu.min()), float(cpu.max())
+    middle, (low, high) = float(np.median(cpu)), _interval(cpu)
     wide = (high - low) / 2 > _NOISY * middle
     noisy = float(np.percentile(canary, 75) - np.percentile(canary, 25)) > _NOISY * float(np.median(canary))
-    return Timing(
+    timing = Timing(
         trial=trial.trial,
-        cpu_per_sim_s=middle,
-        cpu_low=low,
-        cpu_high=high,
-        wall_per_sim_s=float(np.median(wall)),
-        realtime_factor=float(1.0 / np.median(wall)),
+        unit=unit,
+        cpu_per_unit=middle,
+        cpu_per_unit_low=low,
+        cpu_per_unit_high=high,
         unstable_timing=bool(wide or noisy or len(samples) < 3),
         note=note,
         samples=tuple(samples),
+    )
+    if unit == "ray":
+        return timing
+    dt = trial.settings.dt
+    return replace(
+        timing,
+        cpu_per_sim_s=middle / dt,
+        cpu_low=low / dt,
+        cpu_high=high / dt,
+        wall_per_sim_s=float(np.median(wall)) / dt,
+        realtime_factor=dt / float(np.median(wall)),
     )
 
 
@@ -194,19 +196,13 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
         children = [_start(trial, folder, core) for trial in trials if not notes.get(trial.trial)]
         try:
             for child in children:
-                plan = child.answer(experiment.deadline)
-                child.plan = plan if isinstance(plan, _Plan) else None
+                child.answer(experiment.deadline)
             for block in range(experiment.samples):
                 ready = [child for child in children if not child.trouble]
                 for child in shuffle.sample(ready, len(ready)):
                     message = child.sample(block, experiment.deadline)
-                    if isinstance(message, tuple):
-                        _, steps, cpu, wall, canary, switches = message
-                        samples[child.trial.trial].append(
-                            Sample(
-                                process=number, block=block, steps=steps, cpu=cpu, wall=wall, canary=canary, switches=switches
-                            )
-                        )
+                    if isinstance(message, Sample):
+                        samples[child.trial.trial].append(replace(message, process=number))
             for child in children:
                 if child.trouble:
                     notes[child.trial.trial] = child.trouble
@@ -215,4 +211,5 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
                 child.stop()
                 (folder / f".timing-{child.trial.trial}.log").unlink(missing_ok=True)
     for trial in trials:
-        yield summarise(trial, samples[trial.trial], notes.get(trial.trial, ""))
+        unit = discover.case(trial.case).unit(trial.parameters)
+        yield summarise(trial, samples[trial.trial], notes.get(trial.trial, ""), unit)

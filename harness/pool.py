@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pebble import ProcessExpired, concurrent
 
+from harness import discover
 from harness.record import Record
 from harness.run import outcome
 from harness.study import Trial
@@ -42,11 +43,17 @@ def _trim(log: Path, record: Record) -> None:
         log.write_bytes(end)
 
 
+def _late(trial: Trial, log: Path) -> Record:
+    return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
+
+
 def _expired(trial: Trial, error: ProcessExpired, log: Path) -> Record:
     detail = _tail(log)
     code = error.exitcode
     if "bad_alloc" in detail or "MemoryError" in detail:
         return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for", detail)
+    if code == -signal.SIGALRM:
+        return _late(trial, log)
     if code is not None and code < 0:
         return outcome(trial, "crashed", f"killed by {signal.Signals(-code).name}", detail)
     return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
@@ -58,7 +65,7 @@ def _record(trial: Trial, future: Future[Record], log: Path) -> Record:
     except ProcessExpired as error:
         return _expired(trial, error, log)
     except TimeoutError:
-        return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
+        return _late(trial, log)
     except CancelledError:
         return outcome(trial, "interrupted", "the run was stopped")
     except Exception as error:
@@ -77,7 +84,8 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
                 trial = waiting.pop()
                 log = logs / f"{trial.trial}.log"
                 log.unlink(missing_ok=True)
-                run = concurrent.process(timeout=trial.experiment.deadline, mp_context=context())(isolated_trial)
+                patience = trial.experiment.deadline + discover.adapter(trial.engine).compile_allowance
+                run = concurrent.process(timeout=patience, mp_context=context())(isolated_trial)
                 running[run(trial, folder, log)] = trial
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:

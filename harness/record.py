@@ -50,7 +50,11 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """One timing sample: `steps` steps took `cpu` and `wall` [s] in process number `process`, block number `block`."""
+    """One timing sample: `steps` steps or casts took `cpu` and `wall` [s] in process number `process`, block number `block`.
+
+    Terms:
+        units: rays of one cast, worlds of one step; 1 where one scene is stepped.
+    """
 
     process: int
     block: int
@@ -59,6 +63,7 @@ class Sample:
     wall: float
     canary: float
     switches: int
+    units: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +77,10 @@ class Timing:
     wall_per_sim_s: float | None = None
     realtime_factor: float | None = None
     unstable_timing: bool | None = None
+    unit: str | None = None
+    cpu_per_unit: float | None = None
+    cpu_per_unit_low: float | None = None
+    cpu_per_unit_high: float | None = None
     note: str = ""
     samples: tuple[Sample, ...] = ()
 
@@ -93,7 +102,9 @@ class Record:
         parameters, settings, resolved: JSON. sim_seconds [s] simulated, steps taken. cpu_per_sim_s [s/s]: median with the 95 %
         bootstrap interval cpu_low..cpu_high, None without a timing run. wall_per_sim_s likewise. realtime_factor:
         simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
+        track: 'default', 'tuned', or the name of a variant of the study.
         warnings: what the engine said. detail: trace or tail of standard error, for people.
+        unit: what was clocked: 'step', 'ray' or 'world-step'; cpu_per_unit [s] with its interval: the price of one.
     """
 
     trial: str
@@ -121,6 +132,10 @@ class Record:
     trajectory_hash: str | None = None
     warnings: tuple[str, ...] = ()
     detail: str = ""
+    unit: str | None = None
+    cpu_per_unit: float | None = None
+    cpu_per_unit_low: float | None = None
+    cpu_per_unit_high: float | None = None
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 

@@ -3,11 +3,13 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, SettingsError, Simulation, Unavailable, Unsupported
-from harness.case import Case, Converged
+from harness.batch import WorldOf, spread
+from harness.case import Case, Converged, Rays
 from harness.metric import NotMeasurable
 from harness.record import Measurement, Record, Status
 from harness.scene import Scene
@@ -109,6 +111,13 @@ def simulate(
     return log.result(dt, {} if sensors is None else sensors.streams()), None
 
 
+def cast_once(simulation: Simulation, rays: Rays) -> dict[str, Floats]:
+    """Streams 'rays/range_ideal' and 'rays/body' of the rays of a case, cast at the start."""
+    hits = simulation.cast(rays.origins, rays.directions, rays.max_range)
+    bodies = hits.body[None].astype(np.float64)
+    return {"rays/time": np.zeros(1), "rays/range_ideal": hits.distance[None], "rays/body": bodies}
+
+
 def judge(case: Case, scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Measurement, ...]:
     """All checks and observations of a case on one trajectory."""
     found = []
@@ -153,8 +162,14 @@ def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
 def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
     """Build, step, measure: the record of one accuracy run; its trajectory is kept under `folder` if one is given."""
     scene = case.scene(**trial.parameters)
+    worlds, batch = case.count_of_worlds(trial.parameters), None
+    simulation: Simulation
     try:
-        simulation = adapter.build(scene, trial.settings)
+        if worlds > 1:
+            batch = adapter.build_batch(scene, trial.settings, worlds)
+            simulation = cast(Simulation, WorldOf(batch, worlds - 1))
+        else:
+            simulation = adapter.build(scene, trial.settings)
     except Unsupported as error:
         return outcome(trial, "unsupported", str(error))
     except Unavailable as error:
@@ -163,8 +178,9 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         return outcome(trial, "failed", f"settings refused: {error}")
     dt = trial.settings.dt
     try:
-        with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features
+        with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features and batch is None
         try:
+            seen = {} if case.rays is None else cast_once(simulation, case.rays(**trial.parameters))
             actual, broke = simulate(
                 simulation,
                 scene,
@@ -176,6 +192,10 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
             )
         except Unsupported as error:
             return outcome(trial, "unsupported", str(error))
+        if case.worlds and broke is None:
+            apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
+            seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
+        actual = replace(actual, streams={**actual.streams, **seen})
         resolved, warnings = simulation.resolved.plain(), simulation.warnings()
     finally:
         simulation.close()

@@ -23,6 +23,7 @@ TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not i
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
+_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high")
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -43,7 +44,8 @@ def _tables(records: dict[str, Record]) -> dict[str, pd.DataFrame]:
         measurements += [{"trial": record.trial, **dataclasses.asdict(m)} for m in record.measurements]
         samples += [{"trial": record.trial, **dataclasses.asdict(s)} for s in record.samples]
     frame = pd.DataFrame(trials, columns=list(TRIAL_COLUMNS))
-    frame = frame.astype(dict.fromkeys(_NUMBERS, "float64") | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
+    numbers = dict.fromkeys((*_NUMBERS, *_PRICES), "float64")
+    frame = frame.astype(numbers | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
     table = pd.DataFrame(measurements, columns=list(_MEASUREMENT_COLUMNS))
     table = table.astype({"value": "float64", "at_most": "float64", "passed": "boolean"})
     return {"trials": frame, "measurements": table, "samples": pd.DataFrame(samples, columns=list(_SAMPLE_COLUMNS))}

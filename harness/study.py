@@ -2,7 +2,7 @@
 
 import hashlib
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from itertools import product
@@ -18,7 +18,7 @@ from harness.record import digest
 from harness.scene.file import dump_json
 from harness.scene.values import FROZEN, Name, Positive
 
-__all__ = ["Experiment", "Study", "StudyError", "Trial", "load_study"]
+__all__ = ["Experiment", "Study", "StudyError", "Trial", "Variant", "load_study"]
 
 
 class StudyError(ValueError):
@@ -26,10 +26,35 @@ class StudyError(ValueError):
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Variant:
+    """A group of settings that users of an engine would try beside its tracks: what it says is laid over the track `on`.
+
+    Terms: the fields of `Settings`; None keeps the track's own. options: added to the track's, one by one.
+    """
+
+    on: Literal["default", "tuned"] = "tuned"
+    substeps: int | None = None
+    iterations: int | None = None
+    integrator: str | None = None
+    solver: str | None = None
+    tolerance: float | None = None
+    options: dict[str, bool | int | float | str] = Field(default_factory=dict)
+    source: str = ""
+
+    def over(self, tracks: Mapping[str, Settings]) -> Settings:
+        """The settings of this variant of an engine with these tracks."""
+        base = tracks[self.on]
+        names = ("substeps", "iterations", "integrator", "solver", "tolerance")
+        said = {name: value for name in names if (value := getattr(self, name)) is not None}
+        return replace(base, **said, options={**base.options, **self.options}, source=self.source or f"a variant of {self.on}")
+
+
+@validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Experiment:
     """A block of trials: every case that a pattern names, on every engine that a pattern names.
 
     Terms:
+        variants: patterns over '<engine>/<variant>' of the study's variants, run beside the tracks under their own names.
         dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at
         instead of its own, each a list; all combinations are run. timing: also clock it, by `samples` samples of
         `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process.
@@ -39,6 +64,7 @@ class Experiment:
     cases: tuple[str, ...] = ("*",)
     engines: tuple[str, ...] = ("*",)
     tracks: tuple[Literal["default", "tuned"], ...] = ("default", "tuned")
+    variants: tuple[str, ...] = ()
     dt: Literal["case", "ladder"] | tuple[Positive, ...] = "case"
     parameters: dict[str, tuple[bool | int | float | str, ...]] = Field(default_factory=dict)
     timing: bool = True
@@ -51,13 +77,23 @@ class Experiment:
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Study:
-    """A named list of experiments; the part of a study file that people write."""
+    """A named list of experiments; the part of a study file that people write.
+
+    Terms:
+        variants: by engine and name, the settings beyond the two tracks that its experiments can call for.
+    """
 
     name: Name
     title: str = ""
     purpose: str = ""
     recordings: bool = True
+    variants: dict[Name, dict[Name, Variant]] = Field(default_factory=dict)
     experiments: tuple[Experiment, ...]
+
+    def __post_init__(self) -> None:
+        for engine, variants in self.variants.items():
+            if taken := {"default", "tuned"} & variants.keys():
+                raise ValueError(f"variant '{engine}/{min(taken)}': the name is a track's, expected another")
 
     def trials(
         self, cases: Mapping[str, Case], adapters: Mapping[str, Adapter], versions: Mapping[str, str]
@@ -65,15 +101,27 @@ class Study:
         """All trials, engine by engine innermost so that engines are interleaved; every cell of the matrix is there."""
         for experiment in self.experiments:
             engines = [e for e in adapters.values() if any(fnmatchcase(e.name, pattern) for pattern in experiment.engines)]
+            sides = list(self._sides(experiment, engines))
             for case in cases.values():
                 if not any(fnmatchcase(case.name, pattern) for pattern in experiment.cases):
                     continue
                 for parameters, seed in parameters_of(experiment, case):
                     question = _question(case, parameters)
-                    for dt, track, engine in product(steps_of(experiment, case), experiment.tracks, engines):
-                        settings = engine.tracks[track].with_dt(dt)
-                        cell = _Cell(case, parameters, seed, question, engine.name, versions[engine.name], track, settings)
+                    for dt, (track, engine, settings) in product(steps_of(experiment, case), sides):
+                        cell = _Cell(
+                            case, parameters, seed, question, engine.name, versions[engine.name], track, settings.with_dt(dt)
+                        )
                         yield Trial.of(self, experiment, cell)
+
+    def _sides(self, experiment: Experiment, engines: Sequence[Adapter]) -> Iterator[tuple[str, Adapter, Settings]]:
+        """Tracks, then variants, each with the engines that have it and the settings that it means there."""
+        for track in experiment.tracks:
+            for engine in engines:
+                yield track, engine, engine.tracks[track]
+        for engine in engines:
+            for name, variant in self.variants.get(engine.name, {}).items():
+                if any(fnmatchcase(f"{engine.name}/{name}", pattern) for pattern in experiment.variants):
+                    yield name, engine, variant.over(engine.tracks)
 
 
 def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str, Any], int]]:
@@ -93,9 +141,14 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
 
 
 def _question(case: Case, parameters: Mapping[str, Any]) -> str:
-    """A digest of what is asked: the scene, how long it runs and what is sampled."""
+    """A digest of what is asked: the scene, how long it runs, what is sampled and which rays are cast."""
     scene = hashlib.sha256(dump_json(case.scene(**parameters)).encode()).hexdigest()
-    return digest([scene, case.duration, case.sample_interval, case.with_contacts])
+    asked = [scene, case.duration, case.sample_interval, case.with_contacts]
+    if case.rays is not None:
+        rays = case.rays(**parameters)
+        asked.append(hashlib.sha256(rays.origins.tobytes() + rays.directions.tobytes()).hexdigest())
+        asked.append(rays.max_range)
+    return digest(asked)
 
 
 def steps_of(experiment: Experiment, case: Case) -> tuple[float, ...]:

@@ -7,12 +7,15 @@ import resource
 import signal
 import sys
 import traceback
+from contextlib import suppress
 from multiprocessing.context import ForkServerContext
 from pathlib import Path
 
 import psutil
 
 from harness import discover
+from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
+from harness.case import Case
 from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
@@ -57,11 +60,26 @@ def confine(memory: float, log: Path) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
 
 
+def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
+    """Let an engine compile itself, and have this process killed by SIGALRM once the deadline has passed after that.
+
+    The alarm needs no help from Python, so that code which holds the interpreter does not outlive it.
+    """
+    # What is wrong with the scene or the settings is for `build` to say.
+    with suppress(Unsupported, Unavailable, SettingsError):
+        adapter.compile(case.scene(**trial.parameters), trial.settings)
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, trial.experiment.deadline)
+
+
 def isolated_trial(trial: Trial, folder: Path, log: Path) -> Record:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it."""
     confine(trial.experiment.memory, log)
     try:
-        return run_trial(trial, discover.case(trial.case), discover.adapter(trial.engine), folder)
+        case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
+        if adapter.compile_allowance > 0:
+            _compile(trial, case, adapter)
+        return run_trial(trial, case, adapter, folder)
     except MemoryError:
         return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for")
     except Exception as error:

@@ -34,6 +34,8 @@ def rendered(store: Store) -> Mapping[str, str]:
     """
     texts: dict[str, str] = {}
     for page in pages():
+        if not page.concerns(store):
+            continue
         for name, text in page.render(store).items():
             if not FILE_NAME.fullmatch(name):
                 raise ValueError(f"page {page.name!r}: file {name!r}, expected a plain name, at most one folder deep")

@@ -20,7 +20,7 @@ class Page:
     Terms:
         name: unique; its main file is `<name>.html`. title: in the navigation. order: place there, smallest first.
         render: the store to texts by file name relative to the report's folder: the page itself, and whatever it links to.
-        listed: does it stand in the navigation?
+        listed: does it stand in the navigation? concerns: has it anything to say of this store? Without, it is left out.
     """
 
     name: str
@@ -28,6 +28,7 @@ class Page:
     order: int
     render: Callable[["Store"], Mapping[str, str]]
     listed: bool = True
+    concerns: Callable[["Store"], bool] = lambda _: True
 
 
 def pages() -> tuple[Page, ...]:

@@ -81,7 +81,7 @@ def fill(template: str, store: "Store", **context: Any) -> str:
         .get_template(template)
         .render(
             policy=POLICY,
-            navigation=[page for page in pages() if page.listed],
+            navigation=[page for page in pages() if page.listed and page.concerns(store)],
             engines=named,
             looks=looks(named),
             statuses=STATUSES,

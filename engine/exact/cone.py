@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["frame_of", "inverse_slope", "project", "smooth_project"]
+__all__ = ["compose", "frame_of", "inverse_slope", "project", "root", "smooth_project", "spectral"]
 
 FloatArray = NDArray[np.float64]
 

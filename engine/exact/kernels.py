@@ -75,7 +75,7 @@ def drift_touched(floats: Floats, ints: Ints, h: float, last: int) -> int:
     for b in range(count[0, BODIES]):
         if kind[b, TOUCHED] == 1:
             drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
-    refresh(state, count[0, MANIFOLDS], manifold, key, point)
+    refresh(state, 0, count[0, MANIFOLDS], manifold, key, point)
     sum_impulses(count[0, MANIFOLDS], manifold, key, point)
     if last == 1:
         count[0, STEPS] += 1

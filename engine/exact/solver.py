@@ -1,8 +1,9 @@
-"""The exact solve: three methods from the quickest to the most patient, each judged by the certificate alone.
+"""The exact solve: four methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
-2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
-3. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
+2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its narrow part;
+3. the path traced by arc length, around its turns (`trace`), and 1 and 2 from ever smaller widths of it;
+4. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
 """
 
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from engine.exact.follow import follow_path
 from engine.exact.law import Problem
 from engine.exact.residual import relative_residual
 from engine.exact.scaled import Scaled, scale_problem
+from engine.exact.trace import trace_path
 
 __all__ = ["Solution", "solve"]
 
@@ -27,8 +29,10 @@ PROXIMAL = 1e-8
 """Weight of the distance to the last impulses in a step of that Newton, which vanishes with the step."""
 MOST_STEPS, SHORTER = 12, (1.0, 0.5, 0.2, 0.05, 0.01)
 """How many steps it is given, and how much shorter they may be made."""
-WIDTHS = ((0.1, 1e-13), (1e-2, 1e-13))
-"""First and last widths of the paths, in units of the largest free velocity."""
+WIDTHS, SHARPEST, SHARP = (0.1, 1e-2), 1e-13, 3e-6
+"""First widths of the paths, their last one, and that from which on 1 is tried, in units of the largest free velocity."""
+NARROW, CLOSER, MOST_TRACED = 1e-3, 0.1, 800
+"""Width of a traced path below which Newton is tried, how much narrower each time, and the matrices it may take."""
 PATIENCE = 12
 """Rounds of the fixed point without halving the residual, after which it is given up."""
 
@@ -62,16 +66,27 @@ def solve(problem: Problem, tolerance: float = 1e-11, most: int = 40, guess: Flo
     scaled = scale_problem(problem)
     if guess is not None:
         best, lowest, steps = finish(scaled, guess * scaled.scale / scaled.unit, tolerance)
-    for width, narrowest in WIDTHS:
+    for width in WIDTHS:
         if lowest <= tolerance:
             break
         x = np.zeros((problem.size, 3))
         x[:, 0] = width
-        x, more = follow_path(scaled.w, scaled.q, scaled.rubs, x, width, narrowest)
-        x, residual, last = finish(scaled, x, tolerance)
-        steps += more + last
+        x, residual, more = follow(scaled, x, width, tolerance)
+        steps += more
         if residual < lowest:
             best, lowest = x, residual
+    if lowest > tolerance:
+        narrow = NARROW
+        for x, width, more in trace_path(scaled.w, scaled.q, scaled.rubs, MOST_TRACED):
+            steps += more
+            if width < narrow:
+                narrow = CLOSER * width
+                for tried, residual, more in (finish(scaled, x, tolerance), follow(scaled, x, width, tolerance)):
+                    steps += more
+                    if residual < lowest:
+                        best, lowest = tried, residual
+                if lowest <= tolerance:
+                    break
     count, idle = 0, 0
     if lowest > tolerance:
         for x, more in rounds(scaled, best if lowest < NEAR else np.zeros_like(best)):
@@ -83,6 +98,24 @@ def solve(problem: Problem, tolerance: float = 1e-11, most: int = 40, guess: Flo
             if lowest <= tolerance or idle > PATIENCE or count >= most:
                 break
     return Solution(scaled.impulse(best), lowest, count, steps)
+
+
+def follow(scaled: Scaled, x: FloatArray, width: float, tolerance: float) -> tuple[FloatArray, float, int]:
+    """The best scaled impulses (k, 3) along the path from x and a width on, with residual and number of steps."""
+    best, lowest, steps = x, np.inf, 0
+    for point, sharp, more in follow_path(scaled.w, scaled.q, scaled.rubs, x, width, SHARPEST):
+        x, steps = np.where(scaled.kept, point, 0.0), steps + more
+        residual = scaled.residual(x)
+        if residual < lowest:
+            best, lowest = x, residual
+        if sharp <= SHARP and lowest > tolerance:
+            tried, residual, last = finish(scaled, x, tolerance)
+            steps += last
+            if residual < lowest:
+                best, lowest = tried, residual
+        if lowest <= tolerance:
+            break
+    return best, lowest, steps
 
 
 def finish(scaled: Scaled, x: FloatArray, tolerance: float) -> tuple[FloatArray, float, int]:

@@ -19,6 +19,8 @@ Where several are as good, the choice stays the same from step to step, and so d
 """
 ON_PLANE = 1e-7
 """Share of the largest half extent [1] within which a corner counts as on a clipping plane: it keeps its feature."""
+PARALLEL = 1e-8
+"""Squared sine of the angle between two edges [1] below which they span no axis."""
 EDGES = 10_000
 """Features of edge pairs count from here; those of faces lie below."""
 FACE_OF_B = 576
@@ -32,9 +34,10 @@ def column(m: Mat, k: int) -> Vec:
 
 
 @kernel
-def reach(m: Mat, h: Vec, n: Vec) -> float:
-    """Half the width of a box along n."""
-    return h[0] * abs(dot(column(m, 0), n)) + h[1] * abs(dot(column(m, 1), n)) + h[2] * abs(dot(column(m, 2), n))
+def between(ma: Mat, mb: Mat) -> Mat:
+    """A^T B: entry (i, j) is the cosine between axis i of A and axis j of B."""
+    one, two, three = tmat_vec(ma, column(mb, 0)), tmat_vec(ma, column(mb, 1)), tmat_vec(ma, column(mb, 2))
+    return one[0], two[0], three[0], one[1], two[1], three[1], one[2], two[2], three[2]
 
 
 @kernel
@@ -45,37 +48,51 @@ def box_box(
     """Box A against box B. Returns: number of points, normal from A to B."""
     d = sub(pb, pa)
     smallest = min(min(min(ha[0], ha[1]), ha[2]), min(min(hb[0], hb[1]), hb[2]))
-    best, code, normal = -math.inf, -1, (0.0, 0.0, 1.0)
-    for k in range(6):
-        n = column(ma, k) if k < 3 else column(mb, k - 3)
-        way = dot(d, n)
-        gap = abs(way) - reach(ma, ha, n) - reach(mb, hb, n)
+    tie = HANDICAP * smallest
+    t, c = tmat_vec(ma, d), between(ma, mb)
+    u = tmat_vec(mb, d)
+    best, code, way = -math.inf, -1, 0.0
+    for k in range(3):
+        gap = abs(t[k]) - ha[k] - (abs(c[3 * k]) * hb[0] + abs(c[3 * k + 1]) * hb[1] + abs(c[3 * k + 2]) * hb[2])
         if gap > margin:
-            return 0, normal
-        if gap > best + (0.0 if k < 3 else HANDICAP * smallest):
-            best, code = gap, k
-            normal = n if way >= 0.0 else neg(n)
+            return 0, (0.0, 0.0, 1.0)
+        if gap > best:
+            best, code, way = gap, k, t[k]
+    for k in range(3):
+        gap = abs(u[k]) - hb[k] - (abs(c[k]) * ha[0] + abs(c[3 + k]) * ha[1] + abs(c[6 + k]) * ha[2])
+        if gap > margin:
+            return 0, (0.0, 0.0, 1.0)
+        if gap > best + tie:
+            best, code, way = gap, 3 + k, u[k]
     for i in range(3):
+        i1, i2 = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
-            n = cross(column(ma, i), column(mb, j))
-            length = norm(n)
-            if length < 1e-4:
+            j1, j2 = (j + 1) % 3, (j + 2) % 3
+            along = t[i2] * c[3 * i1 + j] - t[i1] * c[3 * i2 + j]
+            gap = abs(along) - (ha[i1] * abs(c[3 * i2 + j]) + ha[i2] * abs(c[3 * i1 + j]))
+            gap -= hb[j1] * abs(c[3 * i + j2]) + hb[j2] * abs(c[3 * i + j1])
+            # The axis is not of unit length yet: what it will be divided by is at most one, so that a depth can only grow.
+            if gap <= min(min(best + tie, margin), 0.0):
                 continue
-            n = scale(1.0 / length, n)
-            way = dot(d, n)
-            gap = abs(way) - reach(ma, ha, n) - reach(mb, hb, n)
+            square = 1.0 - c[3 * i + j] * c[3 * i + j]
+            if square < PARALLEL:
+                continue
+            gap /= math.sqrt(square)
             if gap > margin:
-                return 0, normal
-            if gap > best + HANDICAP * smallest:
-                best, code = gap, 6 + 3 * i + j
-                normal = n if way >= 0.0 else neg(n)
+                return 0, (0.0, 0.0, 1.0)
+            if gap > best + tie:
+                best, code, way = gap, 6 + 3 * i + j, along
     if code >= 6:
         i, j = (code - 6) // 3, (code - 6) % 3
+        n = cross(column(ma, i), column(mb, j))
+        normal = scale(math.copysign(1.0 / norm(n), way), n)
         return edge_edge(pa, ma, ha, i, pb, mb, hb, j, normal, best, point, key, at, code), normal
-    if code < 3:
-        return face_face(pa, ma, ha, code, normal, pb, mb, hb, margin, point, key, at, clip, clip_key, code), normal
-    count = face_face(pb, mb, hb, code - 3, neg(normal), pa, ma, ha, margin, point, key, at, clip, clip_key, code)
-    return count, normal
+    on_a = code < 3
+    face = code if on_a else code - 3
+    pr, mr, hr, pi, mi, hi = (pa, ma, ha, pb, mb, hb) if on_a else (pb, mb, hb, pa, ma, ha)
+    normal = scale(1.0 if way >= 0.0 else -1.0, column(mr, face))
+    outward = normal if on_a else neg(normal)
+    return face_face(pr, mr, hr, face, outward, pi, mi, hi, margin, point, key, at, clip, clip_key, code), normal
 
 
 @kernel
@@ -134,6 +151,11 @@ def face_face(
         k = side // 2
         way = 1.0 if side % 2 == 0 else -1.0
         bound = hr[one] if k == 0 else hr[two]
+        cut = False
+        for c in range(base, base + count):
+            cut = cut or way * clip[c, k] - bound > near
+        if not cut:
+            continue
         into = 16 - base
         kept = 0
         for c in range(count):

@@ -32,6 +32,7 @@ __all__ = ["MAX_IMPACTS", "Impacts", "SweptSteps"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
+Search = Callable[[FloatArray, IntArray], int]
 
 MAX_IMPACTS = 256
 """Impacts of one step [1] that are followed one by one."""
@@ -61,10 +62,14 @@ class Earlier:
 
 
 class SweptSteps:
-    """The step of one world, with the record of its impacts. Args: options; step: of the contact solver, compiled."""
+    """The step of one world, with the record of its impacts.
 
-    def __init__(self, options: Options, step: Step, bodies: int, shapes: int) -> None:
-        self._dt, self._trial = options.dt, step
+    Args: options; step: of the contact solver, compiled; search: for the pairs of the coming part of a step, or None where the
+    step finds them itself; bodies, shapes: their numbers.
+    """
+
+    def __init__(self, options: Options, step: Step, search: Search | None, bodies: int, shapes: int) -> None:
+        self._dt, self._trial, self._search = options.dt, step, search
         self._path, self._bounds = np.zeros((bodies + 1, PATH_COLUMNS)), np.zeros((shapes, 6))
         self._order = np.arange(shapes)
         self._work, self._key = np.zeros((560, 10)), np.zeros((560, 6), np.int64)
@@ -139,7 +144,7 @@ class SweptSteps:
 
     def _strike(self, floats: FloatArray, ints: IntArray) -> int:
         """The blow of this instant. Returns: a status."""
-        status = int(strike(floats, ints, SWEEPS))
+        status = self._find_anew(floats, ints) or int(strike(floats, ints, SWEEPS))
         if status == 3:
             _answer(floats, ints)
             status = int(strike(floats, ints, SWEEPS))
@@ -158,11 +163,27 @@ class SweptSteps:
             float_table(floats, ints, at.POINT)[: 4 * manifolds, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] *= share
             float_table(floats, ints, at.MANIFOLD)[:manifolds, at.SPIN_IMPULSE : at.SPIN_IMPULSE + 3] *= share
             setting[at.LAST_SPAN] = span
+        status = self._find_anew(floats, ints)
+        if status != 0:
+            return status
         _, status = self._trial(floats, ints, 1)
         if status == 3:
             _answer(floats, ints)
             _, status = self._trial(floats, ints, 1)
         return status
+
+    def _find_anew(self, floats: FloatArray, ints: IntArray) -> int:
+        """Make the next contacts be those of the present poses: find their pairs, and count no body as still.
+
+        Contacts kept from part to part would miss bodies that are put where their paths are. Returns: a status.
+        """
+        float_table(floats, ints, at.REST)[:] = np.inf
+        return 0 if self._search is None else self._search(floats, ints)
+
+    def compile(self, floats: FloatArray, ints: IntArray) -> None:
+        """Compile what only an impact calls for, in a world to be thrown away."""
+        place_bodies(floats, ints, self._path, 0.0)
+        self._strike(floats, ints)
 
     def _note(self, floats: FloatArray, ints: IntArray) -> None:
         """Keep the impulses of this part of the step, which the next part will not know."""

@@ -19,6 +19,7 @@ from engine.arena import (
     COUNT,
     DYNAMIC,
     GYROSCOPIC,
+    HELD,
     MANIFOLD,
     MANIFOLD_KEY,
     MANIFOLDS,
@@ -34,6 +35,7 @@ from engine.arena import (
     SPIN_IMPULSE,
     STATE,
     STATIC,
+    STRIKES,
     STRUCK,
     SUBSTEPS,
     TANGENT_IMPULSE,
@@ -45,7 +47,7 @@ from engine.arena import (
     W,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import bounce, sum_impulses
+from engine.contact_solver import bounce, end_step, end_substep
 from engine.find_contacts import find_contacts
 from engine.jit import entry
 from engine.motion import angular_momentum, turn_inertia
@@ -97,22 +99,24 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
         va, wa, vb, wb = load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W)
         store3(kept, m, SPIN_IMPULSE, load3(manifold, m, SPIN_IMPULSE))
         store3(manifold, m, SPIN_IMPULSE, none)
+        key[m, STRIKES] = 0
         for i in range(4 * m, 4 * m + key[m, POINTS]):
             kept_point[i, NORMAL_IMPULSE] = point[i, NORMAL_IMPULSE]
             store3(kept_point, i, TANGENT_IMPULSE, load3(point, i, TANGENT_IMPULSE))
-            point[i, NORMAL_IMPULSE] = 0.0
-            store3(point, i, TANGENT_IMPULSE, none)
+            point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
             ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
             u = dot(load3(manifold, m, NORMAL), sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
             if point[i, SEPARATION] <= touch:
                 point[i, SEPARATION], point[i, APPROACH] = 0.0, u
-                point[i, STRUCK] = 1.0 if u < -slow else 0.0
-    for _ in range(sweeps):
-        sweep_velocities(state, body, turned, n, manifold, key, point, AT_ONCE, 0)
+                if u < -slow:
+                    key[m, STRIKES], point[i, STRUCK] = 1, 1.0
+    for k in range(sweeps):
+        sweep_velocities(state, body, turned, n, manifold, key, point, AT_ONCE, 0, k % 2)
     if bounce(n, manifold, key, point):
-        for _ in range(sweeps):
-            sweep_velocities(state, body, turned, n, manifold, key, point, AT_ONCE, 1)
-    sum_impulses(n, manifold, key, point)
+        for k in range(sweeps):
+            sweep_velocities(state, body, turned, n, manifold, key, point, AT_ONCE, 1, k % 2)
+    end_substep(n, key, point)
+    end_step(n, manifold, key, point)
     for m in range(n):
         store3(manifold, m, SPIN_IMPULSE, load3(kept, m, SPIN_IMPULSE))
         for i in range(4 * m, 4 * m + key[m, POINTS]):

@@ -1,5 +1,7 @@
 """Energy drift: the largest departure of the mechanical energy from its start, as a share of the energy in play.
 
+Where energy may be lost but never won, the gain alone is read; where it is to stay, also the rate at which it grows.
+
 Semi-implicit Euler keeps velocity half a step behind position (v_k belongs to t_k - dt/2), so that its raw energy oscillates to
 first order in dt without any drift. The staggered figure moves velocities on by half a step, v + dt/2 dv/dt, before it squares
 them. For an integrator that does not stagger the raw figure is the right one; both are always given and none is chosen.
@@ -13,7 +15,7 @@ from harness.reduction import last, maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["ENERGY_FINAL", "ENERGY_MAX", "ENERGY_STAGGERED", "METRIC"]
+__all__ = ["ENERGY_FINAL", "ENERGY_GAIN", "ENERGY_GROWTH", "ENERGY_MAX", "ENERGY_STAGGERED", "METRIC"]
 
 SOURCE = "conservation of energy; half-step correction: Hairer, Lubich, Wanner, Geometric Numerical Integration, section I.1.4"
 
@@ -69,11 +71,25 @@ def _scale(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> flo
     return scale
 
 
-def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+def _change(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+    """Energy won since the start, as a share of the energy in play, (t,)."""
     _check(scene, actual)
     energy = _kinetic(scene, actual, actual.v_WB, actual.w_WB) + _potential(scene, actual)
-    drift: Floats = np.abs(energy - energy[0]) / _scale(scene, actual, expected)
-    return drift
+    change: Floats = (energy - energy[0]) / _scale(scene, actual, expected)
+    return change
+
+
+def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+    return np.abs(_change(scene, actual, expected))
+
+
+def _growth(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    """Slope [1/s] of a straight line through the energy, by least squares; not finite where one sample is not."""
+    change = _change(scene, actual, expected)
+    if len(change) < 3:
+        raise NotMeasurable(f"{len(change)} samples, at least 3 are needed for a slope")
+    since = actual.time - actual.time.mean()
+    return float(since @ change / (since @ since))
 
 
 def _staggered_drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
@@ -97,5 +113,17 @@ ENERGY_FINAL = Metric(name="energy_drift_final", unit="1", source=SOURCE, measur
 ENERGY_STAGGERED = Metric(
     name="energy_drift_staggered_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_staggered_drift(s, a, e))
 )
+ENERGY_GAIN = Metric(
+    name="energy_gain_max",
+    unit="1",
+    source="conservation of energy: energy won since the start, as a share of the energy in play; 0 where it only falls",
+    measure=lambda s, a, e: maximum(_change(s, a, e)),
+)
+ENERGY_GROWTH = Metric(
+    name="energy_growth_rate",
+    unit="1/s",
+    source="conservation of energy: magnitude of the slope of a straight line through the energy over that in play",
+    measure=lambda s, a, e: abs(_growth(s, a, e)),
+)
 
-METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED)
+METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED, ENERGY_GAIN, ENERGY_GROWTH)

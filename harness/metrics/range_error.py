@@ -16,24 +16,28 @@ __all__ = ["FALSE_RETURNS", "INTENSITY_ERROR_MAX", "METRIC", "RANGE_ERROR_MAX", 
 
 SOURCE = "closed-form intersection of rays and primitives"
 OTHER_SURFACE = 0.1
+RAYS = "rays"
+"""The stream of a case that casts rays of its own, without a sensor."""
 
 
 def _pairs(scene: Scene, actual: Trajectory, expected: Trajectory | None, channel: str) -> tuple[Floats, Floats]:
-    """The stream of all range finders and its truth, as two flat arrays."""
+    """The stream of all range finders, and of the case's own rays, and its truth, as two flat arrays."""
     found: list[Floats] = []
     truths: list[Floats] = []
-    for sensor in scene.sensors:
-        if isinstance(sensor, Lidar):
-            name, stamps = f"{sensor.name}/{channel}", f"{sensor.name}/time"
-            if expected is None or name not in expected.streams:
-                raise NotMeasurable(f"the truth has no stream '{name}'")
-            if name not in actual.streams:
-                raise NotMeasurable(f"stream '{name}' was not recorded")
-            here, there = actual.streams[stamps], expected.streams[stamps]
-            if here.shape != there.shape or not np.all(np.abs(here - there) < 1e-9):
-                raise NotMeasurable(f"the truth of '{name}' stands at other times than the scans")
-            found.append(actual.streams[name].ravel())
-            truths.append(expected.streams[name].ravel())
+    finders = [sensor.name for sensor in scene.sensors if isinstance(sensor, Lidar)]
+    if expected is not None and f"{RAYS}/time" in expected.streams:
+        finders.append(RAYS)
+    for finder in finders:
+        name, stamps = f"{finder}/{channel}", f"{finder}/time"
+        if expected is None or name not in expected.streams:
+            raise NotMeasurable(f"the truth has no stream '{name}'")
+        if name not in actual.streams:
+            raise NotMeasurable(f"stream '{name}' was not recorded")
+        here, there = actual.streams[stamps], expected.streams[stamps]
+        if here.shape != there.shape or not np.all(np.abs(here - there) < 1e-9):
+            raise NotMeasurable(f"the truth of '{name}' stands at other times than the scans")
+        found.append(actual.streams[name].ravel())
+        truths.append(expected.streams[name].ravel())
     if not found or sum(map(len, found)) == 0:
         raise NotMeasurable("the scene has no range finder, or it made no scan")
     return np.concatenate(found), np.concatenate(truths)

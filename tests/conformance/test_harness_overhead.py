@@ -8,7 +8,7 @@ import pytest
 
 from harness import discover
 from harness.adapter import Unavailable
-from harness.clock import clock_steps
+from harness.bench import clock_steps
 
 STEPS, BLOCKS = 2000, 15
 

@@ -409,6 +409,18 @@ def test_the_mean_rebound_over_the_phases_of_the_step_is_the_restitution(setting
     assert np.ptp(rebounds) < 0.09
 
 
+def test_without_restitution_a_free_body_leaves_with_what_a_contact_that_cannot_pull_gives_back() -> None:
+    """x = -v t exp(-w t) is pushed until w t = 2, when its speed is exp(-2) v; 200 steps to 1/w leave half a per cent of it."""
+    rebounds = []
+    for phase in range(4):
+        ball = replace(_shaped("ball", Sphere(radius=0.1), (0.0, 0.0, 0.101 + 5e-5 * phase)), v_WB=(0.0, 0.0, -2.0))
+        scene = replace(_on_ground(ball), gravity=(0.0, 0.0, 0.0))
+        simulation = _build(scene, DEFAULT, dt=1e-4)
+        simulation.step(2000)
+        rebounds.append(_state(simulation, scene).v_WB[1, 2] / 2)
+    assert np.mean(rebounds) == pytest.approx(math.exp(-2), rel=0.01)
+
+
 def test_no_restitution_is_no_rebound_and_too_little_is_refused() -> None:
     for settings in (DEFAULT, TUNED):
         scene = _on_ground(_shaped("ball", Sphere(radius=0.1), (0.0, 0.0, 0.6)))

@@ -19,7 +19,20 @@ timing = false
 deadline = 4.0
 memory = 1000.0
 """
-ENGINES = ("sound", "segfault", "abort", "vanish", "hang", "hoard", "raise", "flood", "nan", "absent")
+ENGINES = (
+    "sound",
+    "segfault",
+    "abort",
+    "vanish",
+    "hang",
+    "hoard",
+    "raise",
+    "flood",
+    "nan",
+    "compile",
+    "compile_hang",
+    "absent",
+)
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +61,8 @@ def trials(folder: Path, plumbline: Command) -> pd.DataFrame:
         ("raise", "crashed", "the engine's own exception"),
         ("flood", "crashed", "File too large"),
         ("nan", "diverged", "step"),
+        ("compile", "passed", "every check holds"),
+        ("compile_hang", "timeout", "deadline of 4 s"),
         ("absent", "unavailable", "not installed"),
     ],
 )

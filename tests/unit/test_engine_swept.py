@@ -341,6 +341,45 @@ def test_a_swept_world_repeats_itself_bit_for_bit_and_from_a_save() -> None:
     assert one.state().tobytes() == later
 
 
+def _swarm(broad_phase: str | None) -> engine.World:
+    """Twenty balls, boxes and rods that fly at a thin wall, past it and into each other, over a floor."""
+    rng = np.random.default_rng(5)
+    kinds = [SHAPES["sphere"], SHAPES["box"], SHAPES["capsule"]]
+    bodies = [
+        _bullet(
+            kinds[k % 3], f"b{k}", p_WB=(-1 + 0.1 * rng.normal(), 0.4 * (k % 5) - 0.8, 0.2 + 0.25 * (k // 5)),
+            v_WB=rng.normal(size=3) * (40, 10, 10), w_WB=20 * rng.normal(size=3),
+        )
+        for k in range(20)
+    ]  # fmt: skip
+    floor = engine.Body(name="floor", motion="static", shapes=[engine.Placed(engine.Plane())])
+    law = engine.Surface(static_friction=0.3, kinetic_friction=0.3, restitution=0.5)
+    return _world([floor, WALL, *bodies], law, gravity=(0, 0, -9.81), broad_phase=broad_phase)
+
+
+@pytest.mark.parametrize("name", ["uniform_grid", "bvh"])
+def test_pairs_found_before_each_part_of_a_step_are_those_found_in_it(name: str) -> None:
+    """Bodies move between the parts of a step, so that pairs of its start would miss some: the bits end up the same."""
+    one, two = _swarm("brute_force"), _swarm(name)
+    one.step(60)
+    two.step(60)
+    assert one.impacts is not None
+    assert one.impacts.count > 20
+    assert np.array_equal(one.state(), two.state())
+    assert one.impacts == two.impacts
+
+
+def test_a_world_to_be_thrown_away_compiles_the_blow_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing strikes in the first step, and yet the next worlds shall not wait for their first impact."""
+    blows: list[object] = []
+    monkeypatch.setattr("engine.swept.steps.strike", lambda *given: blows.append(given) or 0)
+    world = _world([WALL, _bullet(SHAPES["sphere"], p_WB=(-1, 0, 0), v_WB=(1, 0, 0))])
+    world.step(1)
+    assert not blows
+    world.compile()
+    assert blows
+
+
 def test_more_impacts_than_are_followed_are_said_and_nothing_passes() -> None:
     """A ball with a tenth of a millimetre of room between two walls at 500 m/s strikes 20 000 times in a step."""
     walls = [

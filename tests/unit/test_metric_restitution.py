@@ -10,6 +10,7 @@ from harness.metric import NotMeasurable
 from harness.metrics.restitution import (
     APEX_GAIN,
     BOUNCE_HEIGHT_ERROR,
+    BOUNCING_TIME_ERROR,
     IMPACT_TIME_ERROR,
     LATER_RESTITUTION_ERROR,
     RESTITUTION_ERROR,
@@ -109,3 +110,23 @@ def test_a_scene_without_a_ball_over_a_plane_is_not_measurable() -> None:
     nothing = Scene(bodies=(Body(name="free"),))
     with pytest.raises(NotMeasurable, match="no ball"):
         RESTITUTION_ERROR(nothing, Trajectory.of(np.arange(9.0), 1))
+
+
+@pytest.mark.parametrize("bounces", [1, 2, 4])
+def test_bouncing_that_ends_early_is_off_by_the_hops_that_are_missing(bounces: int) -> None:
+    truth, lazy = run([0.5] * 6), run([0.5] * bounces)
+    assert BOUNCING_TIME_ERROR(stage(0.5), truth, truth) == 0.0
+    fall = math.sqrt(2 * H / G)
+    missing = sum(2 * fall * 0.5**n for n in range(bounces + 1, 7))
+    # Hops are left and begun at 1e-4 of the drop, within a sample of the ground.
+    assert BOUNCING_TIME_ERROR(stage(0.5), lazy, truth) == pytest.approx(missing, abs=2 / 240)
+
+
+def test_no_end_is_asked_of_a_ball_that_bounces_on_and_nothing_is_swallowed() -> None:
+    with pytest.raises(NotMeasurable, match="comes to rest"):
+        BOUNCING_TIME_ERROR(stage(1.0), run([1.0] * 9), run([1.0] * 9))
+    with pytest.raises(NotMeasurable, match="no truth"):
+        BOUNCING_TIME_ERROR(stage(0.5), run([0.5]), None)
+    broken = run([0.5])
+    broken.p_WB[3, 1, 2] = math.nan
+    assert math.isnan(BOUNCING_TIME_ERROR(stage(0.5), broken, run([0.5])))

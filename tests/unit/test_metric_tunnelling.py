@@ -14,9 +14,8 @@ from harness.metrics.tunnelling import (
     TUNNEL_PROBABILITY,
     TUNNEL_PROBABILITY_HIGH,
     TUNNEL_PROBABILITY_LOW,
-    Z_95,
-    wilson_interval,
 )
+from harness.proportion import Z_95, wilson_interval
 from harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, rotate
 from harness.trajectory import Trajectory
 

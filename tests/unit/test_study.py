@@ -1,12 +1,13 @@
 """Studies: their files, and how they unfold into trials."""
 
 import dataclasses
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import pytest
 
 from harness import discover
-from harness.study import Experiment, Study, StudyError, load_study
+from harness.study import Experiment, Study, StudyError, Variant, load_study
 
 
 def test_every_built_in_study_is_readable() -> None:
@@ -75,3 +76,50 @@ def test_another_scene_behind_the_same_parameters_is_another_trial() -> None:
     adapters, study = {"mujoco": discover.adapter("mujoco")}, load_study("quick")
     names = [{t.trial for t in study.trials({case.name: c}, adapters, {"mujoco": "1"})} for c in (case, heavier)]
     assert not names[0] & names[1]
+
+
+VARIANTS = {"mujoco": {"cg": Variant(on="default", solver="cg"), "stiff": Variant(options={"contact_steps": 5.0})}}
+
+
+def test_a_variant_runs_beside_the_tracks_under_its_own_name_and_settings() -> None:
+    experiment = Experiment(name="e", dt=(0.01,), variants=("mujoco/*",))
+    study = Study(name="s", variants=VARIANTS, experiments=(experiment,))
+    engine = discover.adapter("mujoco")
+    cases = {"flight_projectile": discover.case("flight_projectile")}
+    trials = {t.track: t for t in study.trials(cases, {"mujoco": engine}, {"mujoco": "1"})}
+    assert list(trials) == ["default", "tuned", "cg", "stiff"]
+    assert trials["cg"].settings.solver == "cg"
+    assert trials["cg"].settings.options == engine.tracks["default"].options
+    assert trials["stiff"].settings.options == {**engine.tracks["tuned"].options, "contact_steps": 5.0}
+    assert len({t.trial for t in trials.values()}) == 4
+
+
+def test_variants_are_chosen_by_pattern_and_left_out_otherwise() -> None:
+    cases, adapters = {"flight_projectile": discover.case("flight_projectile")}, {"mujoco": discover.adapter("mujoco")}
+    for patterns, expected in (((), set()), (("mujoco/c*",), {"cg"}), (("bullet/*",), set()), (("*/stiff",), {"stiff"})):
+        experiment = Experiment(name="e", tracks=(), variants=patterns)
+        study = Study(name="s", variants=VARIANTS, experiments=(experiment,))
+        assert {t.track for t in study.trials(cases, adapters, {"mujoco": "1"})} == expected
+
+
+def test_a_variant_that_takes_a_tracks_name_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text("name = 'x'\n[variants.dart]\ntuned = {iterations = 3}\n[[experiments]]\nname = 'e'")
+    with pytest.raises(StudyError, match="'dart/tuned': the name is a track's"):
+        load_study(str(path))
+
+
+def test_the_quick_study_has_a_case_of_each_family_and_does_not_grow_by_itself() -> None:
+    (look, _) = load_study("quick").experiments
+    assert "*" not in look.cases
+    chosen = [name for name in discover.names("cases") if any(fnmatchcase(name, pattern) for pattern in look.cases)]
+    assert len(chosen) == 13
+
+
+def test_every_variant_of_the_scaling_study_is_one_that_its_engine_builds() -> None:
+    study, case = load_study("scaling"), discover.case("flight_box")
+    for name, variants in study.variants.items():
+        engine = discover.adapter(name)
+        if discover.version_of(engine)[1] is None:
+            for variant in variants.values():
+                engine.build(case.scene(), variant.over(engine.tracks)).close()

@@ -4,25 +4,47 @@ import numpy as np
 import pytest
 
 from cases import (
+    flight_damped,
     flight_projectile,
+    joint_conical_pendulum,
     joint_double_pendulum,
+    joint_fourbar,
+    joint_limits,
     joint_pendulum,
+    joint_spring,
     sensor_imu_noise,
     sensor_lidar_noise,
     spin_asymmetric_top,
+    spin_fast,
+    spin_heavy_top,
+    spin_intermediate_axis,
+    spin_principal,
+    spin_symmetric_top,
 )
 from harness.case import Case, Converged
 from harness.trajectory import State
 
-MODULES = (
+SMOOTH = (
+    flight_damped,
     flight_projectile,
+    joint_conical_pendulum,
     joint_double_pendulum,
+    joint_fourbar,
+    joint_limits,
     joint_pendulum,
-    sensor_imu_noise,
-    sensor_lidar_noise,
+    joint_spring,
     spin_asymmetric_top,
+    spin_fast,
+    spin_heavy_top,
+    spin_intermediate_axis,
+    spin_principal,
+    spin_symmetric_top,
 )
-CASES = [module.CASE for module in MODULES]
+CASES = [module.CASE for module in (*SMOOTH, sensor_imu_noise, sensor_lidar_noise)]
+
+
+ROUNDING = {"velocity_error_max", "angular_velocity_error_max"}
+"""Where only rounding is left to allow for, more steps make more of it."""
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda c: c.name)
@@ -68,9 +90,10 @@ def test_a_case_has_six_steps_a_headline_it_measures_and_at_most_two_thousand_sa
         assert len(check.because) > 10
 
 
-@pytest.mark.parametrize("case", CASES[:3] + CASES[5:], ids=lambda c: c.name)
+@pytest.mark.parametrize("case", [m.CASE for m in SMOOTH if m not in (spin_fast, spin_principal)], ids=lambda c: c.name)
 def test_bounds_of_errors_shrink_with_the_time_step(case: Case) -> None:
-    shrinking = [check for check in case.checks if callable(check.at_most) and check.metric.name != "velocity_error_max"]
+    # Left out: a bound on what is possible at all, and one that allows for a rounding every step.
+    shrinking = [check for check in case.checks if callable(check.at_most) and check.metric.name not in ROUNDING]
     assert shrinking
     for check in shrinking:
         bounds = [check.bound(dt) for dt in sorted(case.ladder)]

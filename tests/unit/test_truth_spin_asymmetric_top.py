@@ -6,9 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from cases.spin_asymmetric_top import CASE, body_rates
+from cases.spin_asymmetric_top import CASE
 from harness.kinematics import angle_between, rotate
 from harness.trajectory import Floats, Trajectory
+from harness.truths.free_rotation import body_rates
 
 
 def _integrated(moments: tuple[float, float, float], spin: tuple[float, float, float], time: Floats) -> tuple[Floats, Floats]:

@@ -3,6 +3,7 @@
 import ctypes
 import os
 import sys
+import time
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -95,11 +96,15 @@ class Faulty(Adapter):
     features: Feature = Feature.NONE
     tracks: dict[str, Settings] = field(default_factory=lambda: {"default": Settings(), "tuned": Settings()})
     fault: str = ""
+    compilation: float = 0.0
 
     def version(self) -> str:
         if self.fault == "absent":
             raise Unavailable("not installed: pip install nothing")
         return "1.0"
+
+    def compile(self, scene: Scene, settings: Settings) -> None:
+        time.sleep(self.compilation)
 
     def build(self, scene: Scene, settings: Settings) -> Any:
         return Falling(scene, settings, self.fault)
@@ -114,6 +119,8 @@ HOARD = Faulty(name="hoard", fault="hoard")
 RAISE = Faulty(name="raise", fault="raise")
 FLOOD = Faulty(name="flood", fault="flood")
 NAN = Faulty(name="nan", fault="nan")
+COMPILE = Faulty(name="compile", compilation=5.0, compile_allowance=60.0)
+COMPILE_HANG = Faulty(name="compile_hang", fault="hang", compilation=1.0, compile_allowance=60.0)
 ABSENT = Faulty(name="absent", fault="absent")
 
 

@@ -1,0 +1,86 @@
+"""A box thrown with a spin about its own axis: the least that a body can cost, and a motion in closed form."""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_MAX
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION, MASS, HALF = 1.0, 1.0, (0.1, 0.2, 0.3)
+SPEED, SPIN = 5.0, 2.0
+SINGLE = 2.0**-24
+"""Relative rounding of a float32: an engine in single precision is judged as such."""
+
+
+def scene(speed: float = SPEED, spin: float = SPIN) -> Scene:
+    """A box that could touch, thrown upwards at `speed` [m/s], turning about its longest axis at `spin` [rad/s]."""
+    box = Body(
+        name="box",
+        mass=MASS,
+        inertia=box_inertia(MASS, HALF),
+        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+        v_WB=(1.0, 0.0, speed),
+        w_WB=(0.0, 0.0, spin),
+    )
+    return Scene(bodies=(box,), surfaces=(Surface(),))
+
+
+def expected(time: Floats, speed: float = SPEED, spin: float = SPIN) -> Trajectory:
+    """x = v0 t + g t^2/2, and a turn by spin t about z, a principal axis."""
+    truth = Trajectory.of(time, 1)
+    t = truth.time[:, None]
+    start = np.array((1.0, 0.0, speed))
+    truth.p_WB[:, 0] = start * t + 0.5 * np.array(EARTH_GRAVITY) * t**2
+    truth.v_WB[:, 0] = start + np.array(EARTH_GRAVITY) * t
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(spin * truth.time / 2), np.sin(spin * truth.time / 2)
+    truth.w_WB[:, 0, 2] = spin
+    return truth
+
+
+def _rounding(dt: float) -> float:
+    """Speed [m/s] lost to rounding in single precision: half a unit in the last place, in the same direction every step."""
+    return SINGLE * (SPEED + G * DURATION) * DURATION / dt
+
+
+CASE = Case(
+    name="flight_box",
+    title="A free box",
+    question="Does a box that nothing touches fly its parabola and turn evenly about a principal axis?",
+    source="x = v0 t + g t^2/2; Euler's equations about a principal axis: w constant",
+    truth="closed form",
+    scene=scene,
+    expected=expected,
+    parameters={"speed": SPEED, "spin": SPIN},
+    duration=DURATION,
+    headline=POSITION_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a parabola never diverges"),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: 1.01 * G * dt * DURATION / 2 + _rounding(dt) * DURATION,
+            because="semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single precision more",
+        ),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=_rounding,
+            because="under a constant force every one-step method gives velocity exactly; what is left is a rounding a step",
+        ),
+        Check(
+            metric=ANGULAR_VELOCITY_MAX,
+            at_most=_rounding,
+            because="about a principal axis no torque acts: the same roundings, of a rate below the speed",
+        ),
+        Check(
+            metric=ATTITUDE_MAX,
+            at_most=lambda dt: DURATION * SPIN**3 * dt**2 / 12 + 2 * _rounding(dt) * DURATION,
+            because="q + dt/2 w q, brought back to length one, turns by 2 atan(w dt/2) = w dt - (w dt)^3/12 a step, the "
+            "largest error among the usual updates; two roundings a step, of rate and attitude, more",
+        ),
+    ),
+)

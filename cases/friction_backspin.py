@@ -1,0 +1,97 @@
+"""A ball thrown along level ground with backspin: it slows, stops and comes back rolling.
+
+v_f = (5 v0 + 2 r w0)/7 for a solid sphere, negative where the backspin wins.
+"""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.velocity import VELOCITY_FINAL, VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rolling import rolling
+
+G = -EARTH_GRAVITY[2]
+DURATION = 2.5
+SPEED, SPIN, FRICTION, RADIUS, MASS = 2.0, -60.0, 0.3, 0.1, 1.0
+SOLID = 0.4
+"""I/(m r^2) of a solid sphere."""
+
+
+def _scene(speed: float = SPEED, spin: float = SPIN, friction: float = FRICTION) -> Scene:
+    """A ball on the ground with `speed` [m/s] along x and `spin` [rad/s] about y, where speed/r would be rolling."""
+    ball = Body(
+        name="ball",
+        mass=MASS,
+        inertia=sphere_inertia(MASS, RADIUS),
+        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+        material="ball",
+        p_WB=(0.0, 0.0, RADIUS),
+        v_WB=(speed, 0.0, 0.0),
+        w_WB=(0.0, spin, 0.0),
+    )
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, ball),
+        surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
+        # A ball's inertia is the same about every axis.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _expected(time: Floats, speed: float = SPEED, spin: float = SPIN, friction: float = FRICTION) -> Trajectory:
+    """Sliding against the ball's own spin, then rolling."""
+    truth = Trajectory.of(time, 2)
+    way, v, turned, rim = rolling(truth.time, speed, spin * RADIUS, friction, SOLID, 0.0, G)
+    truth.p_WB[:, 1, 0], truth.p_WB[:, 1, 2] = way, RADIUS
+    truth.v_WB[:, 1, 0], truth.w_WB[:, 1, 1] = v, rim / RADIUS
+    truth.q_WB[:, 1, 0], truth.q_WB[:, 1, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
+    return truth
+
+
+def _speed(dt: float) -> float:
+    """The first step may pass before there is a contact to rub, and the step in which slip ends may go on rubbing."""
+    return 2 * FRICTION * G * dt
+
+
+CASE = Case(
+    name="friction_backspin",
+    title="Backspin",
+    question="Does a ball with backspin come back, and as fast as Coulomb's law says?",
+    source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5: v = (5 v0 + 2 r w0)/7",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"speed": SPEED, "spin": SPIN, "friction": FRICTION},
+    headline=VELOCITY_MAX.name,
+    scale=SPEED,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
+        Check(
+            metric=VELOCITY_FINAL,
+            at_most=lambda dt: _speed(dt) / 2,
+            because="friction exchanges speed and spin at a fixed rate, so that the final speed does not hang on when it acts; "
+            "the step in which slip ends may rub on for all of its length, mu g dt",
+        ),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=_speed,
+            because="a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: _speed(dt) * DURATION + SPEED * dt,
+            because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
+        ),
+        Check(
+            metric=ANGULAR_VELOCITY_FINAL,
+            at_most=lambda dt: _speed(dt) / (SOLID * RADIUS),
+            because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
+        ),
+    ),
+    observe=(POSITION_FINAL,),
+)

@@ -1,0 +1,100 @@
+"""Round bodies released on an incline: which roll, which slip, and how fast do they go down?
+
+A body with I = k m r^2 rolls with a = g sin(angle)/(1 + k) where mu >= tan(angle) k/(1 + k), and slips with
+g (sin(angle) - mu cos(angle)) where not. The incline is level ground in a field that leans.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rolling import rolling
+
+G = -EARTH_GRAVITY[2]
+DURATION = 1.5
+ANGLE, FRICTION, RADIUS, MASS, SPACING = 30.0, 0.2, 0.1, 1.0, 1.0
+FACTORS = (0.4, 0.5, 2 / 3, 1.0)
+"""I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop: at 30 degrees and mu = 0.2 the first two roll, the others slip.
+All touch as spheres: only their inertia matters here."""
+
+
+def _scene(angle: float = ANGLE, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Scene:
+    """One body for each inertia, side by side along y, at rest on ground from which gravity leans `angle` [degrees] to +x."""
+    lean = math.radians(angle)
+    bodies = [
+        Body(
+            name=f"ball_{i}",
+            mass=MASS,
+            inertia=principal_inertia(*[k * MASS * RADIUS**2] * 3),
+            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+            material="ball",
+            p_WB=(0.0, SPACING * i, RADIUS),
+        )
+        for i, k in enumerate(factors)
+    ]
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *bodies),
+        gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
+        surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
+        apart=(("ball", "ball"),),
+        # The inertia is the same about every axis.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _expected(time: Floats, angle: float = ANGLE, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Trajectory:
+    """Rolling or slipping from the start, at a constant acceleration."""
+    truth, lean = Trajectory.of(time, 1 + len(factors)), math.radians(angle)
+    for i, k in enumerate(factors, start=1):
+        way, v, turned, rim = rolling(truth.time, 0.0, 0.0, friction, k, G * math.sin(lean), G * math.cos(lean))
+        truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
+        truth.v_WB[:, i, 0], truth.w_WB[:, i, 1] = v, rim / RADIUS
+        truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
+    return truth
+
+
+def _speed(dt: float) -> float:
+    """The first step may pass before there is a contact: then the body slides freely for it, and grips in the next."""
+    return 2 * G * math.sin(math.radians(ANGLE)) * dt
+
+
+CASE = Case(
+    name="friction_roll_incline",
+    title="Rolling down an incline",
+    question="Do sphere, cylinder, shell and hoop go down an incline at their own accelerations, rolling or slipping?",
+    source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"angle": ANGLE, "friction": FRICTION, "factors": FACTORS},
+    headline=VELOCITY_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=_speed,
+            because="a first step without a contact is a step without friction, g sin(angle) dt too fast at most, taken twice",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: _speed(dt) * DURATION,
+            because="the error of the speed all the way; half a step of way is less than that",
+        ),
+        Check(
+            metric=ANGULAR_VELOCITY_MAX,
+            at_most=lambda dt: _speed(dt) / (min(FACTORS) * RADIUS),
+            because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
+        ),
+    ),
+    observe=(POSITION_FINAL,),
+)

@@ -1,0 +1,113 @@
+"""Balls rolling on soft ground: do they slow down by the moment that the ground sets against rolling?
+
+A moment c N against a rolling ball slows it by a = c g/(r (1 + k)), k = 2/5, until it stops after v0^2/(2 a).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.jitter import RMS_SPEED
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 4.0
+SPEED, FRICTION, RADIUS, MASS, SPACING = 1.0, 0.5, 0.1, 1.0, 1.0
+COEFFICIENTS = (0.005, 0.01, 0.02)
+"""Moment over normal force [m]."""
+SOLID = 0.4
+"""I/(m r^2) of a solid sphere."""
+
+
+def deceleration(coefficient: float, radius: float = RADIUS) -> float:
+    """c g/(r (1 + k)) [m/s2] of a solid sphere."""
+    return coefficient * G / (radius * (1 + SOLID))
+
+
+def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -> Scene:
+    """One ball for each coefficient [m], side by side along y, rolling along x at `speed` [m/s]."""
+    materials = [f"ball_{i}" for i in range(len(coefficients))]
+    balls = [
+        Body(
+            name=material,
+            mass=MASS,
+            inertia=sphere_inertia(MASS, RADIUS),
+            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+            material=material,
+            p_WB=(0.0, SPACING * i, RADIUS),
+            v_WB=(speed, 0.0, 0.0),
+            w_WB=(0.0, speed / RADIUS, 0.0),
+        )
+        for i, material in enumerate(materials)
+    ]
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *balls),
+        surfaces=tuple(
+            Surface(between=(m, "ground"), static_friction=FRICTION, kinetic_friction=FRICTION, rolling_friction=c)
+            for m, c in zip(materials, coefficients, strict=True)
+        ),
+        apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
+        # A ball's inertia is the same about every axis.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _expected(time: Floats, speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -> Trajectory:
+    """Uniform deceleration without slip, then rest."""
+    truth = Trajectory.of(time, 1 + len(coefficients))
+    for i, c in enumerate(coefficients, start=1):
+        a = deceleration(c)
+        t = truth.time if a == 0 else np.minimum(truth.time, speed / a)
+        way = speed * t - a * t**2 / 2
+        truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
+        truth.v_WB[:, i, 0] = speed - a * t
+        truth.w_WB[:, i, 1] = truth.v_WB[:, i, 0] / RADIUS
+        truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(way / RADIUS / 2), np.sin(way / RADIUS / 2)
+    return truth
+
+
+def _speed(dt: float) -> float:
+    """A first step without a contact, and a last one that would have stopped the ball before its end."""
+    return 2 * deceleration(max(COEFFICIENTS)) * dt
+
+
+CASE = Case(
+    name="friction_rolling_resistance",
+    title="Rolling resistance",
+    question="Does a moment against rolling stop a ball where it should, and only where it was asked for?",
+    source="Johnson, Contact Mechanics (1985), section 8.3: moment of rolling resistance over normal force",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"speed": SPEED, "coefficients": COEFFICIENTS},
+    headline=POSITION_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a ball that slows down never diverges"),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=_speed,
+            because="a first step without a contact and a last one that stops the ball too late or too early: c g dt/(r (1 + "
+            "k)) each, for the largest coefficient",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: _speed(dt) * DURATION + SPEED * dt,
+            because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=_speed,
+            start=DURATION - 0.25,
+            because="all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a "
+            "step",
+        ),
+    ),
+    observe=(POSITION_FINAL,),
+)

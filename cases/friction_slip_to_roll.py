@@ -1,0 +1,103 @@
+"""Round bodies thrown along level ground without spin: they slide, take up spin and roll on.
+
+Slip ends at t = v0/(mu g (1 + 1/k)), for a solid sphere 2 v0/(7 mu g), and from then on v = v0/(1 + k), 5/7 v0.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.velocity import VELOCITY_FINAL, VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rolling import rolling
+
+G = -EARTH_GRAVITY[2]
+DURATION = 2.0
+SPEED, FRICTION, RADIUS, MASS, SPACING = 5.0, 0.3, 0.1, 1.0, 1.0
+FACTORS = (0.4, 0.5, 2 / 3, 1.0)
+"""I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop. All touch as spheres: only their inertia matters here."""
+
+
+def _scene(speed: float = SPEED, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Scene:
+    """One body for each inertia, side by side along y, thrown along x at `speed` [m/s]."""
+    bodies = [
+        Body(
+            name=f"ball_{i}",
+            mass=MASS,
+            inertia=principal_inertia(*[k * MASS * RADIUS**2] * 3),
+            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+            material="ball",
+            p_WB=(0.0, SPACING * i, RADIUS),
+            v_WB=(speed, 0.0, 0.0),
+        )
+        for i, k in enumerate(factors)
+    ]
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, *bodies),
+        surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
+        apart=(("ball", "ball"),),
+        # The inertia is the same about every axis.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _expected(time: Floats, speed: float = SPEED, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Trajectory:
+    """Sliding, then rolling."""
+    truth = Trajectory.of(time, 1 + len(factors))
+    for i, k in enumerate(factors, start=1):
+        way, v, turned, rim = rolling(truth.time, speed, 0.0, friction, k, 0.0, G)
+        truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
+        truth.v_WB[:, i, 0], truth.w_WB[:, i, 1] = v, rim / RADIUS
+        truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
+    return truth
+
+
+def _speed(dt: float) -> float:
+    """The first step may pass before there is a contact to rub, and the step in which slip ends may go on rubbing."""
+    return 2 * FRICTION * G * dt
+
+
+CASE = Case(
+    name="friction_slip_to_roll",
+    title="Sliding into rolling",
+    question="Does a ball thrown without spin begin to roll when and as fast as Coulomb's law says, whatever its inertia?",
+    source="Landau, Lifshitz, Mechanics, 3rd ed., section 38; Meriam and Kraige, Dynamics, 7th ed., section 6/5",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"speed": SPEED, "friction": FRICTION, "factors": FACTORS},
+    headline=VELOCITY_MAX.name,
+    scale=SPEED,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
+        Check(
+            metric=VELOCITY_FINAL,
+            at_most=lambda dt: _speed(dt) / 2,
+            because="what friction takes from the speed it gives to the spin, so that v0/(1 + k) comes out whenever it acts; "
+            "the step in which slip ends may rub on for all of its length, mu g dt",
+        ),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=_speed,
+            because="a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: _speed(dt) * DURATION + SPEED * dt,
+            because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
+        ),
+        Check(
+            metric=ANGULAR_VELOCITY_FINAL,
+            at_most=lambda dt: _speed(dt) / (min(FACTORS) * RADIUS),
+            because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
+        ),
+    ),
+    observe=(POSITION_FINAL,),
+)

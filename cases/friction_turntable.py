@@ -1,0 +1,110 @@
+"""A ball rolling on a turntable: it goes round on a circle of its own, at 2/7 of the table's rate.
+
+v' = k/(1 + k) W z x v for a ball with I = k m r^2 that rolls on a table turning at W: wherever and however fast it starts.
+"""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.radius import RADIUS_MAX
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 4.0
+RATE, START, FRICTION, RADIUS, MASS = 3.0, 0.5, 1.0, 0.05, 1.0
+SHARE = 0.4 / 1.4
+"""k/(1 + k) of a solid sphere: 2/7."""
+HALF = (2.0, 2.0, 0.1)
+"""Half extents of the table [m]."""
+
+
+def _ball(time: Floats, rate: float, start: float) -> tuple[Floats, Floats, Floats]:
+    """Position, velocity and spin (t, 3) of the ball on its circle about the table's axis."""
+    angle = SHARE * rate * time
+    out = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
+    along = np.stack([-np.sin(angle), np.cos(angle), np.zeros_like(angle)], axis=1)
+    # No slip: the ball's lowest point, at v - r w x z, moves with the table, at W z x p. Both are along the circle.
+    return start * out + np.array([0.0, 0.0, RADIUS]), SHARE * rate * start * along, (1 - SHARE) * rate * start / RADIUS * out
+
+
+def _scene(rate: float = RATE, start: float = START) -> Scene:
+    """A table turning at `rate` [rad/s] about z and a ball on it, `start` [m] from the axis, on its circle."""
+    p, v, w = _ball(np.zeros(1), rate, start)
+    table = Body(
+        name="table",
+        motion="kinematic",
+        material="table",
+        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+        p_WB=(0.0, 0.0, -HALF[2]),
+        w_WB=(0.0, 0.0, rate),
+    )
+    ball = Body(
+        name="ball",
+        mass=MASS,
+        inertia=sphere_inertia(MASS, RADIUS),
+        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+        material="ball",
+        p_WB=p[0].tolist(),
+        v_WB=v[0].tolist(),
+        w_WB=w[0].tolist(),
+    )
+    return Scene(
+        bodies=(table, ball),
+        surfaces=(Surface(between=("ball", "table"), static_friction=FRICTION, kinetic_friction=FRICTION),),
+        # A ball's inertia is the same about every axis.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _expected(time: Floats, rate: float = RATE, start: float = START) -> Trajectory:
+    """The circle. The ball's attitude is not part of the truth: its spin turns with the circle and does not add up to an "
+    "angle."""
+    truth = Trajectory.of(time, 2)
+    truth.p_WB[:, 0, 2] = -HALF[2]
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(rate * truth.time / 2), np.sin(rate * truth.time / 2)
+    truth.w_WB[:, 0, 2] = rate
+    truth.p_WB[:, 1], truth.v_WB[:, 1], truth.w_WB[:, 1] = _ball(truth.time, rate, start)
+    return truth
+
+
+TURN = SHARE * RATE
+"""Rate of the circle [rad/s]."""
+
+
+def _position(dt: float) -> float:
+    """First-order methods turn the velocity at the start or the end of a step: the circle widens by W' dt/2 each radian."""
+    return 2 * START * TURN * dt * (1 + TURN * DURATION)
+
+
+CASE = Case(
+    name="friction_turntable",
+    title="Ball on a turntable",
+    question="Does a ball rolling on a turning table go round at 2/7 of the table's rate?",
+    source="Weltner, Stable circular orbits of freely moving balls on rotating discs, Am. J. Phys. 47 (1979) 984",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"rate": RATE, "start": START},
+    headline=POSITION_MAX.name,
+    scale=START,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a circle never diverges"),
+        Check(
+            metric=POSITION_MAX,
+            at_most=_position,
+            because="friction of the start or of the end of a step turns the velocity half a step early or late, which widens "
+            "or narrows the circle by W' dt/2 for each radian of it; taken four times for a first step without a contact",
+        ),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=lambda dt: TURN * _position(dt) + SHARE * RATE * START * TURN * dt,
+            because="the speed on a circle that much off, and half a step of turning, taken twice",
+        ),
+    ),
+    observe=(POSITION_FINAL, RADIUS_MAX),
+)

@@ -1,0 +1,92 @@
+"""Rows of equal elastic balls, hit at one end: with gaps one ball leaves at the other end; touching, only conservation counts.
+
+With gaps the blow is a chain of pairs, each of which hands the whole velocity on. Touching balls take a blow together, and
+Newton's law with one number e says nothing on how they share it: momentum and energy stay, the rest is the engine's choice.
+Source: Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761.
+"""
+
+import math
+from collections.abc import Sequence
+
+from harness.case import Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_FINAL, ENERGY_GAIN
+from harness.metrics.momentum import MOMENTUM_MAX
+from harness.metrics.row import LAST_SHARE_ERROR, TOUCHING_LAST_SHARE
+from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+
+GAPS, BALLS, SPEED = (1e-3, 0.0), 5, 0.5
+MASS, RADIUS, SPACING, RUN_UP = 0.1, 0.02, 0.5, 0.0313
+DURATION = 0.25
+SWEEPS = 10
+"""Iterations of an iterative solver that its users get without asking (btContactSolverInfo)."""
+
+
+def scene(gaps: Sequence[float] = GAPS, balls: int = BALLS, speed: float = SPEED) -> Scene:
+    """For each gap [m] a row of `balls` along x at rest, but for the first, which comes at `speed` [m/s]; no gravity."""
+    bodies = []
+    for row, gap in enumerate(gaps):
+        for i in range(balls):
+            x = (2 * RADIUS + gap) * i
+            bodies.append(
+                Body(
+                    name=f"ball_{row}_{i}",
+                    mass=MASS,
+                    inertia=sphere_inertia(MASS, RADIUS),
+                    material=f"row_{row}",
+                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+                    p_WB=(x if i else x - RUN_UP, SPACING * row, 0.0),
+                    v_WB=(0.0 if i else speed, 0.0, 0.0),
+                )
+            )
+    rows = [f"row_{row}" for row in range(len(gaps))]
+    return Scene(
+        bodies=tuple(bodies),
+        surfaces=tuple(Surface(between=(row, row), restitution=1.0) for row in rows),
+        gravity=(0.0, 0.0, 0.0),
+        apart=tuple((a, b) for i, a in enumerate(rows) for b in rows[i + 1 :]),
+    )
+
+
+CASE = Case(
+    name="impact_cradle",
+    title="Newton's cradle",
+    question="Does one ball leave a row of balls with gaps, and do momentum and energy stay where the balls touch?",
+    source="Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761",
+    truth="conservation",
+    scene=scene,
+    parameters={"gaps": GAPS, "balls": BALLS, "speed": SPEED},
+    duration=DURATION,
+    sample_interval=1 / 240,
+    # The ball must not cross a gap within a step: 0.5 m/s in 1/960 s is half of 1 mm.
+    dt=1 / 960,
+    ladder=(1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
+        Check(
+            metric=LAST_SHARE_ERROR,
+            at_most=1e-6,
+            because="where a step is shorter than the way across a gap there is one pair at a time, whose exchange has no "
+            "error of the step; 1e-6 for single precision",
+        ),
+        Check(
+            metric=MOMENTUM_MAX,
+            at_most=1e-6 * len(GAPS) * MASS * SPEED,
+            because="a blow gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
+        ),
+        Check(
+            metric=ENERGY_GAIN,
+            at_most=1e-6,
+            because="no impact makes energy, however many balls touch; 1e-6 for single precision",
+        ),
+        Check(
+            metric=ENERGY_FINAL,
+            at_most=2 * math.cos(math.pi / BALLS) ** (2 * SWEEPS),
+            because="with e = 1 Newton's law keeps the energy of any set of contacts that are struck together, since each "
+            "impulse works on as much approach as parting; ten sweeps of Gauss and Seidel, the fewest in use, leave the share "
+            "cos^2(pi/n)^10 of the blow on the n - 1 contacts of a row unsettled, and energy, being a square, twice that",
+        ),
+    ),
+    observe=(TOUCHING_LAST_SHARE,),
+    headline=LAST_SHARE_ERROR.name,
+)

@@ -1,0 +1,133 @@
+"""A gas of elastic spheres in a box that is itself free: momentum, angular momentum and energy of the whole stay.
+
+The box moves as the spheres do, so that nothing outside acts and all three are kept, however chaotic the motion. The walls make
+a cube, whose inertia is the same about every axis, and nothing rubs: no sphere is ever turned, and no gyroscopic torque acts.
+"""
+
+import math
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.metrics.containment import ESCAPED_SHARE
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_FINAL, ENERGY_GROWTH
+from harness.metrics.momentum import ANGULAR_MOMENTUM_MAX, MOMENTUM_MAX
+from harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, principal_inertia, sphere_inertia
+from harness.trajectory import Floats
+
+EDGE, SPEED = 6, 1.0
+MASS, RADIUS, CELL, WALL, BOX_MASS = 1.0, 0.05, 0.25, 0.1, 500.0
+DURATION = 1.0
+
+
+def _walls(inner: float) -> tuple[PlacedShape, ...]:
+    """Six slabs about a cube of the half edge `inner` [m]; they overlap at the edges, so that no corner is open."""
+    walls = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            half, place = [inner + 2 * WALL] * 3, [0.0] * 3
+            half[axis], place[axis] = WALL, side * (inner + WALL)
+            walls.append(PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2])), p_BS=(place[0], place[1], place[2])))
+    return tuple(walls)
+
+
+def _velocities(count: int, speed: float, seed: int) -> Floats:
+    """Directions drawn evenly over the sphere, (count, 3) m/s, less their mean: the gas as a whole rests."""
+    drawn = np.random.default_rng(seed).standard_normal((count, 3))
+    drawn -= drawn.mean(axis=0)
+    scaled: Floats = drawn * speed / np.sqrt(np.mean(np.sum(drawn**2, axis=1)))
+    return scaled
+
+
+def scene(edge: float = EDGE, speed: float = SPEED, seed: int = 0) -> Scene:
+    """edge^3 spheres on a lattice in a free hollow cube at random velocities of root mean square `speed` [m/s]; no gravity."""
+    n = round(edge)
+    inner = n * CELL / 2
+    places = [(CELL * (i + 0.5) - inner, CELL * (j + 0.5) - inner, CELL * (k + 0.5) - inner)
+              for i in range(n) for j in range(n) for k in range(n)]  # fmt: skip
+    moment = BOX_MASS * 2 / 3 * (inner + WALL) ** 2
+    box = Body(
+        name="box",
+        mass=BOX_MASS,
+        inertia=principal_inertia(moment, moment, moment),
+        material="box",
+        collision=_walls(inner),
+    )
+    spheres = [
+        Body(
+            name=f"sphere_{i}",
+            mass=MASS,
+            inertia=sphere_inertia(MASS, RADIUS),
+            material="sphere",
+            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+            p_WB=place,
+            v_WB=velocity.tolist(),
+        )
+        for i, (place, velocity) in enumerate(zip(places, _velocities(len(places), speed, seed), strict=True))
+    ]
+    return Scene(
+        bodies=(box, *spheres),
+        surfaces=(
+            Surface(between=("sphere", "sphere"), restitution=1.0),
+            Surface(between=("sphere", "box"), restitution=1.0),
+        ),
+        gravity=(0.0, 0.0, 0.0),
+    )
+
+
+def growth(dt: float) -> float:
+    """How fast [1/s] energy grows where each approach is measured a whole step dt [s] before it is answered.
+
+    The line of centres of two spheres that close at v turns with v_t/d, so that a step earlier they seem to close faster by
+    v_t^2 dt/d: the impact gains mu u v_t^2 dt/d. Averaged over the area of aim that is 8/15 (v dt/d) mu v^2/2, and over
+    Maxwell's relative speeds, of variance 2 V^2/3 along each axis, with n pi d^2 v impacts a second:
+    dE/dt = n pi d^2/2 * 8/15 (dt/d) (m/4) <v^4> for each sphere, with <v^4> = 15 (2 V^2/3)^2.
+
+    Source: Chapman, Cowling, The Mathematical Theory of Non-uniform Gases, 3rd ed., chapter 5 (frequency of collisions).
+    """
+    d, density = 2 * RADIUS, 1 / CELL**3
+    spread = math.sqrt(2 / 3) * SPEED
+    fourth, energy = 15 * spread**4, MASS * SPEED**2 / 2
+    won = 8 / 15 * dt / d * (MASS / 2) / 2
+    return density * math.pi * d**2 / 2 * won * fourth / energy
+
+
+CASE = Case(
+    name="impact_gas",
+    title="Elastic gas in a free box",
+    question="Do momentum, angular momentum and energy of an elastic gas stay, impact after impact?",
+    source="conservation of momentum, angular momentum and energy; kinetic theory",
+    truth="conservation",
+    scene=scene,
+    parameters={"edge": EDGE, "speed": SPEED, "seed": 0},
+    duration=DURATION,
+    hard=Axis(parameter="speed", unit="m/s", easy=0.5, extreme=100.0),
+    sample_interval=1 / 60,
+    ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a gas with bounded energy cannot diverge"),
+        Check(
+            metric=ESCAPED_SHARE, at_most=0.0, because="walls keep the gas in; what ignores them would keep all three sums too"
+        ),
+        Check(
+            metric=MOMENTUM_MAX,
+            at_most=1e-6 * EDGE**3 * MASS * SPEED,
+            because="an impact gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
+        ),
+        Check(
+            metric=ANGULAR_MOMENTUM_MAX,
+            at_most=1e-6,
+            because="an impact acts along one line on both, with equal arms; 1e-6 for single precision. What moves spheres "
+            "apart without an impulse shifts momentum aside",
+        ),
+        Check(
+            metric=ENERGY_GROWTH,
+            at_most=growth,
+            because="an elastic impact keeps energy; a scheme that measures the approach one step before it answers it gains "
+            "8/15 v dt/d of the energy of closing on average, n pi d^2 v times a second",
+        ),
+    ),
+    observe=(ENERGY_FINAL,),
+    headline=ENERGY_GROWTH.name,
+)

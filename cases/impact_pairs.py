@@ -1,0 +1,124 @@
+"""Balls of very different mass that meet head-on.
+
+Momentum is kept and the speed of parting is e times that of closing: v1 = (m1 u1 + m2 u2 + m2 e (u2 - u1))/(m1 + m2), and the
+same with 1 and 2 exchanged. Newton, Principia, scholium to the laws of motion.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.momentum import MOMENTUM_MAX
+from harness.metrics.position import POSITION_FINAL
+from harness.metrics.velocity import VELOCITY_FINAL
+from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+RATIO, RESTITUTIONS = 1000.0, (0.0, 0.5, 0.8, 1.0)
+MASS, RADIUS, SPACING = 1.0, 0.1, 1.0
+GAP, WIDER = 0.3, 0.011
+"""Of the first pair, and how much wider it is in each next one, so that every pair meets at another phase of the step [m]; the
+first one meets at the very end of a step."""
+CLOSING = (2.0, -1.0)
+"""Velocities of the left and the right ball before they meet [m/s]; neither is at rest, so that no frame is special."""
+SPEED = CLOSING[0] - CLOSING[1]
+DURATION = 0.5
+
+
+def _pairs(ratio: float, restitutions: Sequence[float]) -> list[tuple[int, float, float]]:
+    """Place of the restitution and masses [kg] of each pair: heavy on light, equal, light on heavy."""
+    masses = ((MASS * ratio, MASS), (MASS, MASS), (MASS, MASS * ratio))
+    return [(i, left, right) for i, (left, right) in product(range(len(restitutions)), masses)]
+
+
+def parted(left: float, right: float, restitution: float) -> tuple[float, float]:
+    """The velocities [m/s] of two masses [kg] after they have met at the velocities CLOSING."""
+    u1, u2 = CLOSING
+    common = (left * u1 + right * u2) / (left + right)
+    back = restitution * (u2 - u1) / (left + right)
+    return common + right * back, common - left * back
+
+
+def scene(ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) -> Scene:
+    """Pairs side by side along y: for each restitution one of masses ratio:1, one of 1:1 and one of 1:ratio; no gravity."""
+    balls = []
+    for row, (kind, *masses) in enumerate(_pairs(ratio, restitutions)):
+        for side, mass, place, speed in zip(("left", "right"), masses, (-1, 1), CLOSING, strict=True):
+            balls.append(
+                Body(
+                    name=f"{side}_{row}",
+                    mass=mass,
+                    inertia=sphere_inertia(mass, RADIUS),
+                    material=f"e_{kind}",
+                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+                    p_WB=(place * (RADIUS + (GAP + WIDER * row) / 2), SPACING * row, 0.0),
+                    v_WB=(speed, 0.0, 0.0),
+                )
+            )
+    kinds = [f"e_{i}" for i in range(len(restitutions))]
+    return Scene(
+        bodies=tuple(balls),
+        surfaces=tuple(Surface(between=(kind, kind), restitution=e) for kind, e in zip(kinds, restitutions, strict=True)),
+        gravity=(0.0, 0.0, 0.0),
+        apart=tuple((a, b) for i, a in enumerate(kinds) for b in kinds[i + 1 :]),
+    )
+
+
+def expected(time: Floats, ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) -> Trajectory:
+    """The closed form: straight flight, one impulse, straight flight."""
+    stage = scene(ratio, restitutions)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    for row, (kind, left, right) in enumerate(_pairs(ratio, restitutions)):
+        meeting = (GAP + WIDER * row) / SPEED
+        before, since = np.minimum(truth.time, meeting), np.maximum(truth.time - meeting, 0.0)
+        for place, u, v in zip((2 * row, 2 * row + 1), CLOSING, parted(left, right, restitutions[kind]), strict=True):
+            truth.p_WB[:, place, 0] += u * before + v * since
+            truth.v_WB[:, place, 0] = np.where(truth.time < meeting, u, v)
+    return truth
+
+
+EXACT = 1e-6 * SPEED
+NO_STEP = (
+    "where no force acts between impacts, an impulse is the same at every time step, so that the law leaves nothing but "
+    "rounding: 1e-6 of the speed of closing, single precision with its sums"
+)
+
+CASE = Case(
+    name="impact_pairs",
+    title="Head-on pairs",
+    question="Do two balls of very different mass part as momentum and restitution say?",
+    source="Newton, Principia, scholium to the laws of motion; Stronge, Impact Mechanics, 2nd ed., section 2.3",
+    truth="closed form",
+    scene=scene,
+    expected=expected,
+    parameters={"ratio": RATIO, "restitutions": RESTITUTIONS},
+    duration=DURATION,
+    hard=Axis(parameter="ratio", unit="1", easy=1.0, extreme=1e6),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
+        Check(metric=VELOCITY_FINAL, at_most=EXACT, because=NO_STEP),
+        Check(
+            metric=POSITION_FINAL,
+            at_most=lambda dt: 2 * 2 * SPEED * dt + EXACT * DURATION,
+            because="the impact may come one step early or late and take one step, in which the lighter ball goes the change "
+            "of its velocity astray, at most twice the speed of closing",
+        ),
+        Check(
+            metric=MOMENTUM_MAX,
+            at_most=1e-6 * 4 * len(RESTITUTIONS) * (RATIO + 1) * MASS * SPEED,
+            because="an impact gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
+        ),
+        Check(
+            metric=ANGULAR_VELOCITY_FINAL,
+            at_most=EXACT / RADIUS,
+            because="a blow along the line of centres turns nothing",
+        ),
+    ),
+    headline=VELOCITY_FINAL.name,
+    scale=SPEED,
+)

@@ -1,0 +1,173 @@
+"""A hanging chain of n rods on hinges, let go straight from an angle: what does a link cost, and does the chain hold?"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from harness.case import Axis, Case, Check, Converged
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
+from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+LINKS, ANGLE, DURATION = 10, 20.0, 2.0
+"""Degrees from the downward vertical: a regular swing within the horizon of the reference."""
+LENGTH, MASS, THICKNESS = 0.2, 1.0, 0.02
+HALF = (THICKNESS, THICKNESS, LENGTH / 2)
+INERTIA = box_inertia(MASS, HALF)[1][1]
+SAMPLE = 1 / 3840
+"""The step [s] at which the first-order error of semi-implicit Euler is taken."""
+
+
+def placed(time: Floats, theta: Floats, rate: Floats) -> Trajectory:
+    """The rods at angles (t, n) rad from the downward vertical, turning at (t, n) rad/s."""
+    truth = Trajectory.of(time, theta.shape[1])
+    zero = np.zeros_like(theta)
+    along = LENGTH * np.stack([np.sin(theta), zero, -np.cos(theta)], axis=-1)
+    moving = LENGTH * rate[..., None] * np.stack([np.cos(theta), zero, np.sin(theta)], axis=-1)
+    truth.p_WB[:] = np.cumsum(along, axis=1) - along / 2
+    truth.v_WB[:] = np.cumsum(moving, axis=1) - moving / 2
+    truth.q_WB[:] = np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
+    truth.w_WB[:, :, 1] = -rate
+    return truth
+
+
+def scene(n: float = LINKS, angle: float = ANGLE) -> Scene:
+    """n equal rods in one line at `angle` [degrees], the first on a hinge at the origin; all axes along y, all at rest."""
+    count = round(n)
+    theta = np.full((1, count), np.radians(angle))
+    start = placed(np.zeros(1), theta, np.zeros_like(theta))
+    rods = tuple(
+        Body(
+            name=f"link_{k}",
+            mass=MASS,
+            inertia=box_inertia(MASS, HALF),
+            visual=(PlacedShape(shape=Box(half_extents=HALF)),),
+            p_WB=start.p_WB[0, k].tolist(),
+            q_WB=start.q_WB[0, k].tolist(),
+        )
+        for k in range(count)
+    )
+    along = LENGTH * np.array([np.sin(theta[0, 0]), 0.0, -np.cos(theta[0, 0])])
+    hinges = tuple(
+        Revolute(
+            name=f"hinge_{k}",
+            parent=f"link_{k - 1}" if k else WORLD,
+            child=f"link_{k}",
+            anchor_W=(k * along).tolist(),
+            axis_W=(0.0, 1.0, 0.0),
+        )
+        for k in range(count)
+    )
+    return Scene(bodies=rods, joints=hinges)
+
+
+def acceleration(theta: Floats, rate: Floats) -> Floats:
+    """theta'' (n,) rad/s2 of Lagrange's equations for equal rods with angles counted from the vertical.
+
+    sum_j A_ij cos(theta_i - theta_j) theta_j'' + A_ij sin(theta_i - theta_j) theta_j'^2 = -m g L (n - i - 1/2) sin(theta_i);
+    A_ij = m L^2 (n - max(i, j) - 1/2) off the diagonal and A_ii = I + m L^2/4 + m L^2 (n - 1 - i), i from 0.
+    """
+    place = np.arange(len(theta))
+    below = len(theta) - 0.5 - np.maximum(place[:, None], place[None, :]).astype(np.float64)
+    coupling = np.multiply(MASS * LENGTH**2, below)
+    np.fill_diagonal(coupling, INERTIA + MASS * LENGTH**2 * (len(theta) - 1 - place + 0.25))
+    apart = theta[:, None] - theta[None, :]
+    push = -(coupling * np.sin(apart)) @ rate**2 - MASS * G * LENGTH * (len(theta) - 0.5 - place) * np.sin(theta)
+    found: Floats = np.linalg.solve(coupling * np.cos(apart), push)
+    return found
+
+
+def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:
+    """The motion by Dormand and Prince's method of order 8."""
+
+    def change(_t: float, y: Floats) -> Floats:
+        return np.concatenate([y[n:], acceleration(y[:n], y[n:])])
+
+    if len(time) == 0:
+        return Trajectory.of(time, n)
+    start = np.concatenate([np.full(n, np.radians(angle)), np.zeros(n)])
+    found = solve_ivp(change, (0.0, max(float(time[-1]), 1e-9)), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
+    if not found.success:
+        raise RuntimeError(f"the reference integration stopped: {found.message}")
+    return placed(time, found.y.T[:, :n], found.y.T[:, n:])
+
+
+@lru_cache(maxsize=8)
+def _reference(times: tuple[float, ...], n: int, angle: float) -> Converged:
+    time = np.array(times)
+    fine, coarse = (_solve(time, n, angle, rtol) for rtol in (1e-12, 1e-10))
+    return Converged(
+        trajectory=fine,
+        position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
+        velocity_error=float(np.linalg.norm(fine.v_WB - coarse.v_WB, axis=-1).max(initial=0.0)),
+    )
+
+
+def expected(time: Floats, n: float = LINKS, angle: float = ANGLE) -> Converged:
+    """Lagrange's equations integrated at a relative tolerance of 1e-12; the error bar is the distance to 1e-10, a hundred times
+    the tolerance and so far above the error of the finer one."""
+    return _reference(tuple(float(t) for t in time), round(n), angle)
+
+
+def energy(run: Trajectory) -> tuple[Floats, Floats]:
+    """Kinetic and potential energy (t,) J."""
+    turning, moving = np.sum(np.square(run.w_WB), axis=(1, 2)), np.sum(np.square(run.v_WB), axis=(1, 2))
+    return 0.5 * INERTIA * turning + 0.5 * MASS * moving, MASS * G * run.p_WB[:, :, 2].sum(axis=1)
+
+
+@lru_cache(maxsize=1)
+def first_order() -> tuple[float, float, float]:
+    """Errors per dt of semi-implicit Euler in joint angles in the default motion, of position [m/s] and relative energy [1/s];
+    and the largest speed [m/s] of a rod's end."""
+    theta, rate = np.full(LINKS, np.radians(ANGLE)), np.zeros(LINKS)
+    angles, rates, every = [theta], [rate], 16
+    for step in range(1, round(DURATION / SAMPLE) + 1):
+        rate = rate + SAMPLE * acceleration(theta, rate)
+        theta = theta + SAMPLE * rate
+        if step % every == 0:
+            angles.append(theta)
+            rates.append(rate)
+    time = np.arange(len(angles), dtype=np.float64) * (every * SAMPLE)
+    euler, truth = placed(time, np.array(angles), np.array(rates)), expected(time).trajectory
+    moved = float(np.linalg.norm(euler.p_WB - truth.p_WB, axis=-1).max())
+    kinetic, potential = energy(euler)
+    drift = float(np.abs(kinetic + potential - potential[0]).max()) / float(energy(truth)[0].max())
+    fastest = 2 * float(np.linalg.norm(truth.v_WB, axis=-1).max())
+    return moved / SAMPLE, drift / SAMPLE, fastest
+
+
+WHY = (
+    "twice the error, to first order in dt, of semi-implicit Euler in joint angles in the motion of ten links; the factor 2 "
+    "leaves room for terms of second order and for maximal coordinates, whose projected velocities err by as much"
+)
+
+CASE = Case(
+    name="joint_chain",
+    title="A chain of rods",
+    question="Does a hanging chain of n rods swing by Lagrange's equations, keep its energy and hold together?",
+    source="Lagrange's equations of n rods (Goldstein, Classical Mechanics, chapter 1); SciPy DOP853 as reference",
+    truth="converged reference",
+    scene=scene,
+    expected=expected,
+    parameters={"n": LINKS, "angle": ANGLE},
+    duration=DURATION,
+    hard=Axis(parameter="n", unit="1", easy=1, extreme=64),
+    headline=POSITION_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a hanging chain never diverges"),
+        Check(metric=POSITION_MAX, at_most=lambda dt: 2 * first_order()[0] * dt, because=WHY),
+        Check(metric=ENERGY_MAX, at_most=lambda dt: 2 * first_order()[1] * dt, because=WHY),
+        Check(
+            metric=JOINT_GAP_MAX,
+            at_most=lambda dt: 5 * (first_order()[2] * dt) ** 2 / LENGTH + 1e-6,
+            because="a step along the tangent leaves the circle by (v dt)^2/(2 d), d half a rod, of which a solver that "
+            "corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
+        ),
+    ),
+    observe=(ENERGY_STAGGERED, POSITION_FINAL),
+)

@@ -1,0 +1,112 @@
+"""A pendulum on a ball joint that goes round in a level circle: does it keep its radius and its rate?"""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
+from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.radius import RADIUS_FINAL, RADIUS_MAX
+from harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, PlacedShape, Scene, Sphere, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 10.0
+TILT = 30.0
+LENGTH, MASS, RADIUS = 1.0, 1.0, 0.05
+
+
+def rate(tilt: float = TILT, length: float = LENGTH) -> float:
+    """w = sqrt(g/(l cos(tilt))) [rad/s], tilt in degrees. A ball's own inertia, alike about all axes, does not enter."""
+    return float(np.sqrt(G / (length * np.cos(np.radians(tilt)))))
+
+
+def _turn(axis: int, angle: Floats) -> Floats:
+    """The rotation by angles [rad] (t,) about a coordinate axis, (t, 4)."""
+    q = np.zeros((len(angle), 4))
+    q[:, 0], q[:, 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return q
+
+
+def _expected(time: Floats, tilt: float = TILT, length: float = LENGTH) -> Trajectory:
+    """The whole pendulum turns about the vertical like one rigid body."""
+    truth = Trajectory.of(time, 1)
+    theta, w = np.radians(tilt), rate(tilt, length)
+    azimuth = w * truth.time
+    out = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros_like(azimuth)], axis=1)
+    truth.p_WB[:, 0] = length * (np.sin(theta) * out + np.array([0.0, 0.0, -np.cos(theta)]))
+    truth.q_WB[:, 0] = _turn(2, azimuth)
+    truth.w_WB[:, 0, 2] = w
+    truth.v_WB[:, 0] = w * length * np.sin(theta) * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
+    return truth
+
+
+def _scene(tilt: float = TILT, length: float = LENGTH) -> Scene:
+    """A ball on a massless rod of `length` [m] on a ball joint at the origin, `tilt` [degrees] from hanging, on its circle."""
+    start = _expected(np.zeros(1), tilt, length)
+    bob = Body(
+        name="bob",
+        mass=MASS,
+        inertia=sphere_inertia(MASS, RADIUS),
+        visual=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+        p_WB=start.p_WB[0, 0].tolist(),
+        v_WB=start.v_WB[0, 0].tolist(),
+        w_WB=start.w_WB[0, 0].tolist(),
+    )
+    return Scene(bodies=(bob,), joints=(Ball(name="pivot", parent=WORLD, child="bob", anchor_W=(0.0, 0.0, 0.0)),))
+
+
+SPEED = rate() * LENGTH * float(np.sin(np.radians(TILT)))
+
+
+def _gap(dt: float) -> float:
+    """A step along the tangent leaves the sphere by (v dt)^2/(2 l); a solver that takes back a fifth a step keeps five."""
+    return 5 * (SPEED * dt) ** 2 / (2 * LENGTH) + 1e-6
+
+
+def _radius(dt: float) -> float:
+    """Twice w dt for half a step's offset, as it swings about the circle, and the gap."""
+    return rate() * dt * 2 + _gap(dt) / (LENGTH * float(np.sin(np.radians(TILT))))
+
+
+def _position(dt: float) -> float:
+    """The radius' error, and what it does to the rate all the way: a share that of tan^2 of the tilt, at most one."""
+    return LENGTH * float(np.sin(np.radians(TILT))) * _radius(dt) * (1 + rate() * DURATION)
+
+
+CASE = Case(
+    name="joint_conical_pendulum",
+    title="Conical pendulum",
+    question="Does a pendulum on a ball joint keep going round on its circle?",
+    source="Landau, Lifshitz, Mechanics, 3rd ed., section 14, problem 1: w^2 = g/(l cos(theta))",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"tilt": TILT, "length": LENGTH},
+    headline=RADIUS_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a circle never diverges"),
+        Check(
+            metric=RADIUS_MAX,
+            at_most=_radius,
+            because="position and velocity half a step apart start the ball w dt/2 of the radius off its circle, about which "
+            "it then swings by as much; taken four times for maximal coordinates and higher orders. The gap is added",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=_position,
+            because="the error of the radius, and the phase that it makes up to the end: the rate changes by "
+            "tan(theta)^2/2 = 1/6 of the radius' share, taken as one",
+        ),
+        Check(
+            metric=JOINT_GAP_MAX,
+            at_most=_gap,
+            because="a step along the tangent leaves the sphere by (v dt)^2/(2 l), of which a solver that corrects a fifth a "
+            "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
+        ),
+    ),
+    observe=(RADIUS_FINAL, POSITION_FINAL, ATTITUDE_MAX, ENERGY_MAX, ENERGY_STAGGERED),
+)

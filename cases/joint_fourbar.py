@@ -1,0 +1,143 @@
+"""A parallelogram of two cranks and a coupler that swings through the pose where all three lie in one line.
+
+There its constraints lose a rank: the linkage might go on as an anti-parallelogram. While it stays a parallelogram the coupler
+does not turn and the whole is a pendulum with one angle.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import ellipj, ellipk
+
+from harness.case import Case, Check
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
+from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.phase import PERIOD
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.trajectory import Floats, Trajectory
+from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+
+G = -EARTH_GRAVITY[2]
+DURATION = 5.0
+AMPLITUDE = 120.0
+"""Degrees from hanging; the linkage lies in one line at 90."""
+CRANK, COUPLER, MASS, THICKNESS = 0.5, 1.0, 1.0, 0.02
+HALF_CRANK, HALF_COUPLER = (THICKNESS, THICKNESS, CRANK / 2), (COUPLER / 2, THICKNESS, THICKNESS)
+
+
+def _rate() -> float:
+    """Angular frequency [rad/s] of small swings: two cranks with their weight in the middle, the coupler's at the end."""
+    inertia = 2 * (box_inertia(MASS, HALF_CRANK)[1][1] + MASS * CRANK**2 / 4) + MASS * CRANK**2
+    return float(np.sqrt((2 * MASS * CRANK / 2 + MASS * CRANK) * G / inertia))
+
+
+def _placed(time: Floats, theta: Floats, turning: Floats) -> Trajectory:
+    """Both cranks and the coupler at crank angles theta [rad] from hanging, towards +x, and rates [rad/s], each (t,)."""
+    placed = Trajectory.of(time, 3)
+    zero = np.zeros_like(theta)
+    along, across = np.stack([np.sin(theta), zero, -np.cos(theta)], 1), np.stack([np.cos(theta), zero, np.sin(theta)], 1)
+    for k, (share, x) in enumerate(((0.5, -COUPLER / 2), (0.5, COUPLER / 2), (1.0, 0.0))):
+        placed.p_WB[:, k] = share * CRANK * along + np.array([x, 0.0, 0.0])
+        placed.v_WB[:, k] = share * CRANK * turning[:, None] * across
+    placed.q_WB[:, :2] = np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=1)[:, None]
+    placed.w_WB[:, :2, 1] = -turning[:, None]
+    return placed
+
+
+def _scene(amplitude: float = AMPLITUDE) -> Scene:
+    """Two cranks hinged on the world half a metre left and right of the origin, and the coupler between their ends, at rest."""
+    start = _placed(np.zeros(1), np.radians([amplitude]), np.zeros(1))
+    bodies = tuple(
+        Body(
+            name=name,
+            mass=MASS,
+            inertia=box_inertia(MASS, half),
+            visual=(PlacedShape(shape=Box(half_extents=half)),),
+            p_WB=start.p_WB[0, k].tolist(),
+            q_WB=start.q_WB[0, k].tolist(),
+        )
+        for k, (name, half) in enumerate((("left", HALF_CRANK), ("right", HALF_CRANK), ("coupler", HALF_COUPLER)))
+    )
+    end = CRANK * np.array([np.sin(np.radians(amplitude)), 0.0, -np.cos(np.radians(amplitude))])
+    axis = (0.0, 1.0, 0.0)
+    joints = []
+    for name, x in (("left", -COUPLER / 2), ("right", COUPLER / 2)):
+        top = (end + np.array([x, 0.0, 0.0])).tolist()
+        joints.append(Revolute(name=f"{name}_foot", parent=WORLD, child=name, anchor_W=(x, 0.0, 0.0), axis_W=axis))
+        joints.append(Revolute(name=f"{name}_head", parent=name, child="coupler", anchor_W=top, axis_W=axis))
+    return Scene(bodies=bodies, joints=tuple(joints))
+
+
+def _expected(time: Floats, amplitude: float = AMPLITUDE) -> Trajectory:
+    """The pendulum: sin(theta/2) = k sn(K - w0 t, k), k = sin(theta0/2)."""
+    times = np.asarray(time, dtype=np.float64)
+    rate, k = _rate(), float(np.sin(np.radians(amplitude) / 2))
+    sn, cn, _, _ = ellipj(ellipk(k * k) - rate * times, k * k)
+    return _placed(times, 2 * np.arcsin(k * sn), -2 * k * rate * cn)
+
+
+@lru_cache(maxsize=1)
+def _first_order() -> tuple[float, float, float]:
+    """Largest error per dt of position [m/s] and relative energy [1/s] in the default motion, and the largest speed [m/s]."""
+
+    def acceleration(theta: Floats, _turning: Floats) -> Floats:
+        a: Floats = -(_rate() ** 2) * np.sin(theta)
+        return a
+
+    times, small, start = np.linspace(0.0, DURATION, 501), 1e-5, [float(np.radians(AMPLITUDE))]
+    true = true_motion(acceleration, start, [0.0], times, 1e-12)
+    moved = energy = 0.0
+    for other in first_order_motions(acceleration, start, [0.0], times, small):
+        moved = max(moved, float(CRANK * np.abs(other[:, 0] - true[:, 0]).max()) / small)
+        per_inertia = other[:, 1] ** 2 / 2 - _rate() ** 2 * np.cos(other[:, 0])
+        energy = max(energy, float(np.abs(per_inertia - per_inertia[0]).max() / (true[:, 1] ** 2 / 2).max()) / small)
+    return moved, energy, float(CRANK * np.abs(true[:, 1]).max())
+
+
+def _gap(dt: float) -> float:
+    """A step along the tangent leaves the circle by (v dt)^2/(2 r); a solver that takes back a fifth a step keeps five."""
+    return 5 * (_first_order()[2] * dt) ** 2 / (2 * CRANK) + 1e-6
+
+
+def _turned(dt: float) -> float:
+    """In one line a gap g lets the coupler turn by sqrt(8 g/r), since distances change there in second order only; the crank
+    errs by its own way besides."""
+    return float(np.sqrt(8 * _gap(dt) / CRANK)) + 2 * _first_order()[0] * dt / CRANK
+
+
+CASE = Case(
+    name="joint_fourbar",
+    title="Four-bar linkage",
+    question="Does a closed loop with redundant constraints hold together and go on as a parallelogram through its singular "
+    "pose?",
+    source="McCarthy, Soh, Geometric Design of Linkages, 2nd ed., section 2.4 (change point); the pendulum by elliptic "
+    "functions",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"amplitude": AMPLITUDE},
+    headline=POSITION_MAX.name,
+    scale=CRANK,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a linkage never diverges"),
+        Check(metric=POSITION_MAX, at_most=lambda dt: 2 * _first_order()[0] * dt + _gap(dt), because=FIRST_ORDER),
+        Check(metric=ENERGY_MAX, at_most=lambda dt: 2 * _first_order()[1] * dt, because=FIRST_ORDER),
+        Check(
+            metric=ATTITUDE_MAX,
+            at_most=_turned,
+            because="where all lies in one line a gap g lets the coupler turn by sqrt(8 g/r), to which the cranks' own error "
+            "is added; as an anti-parallelogram it would turn by more than a radian",
+        ),
+        Check(
+            metric=JOINT_GAP_MAX,
+            at_most=_gap,
+            because="a step along the tangent leaves the circle by (v dt)^2/(2 r), of which a solver that corrects a fifth a "
+            "step keeps five; 1e-6 m for single precision",
+        ),
+    ),
+    observe=(PERIOD, POSITION_FINAL, ENERGY_STAGGERED),
+)

@@ -1,0 +1,140 @@
+"""A rod that swings into the stop of its hinge: does the stop hold it, where it should and when it should?"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import ellipj, ellipk, ellipkinc
+
+from harness.case import Axis, Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.jitter import RMS_SPEED
+from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.limits import LIMIT_OVERSHOOT_FINAL, LIMIT_OVERSHOOT_MAX
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Limits, PlacedShape, Revolute, Scene, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 3.0
+AMPLITUDE, STOP = 80.0, 20.0
+"""Degrees from hanging: where the rod is released, and the stop, before the lowest point, so that weight holds it there."""
+LENGTH, MASS, THICKNESS = 1.0, 1.0, 0.04
+HALF = (THICKNESS, THICKNESS, LENGTH / 2)
+D = LENGTH / 2
+INERTIA = box_inertia(MASS, HALF)[1][1] + MASS * D**2
+
+
+def _pose(theta: Floats) -> tuple[Floats, Floats]:
+    """Centre of mass (..., 3) m and attitude (..., 4) at angles theta [rad] from hanging, towards +x."""
+    zero = np.zeros_like(theta)
+    p_WB = D * np.stack([np.sin(theta), zero, -np.cos(theta)], axis=-1)
+    return p_WB, np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
+
+
+def _scene(amplitude: float = AMPLITUDE, stop: float = STOP) -> Scene:
+    """A rod on a hinge at the origin, at rest at `amplitude` with a stop at `stop` [degrees from hanging], stop < amplitude."""
+    p_WB, q_WB = _pose(np.array(np.radians(amplitude)))
+    rod = Body(
+        name="rod",
+        mass=MASS,
+        inertia=box_inertia(MASS, HALF),
+        visual=(PlacedShape(shape=Box(half_extents=HALF)),),
+        p_WB=p_WB.tolist(),
+        q_WB=q_WB.tolist(),
+    )
+    # A turn about -y raises the rod towards +x.
+    hinge = Revolute(
+        name="hinge",
+        parent=WORLD,
+        child="rod",
+        anchor_W=(0.0, 0.0, 0.0),
+        axis_W=(0.0, -1.0, 0.0),
+        position=float(np.radians(amplitude)),
+        limits=Limits(lower=float(np.radians(stop))),
+    )
+    return Scene(bodies=(rod,), joints=(hinge,))
+
+
+RATE = float(np.sqrt(MASS * G * D / INERTIA))
+"""Angular frequency of small swings [rad/s]."""
+
+
+def striking_time(amplitude: float = AMPLITUDE, stop: float = STOP) -> float:
+    """The instant [s] at which the rod reaches the stop: K(k) - F(phi, k) over w0, sin(phi) = sin(stop/2)/k."""
+    k = float(np.sin(np.radians(amplitude) / 2))
+    phi = np.arcsin(np.sin(np.radians(stop) / 2) / k)
+    return float(ellipk(k * k) - ellipkinc(phi, k * k)) / RATE
+
+
+def _expected(time: Floats, amplitude: float = AMPLITUDE, stop: float = STOP) -> Trajectory:
+    """The pendulum up to the stop, without restitution, and rest on it."""
+    truth = Trajectory.of(time, 1)
+    k, end = float(np.sin(np.radians(amplitude) / 2)), striking_time(amplitude, stop)
+    sn, cn, _, _ = ellipj(ellipk(k * k) - RATE * truth.time, k * k)
+    swings = truth.time < end
+    theta = np.where(swings, 2 * np.arcsin(k * sn), np.radians(stop))
+    truth.p_WB[:, 0], truth.q_WB[:, 0] = _pose(theta)
+    truth.w_WB[:, 0, 1] = np.where(swings, 2 * k * RATE * cn, 0.0)
+    truth.v_WB[:, 0] = np.cross(truth.w_WB[:, 0], truth.p_WB[:, 0])
+    return truth
+
+
+@lru_cache(maxsize=1)
+def _strike() -> float:
+    """Angular speed [rad/s] at the stop."""
+    return float(np.sqrt(2 * RATE**2 * (np.cos(np.radians(STOP)) - np.cos(np.radians(AMPLITUDE)))))
+
+
+def _way(dt: float) -> float:
+    """The rod's angle [rad] in one step before the stop."""
+    return _strike() * dt
+
+
+CASE = Case(
+    name="joint_limits",
+    title="Hinge with a stop",
+    question="Does a stop end a swing where it stands, without bounce, and hold the weight afterwards?",
+    source="Landau, Lifshitz, Mechanics, 3rd ed., section 11, problem 1, up to the stop; an inelastic stop by definition",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"amplitude": AMPLITUDE, "stop": STOP},
+    hard=Axis(parameter="amplitude", unit="deg", easy=30.0, extreme=179.0),
+    sample_interval=1 / 240,
+    headline=LIMIT_OVERSHOOT_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a stopped rod rests"),
+        Check(
+            metric=LIMIT_OVERSHOOT_MAX,
+            at_most=_way,
+            because="a stop that is noticed only once it is passed is passed by at most one step's way at the speed of the "
+            "blow",
+        ),
+        Check(
+            metric=LIMIT_OVERSHOOT_FINAL,
+            at_most=1e-3,
+            because="a thousandth of a radian, as far as a millimetre at the end of a rod of one metre, is what a stop may "
+            "give way under the rod's weight and still be a stop",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: D * 3 * _way(dt) + 2e-3,
+            because="the swing errs by half a step's way and by the period's error, the blow comes up to a step late and "
+            "passes the stop by one more: three steps' way, and what a stop may give way",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            start=2.0,
+            because="at rest on the stop nothing is left but the velocity that gravity gives in a step and the stop takes back",
+        ),
+        Check(
+            metric=JOINT_GAP_MAX,
+            at_most=lambda dt: 5 * (_strike() * D * dt) ** 2 / (2 * D) + D * _way(dt) + 1e-6,
+            because="five steps' departure along the tangent, (v dt)^2/(2 d) each, and one step's way at the blow, whose "
+            "impulse the hinge bears",
+        ),
+    ),
+    observe=(POSITION_FINAL,),
+)

@@ -1,0 +1,82 @@
+"""A pendulum for a million steps: does its energy stay where it is, or creep away?"""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_FINAL, ENERGY_GROWTH, ENERGY_MAX, ENERGY_STAGGERED
+from harness.metrics.joint_gap import JOINT_GAP_FINAL, JOINT_GAP_MAX
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.trajectory import Floats
+
+G = -EARTH_GRAVITY[2]
+DURATION = 1000.0
+AMPLITUDE = 60.0
+LENGTH, MASS, THICKNESS = 1.0, 1.0, 0.05
+HALF = (THICKNESS, THICKNESS, LENGTH / 2)
+D = LENGTH / 2
+RATE = float(np.sqrt(MASS * G * D / (box_inertia(MASS, HALF)[1][1] + MASS * D**2)))
+"""Angular frequency of small swings [rad/s]."""
+
+
+def _scene(amplitude: float = AMPLITUDE) -> Scene:
+    """A rod on a hinge about y at the origin, at rest at `amplitude` [degrees from hanging]."""
+    theta = float(np.radians(amplitude))
+    along: Floats = D * np.array([np.sin(theta), 0.0, -np.cos(theta)])
+    rod = Body(
+        name="rod",
+        mass=MASS,
+        inertia=box_inertia(MASS, HALF),
+        visual=(PlacedShape(shape=Box(half_extents=HALF)),),
+        p_WB=along.tolist(),
+        q_WB=(float(np.cos(theta / 2)), 0.0, -float(np.sin(theta / 2)), 0.0),
+    )
+    hinge = Revolute(name="hinge", parent=WORLD, child="rod", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
+    return Scene(bodies=(rod,), joints=(hinge,))
+
+
+FASTEST = 2 * float(np.sin(np.radians(AMPLITUDE) / 2)) * RATE * D
+"""Speed of the centre of mass at the lowest point [m/s]."""
+
+
+def _gap(dt: float) -> float:
+    """A step along the tangent leaves the circle by (v dt)^2/(2 d); a solver that takes back a fifth a step keeps five."""
+    return 5 * (FASTEST * dt) ** 2 / (2 * D) + 1e-6
+
+
+def _swing(dt: float) -> float:
+    """Twice (w0/2) dt for half a step between position and velocity, and the gap's height, over the energy in play."""
+    return RATE * dt + _gap(dt) / (D * (1 - float(np.cos(np.radians(AMPLITUDE)))))
+
+
+CASE = Case(
+    name="joint_long_run",
+    title="A million steps",
+    question="Does the energy of a frictionless pendulum stay bounded over a million steps, without a trend?",
+    source="Hairer, Lubich, Wanner, Geometric Numerical Integration, section IX.8: long-time energy conservation",
+    truth="conservation",
+    scene=_scene,
+    duration=DURATION,
+    parameters={"amplitude": AMPLITUDE},
+    sample_interval=0.5,
+    dt=1 / 1000,
+    ladder=(1 / 30, 1 / 60, 1 / 120, 1 / 240, 1 / 480, 1 / 1000),
+    headline=ENERGY_GROWTH.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a pendulum never diverges"),
+        Check(
+            metric=ENERGY_MAX,
+            at_most=_swing,
+            because="position and velocity half a step apart make an energy that swings by (w0/2) dt, taken twice, and a "
+            "hinge's gap adds its height. Neither grows with the length of the run",
+        ),
+        Check(
+            metric=ENERGY_GROWTH,
+            at_most=lambda dt: _swing(dt) / DURATION,
+            because="what only swings has no trend beyond its swing over the length of the run. A damping of 1e-3/s would lose "
+            "the energy of half an hour's motion in this run",
+        ),
+        Check(metric=JOINT_GAP_MAX, at_most=_gap, because="as in a short run: five steps' departure along the tangent"),
+    ),
+    observe=(ENERGY_FINAL, ENERGY_STAGGERED, JOINT_GAP_FINAL),
+)

@@ -1,0 +1,125 @@
+"""Masses on springs and dampers: do they swing and creep back as their damping ratio says, and is no damping added?"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX, POSITION_RMS
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import WORLD, Body, Box, Effect, PlacedShape, Prismatic, Scene, Spring, box_inertia
+from harness.trajectory import Floats, Trajectory
+from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+
+DURATION = 5.0
+RATIOS = (0.1, 1.0, 2.0)
+"""Damping over critical damping: it swings, it just does not, it creeps."""
+RATE = 6.0
+"""Undamped angular frequency [rad/s]."""
+STRETCH, MASS, SPACING = 0.3, 1.0, 0.5
+HALF = (0.1, 0.1, 0.1)
+
+
+def _scene(ratios: Sequence[float] = RATIOS, rate: float = RATE, stretch: float = STRETCH) -> Scene:
+    """One mass for each damping ratio, side by side, on a rail along x, released `stretch` [m] from its spring's rest."""
+    bodies, joints = [], []
+    for k, ratio in enumerate(ratios):
+        place = (stretch, SPACING * k, 0.0)
+        bodies.append(
+            Body(
+                name=f"mass_{k}",
+                mass=MASS,
+                inertia=box_inertia(MASS, HALF),
+                visual=(PlacedShape(shape=Box(half_extents=HALF)),),
+                p_WB=place,
+            )
+        )
+        joints.append(
+            Prismatic(
+                name=f"rail_{k}",
+                parent=WORLD,
+                child=f"mass_{k}",
+                anchor_W=place,
+                axis_W=(1.0, 0.0, 0.0),
+                position=stretch,
+                spring=Spring(stiffness=MASS * rate**2, damping=2 * MASS * rate * ratio),
+            )
+        )
+    # Nothing turns on a rail.
+    return Scene(bodies=tuple(bodies), joints=tuple(joints), gravity=(0.0, 0.0, 0.0), narrow=Effect.GYROSCOPIC)
+
+
+def _motion(time: Floats, ratio: float, rate: float, stretch: float) -> tuple[Floats, Floats]:
+    """x [m] and x' [m/s] of x'' + 2 ratio rate x' + rate^2 x = 0 from rest at `stretch`, each (t,)."""
+    fading = ratio * rate
+    if ratio < 1:
+        swing = rate * np.sqrt(1 - ratio**2)
+        decay = stretch * np.exp(-fading * time)
+        x = decay * (np.cos(swing * time) + fading / swing * np.sin(swing * time))
+        return x, -decay * rate**2 / swing * np.sin(swing * time)
+    if ratio == 1:
+        decay = stretch * np.exp(-rate * time)
+        return decay * (1 + rate * time), -decay * rate**2 * time
+    apart = rate * np.sqrt(ratio**2 - 1)
+    # The two roots, the slower written without the difference of two nearly equal numbers.
+    fast = -(fading + apart)
+    slow = rate**2 / fast
+    one, two = np.exp(slow * time), np.exp(fast * time)
+    return stretch * (fast * one - slow * two) / (fast - slow), stretch * slow * fast * (one - two) / (fast - slow)
+
+
+def _expected(time: Floats, ratios: Sequence[float] = RATIOS, rate: float = RATE, stretch: float = STRETCH) -> Trajectory:
+    """The closed form of the damped oscillator."""
+    truth = Trajectory.of(time, len(ratios))
+    for k, ratio in enumerate(ratios):
+        truth.p_WB[:, k, 1] = SPACING * k
+        truth.p_WB[:, k, 0], truth.v_WB[:, k, 0] = _motion(truth.time, ratio, rate, stretch)
+    return truth
+
+
+@lru_cache(maxsize=1)
+def _first_order() -> Floats:
+    """Largest error per dt of position [m/s] and of velocity [m/s2] in the default motion, the worst of the masses, (2,)."""
+    times, small, worst = np.linspace(0.0, DURATION, 501), 1e-5, np.zeros(2)
+    for ratio in RATIOS:
+
+        def acceleration(x: Floats, v: Floats, ratio: float = ratio) -> Floats:
+            a: Floats = -(RATE**2) * x - 2 * ratio * RATE * v
+            return a
+
+        true = true_motion(acceleration, [STRETCH], [0.0], times, 1e-12)
+        for other in first_order_motions(acceleration, [STRETCH], [0.0], times, small):
+            worst = np.maximum(worst, np.abs(other - true).max(axis=0) / small)
+    return worst
+
+
+CASE = Case(
+    name="joint_spring",
+    title="Spring and damper",
+    question="Does a mass on a spring and damper move as its damping ratio says, below, at and above the critical one?",
+    source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 8/2",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"ratios": RATIOS, "rate": RATE, "stretch": STRETCH},
+    hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4),
+    headline=POSITION_MAX.name,
+    scale=STRETCH,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a damped mass comes to rest"),
+        Check(metric=POSITION_MAX, at_most=lambda dt: float(2 * _first_order()[0]) * dt, because=FIRST_ORDER),
+        Check(metric=VELOCITY_MAX, at_most=lambda dt: float(2 * _first_order()[1]) * dt, because=FIRST_ORDER),
+        Check(
+            metric=JOINT_GAP_MAX,
+            at_most=1e-6,
+            because="nothing pushes a mass off its rail; 1e-6 m is single-precision rounding",
+        ),
+        Check(metric=ATTITUDE_MAX, at_most=1e-6, because="nothing turns a mass on its rail; single-precision rounding"),
+    ),
+    observe=(POSITION_RMS, POSITION_FINAL),
+)

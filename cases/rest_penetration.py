@@ -1,0 +1,101 @@
+"""One body on the ground: how deep does it sink in, and does the ground bear its weight?"""
+
+from harness.case import Case, Check
+from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.metrics.penetration import PENETRATION
+from harness.scene import (
+    EARTH_GRAVITY,
+    Body,
+    Box,
+    Capsule,
+    Cylinder,
+    PlacedShape,
+    Plane,
+    Quaternion,
+    Scene,
+    Shape,
+    Sphere,
+    Surface,
+    axis_angle,
+    box_inertia,
+    capsule_inertia,
+    cylinder_inertia,
+    sphere_inertia,
+)
+from harness.scene.values import Matrix3
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+FRICTION, MASS, HALF = 0.5, 1.0, 0.1
+SETTLED, DURATION = 1.0, 2.0
+UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
+    """A box, sphere or cylinder of half-height HALF standing on a plane, or a capsule lying on it; it just touches."""
+    laid = axis_angle((0.0, 1.0, 0.0), 1.5707963267948966)
+    choices: dict[str, tuple[Matrix3, Shape, Quaternion]] = {
+        "box": (box_inertia(MASS, (HALF, HALF, HALF)), Box(half_extents=(HALF, HALF, HALF)), UNTURNED),
+        "sphere": (sphere_inertia(MASS, HALF), Sphere(radius=HALF), UNTURNED),
+        "cylinder": (cylinder_inertia(MASS, HALF, HALF), Cylinder(radius=HALF, half_length=HALF), UNTURNED),
+        "capsule": (capsule_inertia(MASS, HALF, HALF), Capsule(radius=HALF, half_length=HALF), laid),
+    }
+    inertia, placed, q_WB = choices[shape]
+    body = Body(
+        name=shape,
+        mass=MASS,
+        inertia=inertia,
+        collision=(PlacedShape(shape=placed),),
+        p_WB=(0.0, 0.0, HALF),
+        q_WB=q_WB,
+    )
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    return Scene(bodies=(ground, body), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+
+
+def expected(time: Floats, shape: str = "box", friction: float = FRICTION) -> Trajectory:
+    """Rest."""
+    stage = scene(shape, friction)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    truth.q_WB[:] = [body.q_WB for body in stage.bodies]
+    return truth
+
+
+CASE = Case(
+    name="rest_penetration",
+    title="One body at rest",
+    question="How deep does a body at rest sink into the ground, and does the ground bear just its weight?",
+    source="statics: a rigid body on a rigid plane neither sinks nor moves; its support equals its weight",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"shape": "box", "friction": FRICTION},
+    duration=DURATION,
+    with_contacts=True,
+    steady=SETTLED,
+    checks=(
+        Check(
+            metric=PENETRATION,
+            at_most=lambda dt: G * dt**2,
+            because="g dt^2, the way that the body falls in the one step before its contact can push",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a body before its support takes it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=SUPPORT_FORCE_ERROR,
+            at_most=lambda dt: dt / (DURATION - SETTLED),
+            because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
+            "stay under one step of gravity",
+            start=SETTLED,
+        ),
+    ),
+    observe=(REST_DRIFT,),
+    headline="penetration",
+    scale=HALF,
+)

@@ -1,0 +1,83 @@
+"""A small body that spins fast: up to how many radians a step does its rotation stay bounded?"""
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_FINAL, ENERGY_MAX
+from harness.metrics.momentum import ANGULAR_MOMENTUM_MAX
+from harness.scene import Body, Box, PlacedShape, Scene, box_inertia
+from harness.scene.values import Vector3
+from harness.trajectory import Floats, Trajectory
+from harness.truths.free_rotation import free_rotation
+
+DURATION = 2.0
+SPEED = 100.0
+DIRECTION = (0.8, 0.1, 0.59)
+HALF = (0.03, 0.02, 0.005)
+"""Half extents [m] of a plate of 30 g: moments of some 1e-6 kg m2, ascending along x, y, z."""
+MASS = 0.03
+
+
+def _scene(speed: float = SPEED, direction: Vector3 = DIRECTION) -> Scene:
+    """A plate that spins at `speed` [rad/s] about an axis of its own that is no principal axis."""
+    unit = np.array(direction) / np.linalg.norm(direction)
+    plate = Body(
+        name="plate",
+        mass=MASS,
+        inertia=box_inertia(MASS, (HALF[0], HALF[1], HALF[2])),
+        visual=(PlacedShape(shape=Box(half_extents=HALF)),),
+        w_WB=(speed * unit).tolist(),
+    )
+    return Scene(bodies=(plate,), gravity=(0.0, 0.0, 0.0))
+
+
+def _expected(time: Floats, speed: float = SPEED, direction: Vector3 = DIRECTION) -> Trajectory:
+    """The closed form of the free rotation."""
+    unit = np.array(direction) / np.linalg.norm(direction)
+    a, b, c = (float(x) for x in np.diag(np.array(box_inertia(MASS, HALF))))
+    x, y, z = (float(speed * u) for u in unit)
+    truth = Trajectory.of(time, 1)
+    truth.q_WB[:, 0], truth.w_WB[:, 0] = free_rotation(truth.time, (a, b, c), (x, y, z))
+    return truth
+
+
+def _room() -> float:
+    """The largest relative change of the energy at the present |L|: from L^2/(2 E) between the least and greatest moment."""
+    moments = np.diag(np.array(box_inertia(MASS, HALF)))
+    w = np.array(DIRECTION)
+    mean = float(np.sum((moments * w) ** 2) / np.sum(moments * w**2))
+    return float(max(mean / moments.min() - 1, 1 - mean / moments.max()))
+
+
+CASE = Case(
+    name="spin_fast",
+    title="Fast spin",
+    question="Up to what speed does a small body's rotation stay bounded?",
+    source="Euler's equations: at a given L the energy lies between L^2/(2 I3) and L^2/(2 I1)",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"speed": SPEED, "direction": DIRECTION},
+    hard=Axis(parameter="speed", unit="rad/s", easy=10.0, extreme=10000.0),
+    sample_interval=1 / 240,
+    headline=ANGULAR_MOMENTUM_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a free rotation is bounded"),
+        Check(
+            metric=ENERGY_MAX,
+            at_most=_room(),
+            because="with the angular momentum it has, no direction of spin gives this body another energy than L^2/(2 I3).. "
+            "L^2/(2 I1): a larger change proves that angular momentum was made or lost",
+        ),
+        Check(
+            metric=ANGULAR_MOMENTUM_MAX,
+            at_most=1.0,
+            because="an error as large as L itself: nothing of it was kept. How much was is the figure to look at",
+        ),
+    ),
+    observe=(ENERGY_FINAL, ATTITUDE_MAX, ANGULAR_VELOCITY_MAX),
+)

@@ -1,0 +1,134 @@
+"""A disc that spins on a ball joint under gravity: does it precess steadily, and without nutation?"""
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.kinematics import product
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
+from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.precession import NUTATION_AMPLITUDE, PRECESSION_RATE_ERROR
+from harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 2.0
+MASS, RADIUS, LENGTH = 1.0, 0.1, 0.1
+TILT = 30.0
+SPIN = 200.0
+ACROSS, ALONG = MASS * RADIUS**2 / 4 + MASS * LENGTH**2, MASS * RADIUS**2 / 2
+"""Moments of the disc about the joint, across its axis and along it [kg m2]."""
+
+
+def precession(tilt: float = TILT, spin: float = SPIN) -> float:
+    """The slower steady precession [rad/s]: I1 cos(theta) W^2 - I3 w3 W + m g l = 0; tilt in degrees, spin w3 in rad/s.
+
+    Raises:
+        ValueError: the spin is too slow for a steady precession.
+    """
+    a, b, c = ACROSS * np.cos(np.radians(tilt)), ALONG * spin, MASS * G * LENGTH
+    if b * b < 4 * a * c:
+        raise ValueError(
+            f"spin {spin} rad/s, expected at least {2 * np.sqrt(max(a * c, 0.0)) / ALONG:.6g} for a tilt of {tilt} deg"
+        )
+    # The form that loses no digits to the difference of two nearly equal numbers.
+    return float(2 * c / (b + np.sqrt(b * b - 4 * a * c)))
+
+
+def _turn(axis: int, angle: Floats) -> Floats:
+    """The rotation by angles [rad] (t,) about a coordinate axis, (t, 4)."""
+    q = np.zeros((len(angle), 4))
+    q[:, 0], q[:, 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return q
+
+
+def _expected(time: Floats, tilt: float = TILT, spin: float = SPIN) -> Trajectory:
+    """The axis goes round the vertical at W, at a constant tilt, and the disc round its axis at w3 - W cos(tilt)."""
+    truth = Trajectory.of(time, 1)
+    theta, rate = np.radians(tilt), precession(tilt, spin)
+    azimuth = rate * truth.time
+    turned = product(_turn(2, azimuth), _turn(1, np.full(len(azimuth), theta)))
+    truth.q_WB[:, 0] = product(turned, _turn(2, (spin - rate * np.cos(theta)) * truth.time))
+    axis = np.stack([np.sin(theta) * np.cos(azimuth), np.sin(theta) * np.sin(azimuth), np.full(len(azimuth), np.cos(theta))], 1)
+    truth.p_WB[:, 0] = LENGTH * axis
+    truth.w_WB[:, 0] = (spin - rate * np.cos(theta)) * axis + np.array([0.0, 0.0, rate])
+    truth.v_WB[:, 0] = np.cross(truth.w_WB[:, 0], truth.p_WB[:, 0])
+    return truth
+
+
+def _scene(tilt: float = TILT, spin: float = SPIN) -> Scene:
+    """A thin disc on a massless stem, on a ball joint at the origin, started in steady precession."""
+    start = _expected(np.zeros(1), tilt, spin)
+    disc = Body(
+        name="disc",
+        mass=MASS,
+        inertia=principal_inertia(ACROSS - MASS * LENGTH**2, ACROSS - MASS * LENGTH**2, ALONG),
+        visual=(PlacedShape(shape=Cylinder(radius=RADIUS, half_length=0.005)),),
+        p_WB=start.p_WB[0, 0].tolist(),
+        q_WB=start.q_WB[0, 0].tolist(),
+        v_WB=start.v_WB[0, 0].tolist(),
+        w_WB=start.w_WB[0, 0].tolist(),
+    )
+    tip = Ball(name="tip", parent=WORLD, child="disc", anchor_W=(0.0, 0.0, 0.0))
+    return Scene(bodies=(disc,), joints=(tip,))
+
+
+NUTATION = ALONG * SPIN / ACROSS
+"""Rate of nutation of the fast top, I3 w3/I1 [rad/s]."""
+
+
+def _nutation(dt: float) -> float:
+    """Twice the amplitude [rad] that a push of half a step of gravity's torque off the steady motion sets going."""
+    return float(2 * MASS * G * LENGTH * np.sin(np.radians(TILT)) / ACROSS * dt / 2 / NUTATION + _gap(dt) / LENGTH)
+
+
+def _gap(dt: float) -> float:
+    """A step along the tangent leaves the circle by (v dt)^2/(2 r); a solver that takes back a fifth a step keeps five.
+
+    The joint's speed over the ground is that of the disc's point at the tip, which the spin does not move.
+    """
+    speed = LENGTH * np.sin(np.radians(TILT)) * precession()
+    return float(5 * (speed * dt) ** 2 / (2 * LENGTH) + 5 * G * dt**2 + 1e-6)
+
+
+CASE = Case(
+    name="spin_heavy_top",
+    title="Heavy top",
+    question="Does a fast top on a ball joint precess at the rate that gravity's torque asks for, without falling?",
+    source="Goldstein, Classical Mechanics, 3rd ed., section 5.7: I1 cos(theta) W^2 - I3 w3 W + m g l = 0",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"tilt": TILT, "spin": SPIN},
+    hard=Axis(parameter="spin", unit="rad/s", easy=100.0, extreme=5000.0),
+    sample_interval=1 / 240,
+    # The disc turns 0.83 rad in a step of 1/240; in a longer one no method could follow it.
+    ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
+    headline=POSITION_MAX.name,
+    scale=LENGTH,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a steady precession is stable"),
+        Check(
+            metric=PRECESSION_RATE_ERROR,
+            at_most=lambda dt: NUTATION * dt,
+            because="a first-order method places the torque and the motion it makes one step apart, the share W_nut dt of the "
+            "time in which the axis answers",
+        ),
+        Check(
+            metric=NUTATION_AMPLITUDE,
+            at_most=_nutation,
+            because="gravity's torque applied half a step early or late is a push of m g l sin(theta) dt/2 off the steady "
+            "motion, which nutates with that over I1 W_nut, taken twice; the gap of the joint tilts the axis as well",
+        ),
+        Check(
+            metric=JOINT_GAP_MAX,
+            at_most=_gap,
+            because="a step along the tangent leaves the circle by (v dt)^2/(2 r) and a free fall of one step by g dt^2, of "
+            "which a solver that corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
+        ),
+    ),
+    observe=(POSITION_FINAL, POSITION_MAX, ATTITUDE_MAX, ENERGY_MAX, ENERGY_STAGGERED),
+)

@@ -1,0 +1,106 @@
+"""A body spun about its middle axis flips over and over: does it, and as often as it should?"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import ellipk
+
+from harness.case import Case, Check
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_MAX
+from harness.metrics.flips import FLIP_COUNT_ERROR, FLIP_PERIOD_ERROR
+from harness.metrics.momentum import ANGULAR_MOMENTUM_MAX
+from harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
+from harness.scene.values import Vector3
+from harness.trajectory import Floats, Trajectory
+from harness.truths.free_rotation import FIRST_ORDER, first_order_errors, free_rotation
+
+DURATION = 20.0
+MOMENTS = (1.0, 2.0, 2.5)
+SPIN = (0.1, 1.5, 0.6)
+"""A spin [rad/s] about the middle axis with a push: L^2 is 4 % above 2 E I2, near the separatrix and not on it."""
+
+
+def _scene(moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> Scene:
+    """A body of 6 kg with principal `moments` [kg m2] in ascending order, spinning at `spin` [rad/s] in B, B on W at time 0."""
+    mass = 6.0
+    half = [float(np.sqrt(max(1.5 * (sum(moments) - 2 * moment) / mass, 1e-6))) for moment in moments]
+    body = Body(
+        name="racket",
+        mass=mass,
+        inertia=principal_inertia(*moments),
+        visual=(PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2]))),),
+        w_WB=spin,
+    )
+    return Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0))
+
+
+def _expected(time: Floats, moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> Trajectory:
+    """The closed form."""
+    truth = Trajectory.of(time, 1)
+    truth.q_WB[:, 0], truth.w_WB[:, 0] = free_rotation(truth.time, moments, spin)
+    return truth
+
+
+def flip_period(square: float, twice_energy: float, moments: Vector3 = MOMENTS) -> float:
+    """The time [s] between two flips of a body with L^2 = `square` and 2 E: half of the period of sn.
+
+    Source: Landau, Lifshitz, Mechanics, section 37, equation 12; the first and third axes change places where L^2 < 2 E I2.
+    """
+    i1, i2, i3 = moments if square > twice_energy * moments[1] else moments[::-1]
+    rate = np.sqrt((i3 - i2) * (square - twice_energy * i1) / (i1 * i2 * i3))
+    m = (i2 - i1) * (twice_energy * i3 - square) / ((i3 - i2) * (square - twice_energy * i1))
+    return float(2 * ellipk(m) / rate)
+
+
+@lru_cache(maxsize=64)
+def _period(dt: float) -> float:
+    """The largest change of the period when the energy is off by twice a first-order method's error, at most a whole period.
+
+    Beyond the separatrix the period falls again; on it there is none.
+    """
+    i, w = np.array(MOMENTS), np.array(SPIN)
+    square, twice_energy = float(np.sum((i * w) ** 2)), float(np.sum(i * w**2))
+    off = 2 * first_order_errors(MOMENTS, SPIN, DURATION)[2] * dt
+    if abs(square / (twice_energy * MOMENTS[1]) - 1) <= off:
+        return 1.0
+    # The momentum errs as well, and what counts is the distance of the two from the separatrix.
+    shifted = [flip_period(square, twice_energy * (1 + sign * off)) for sign in (-1, 1)]
+    return min(1.0, max(abs(period / flip_period(square, twice_energy) - 1) for period in shifted))
+
+
+CASE = Case(
+    name="spin_intermediate_axis",
+    title="Intermediate axis",
+    question="Does a body spun about its middle axis flip as often as Jacobi's functions say?",
+    source="Landau, Lifshitz, Mechanics, 3rd ed., section 37; Poinsot (1834); Ashbaugh, Chicone, Cushman, The Twisting Tennis "
+    "Racket (1991)",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"moments": MOMENTS, "spin": SPIN},
+    sample_interval=1 / 60,
+    headline=FLIP_PERIOD_ERROR.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a free body never diverges"),
+        Check(
+            metric=FLIP_COUNT_ERROR,
+            at_most=1.0,
+            because="the last flip may lie on either side of the end of the run, and no other may be lost or won",
+        ),
+        Check(
+            metric=FLIP_PERIOD_ERROR,
+            at_most=_period,
+            because="what the period becomes when the energy errs by twice as much as in a first-order method; a whole period "
+            "where that error reaches the separatrix",
+        ),
+        Check(
+            metric=ANGULAR_MOMENTUM_MAX,
+            at_most=lambda dt: 2 * first_order_errors(MOMENTS, SPIN, DURATION)[1] * dt,
+            because=FIRST_ORDER,
+        ),
+    ),
+    observe=(ENERGY_MAX, ATTITUDE_MAX),
+)

@@ -1,0 +1,81 @@
+"""A torque-free symmetric top: does it precess about its angular momentum at L/I while its body spins at (1 - J/I) w3?"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.kinematics import product, rotate
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
+from harness.metrics.attitude import ATTITUDE_FINAL, ATTITUDE_MAX, ATTITUDE_RMS
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
+from harness.metrics.momentum import ANGULAR_MOMENTUM_MAX
+from harness.scene import Body, Cylinder, PlacedShape, Scene, principal_inertia
+from harness.scene.values import Vector3
+from harness.trajectory import Floats, Trajectory
+from harness.truths.free_rotation import FIRST_ORDER, first_order_errors
+
+DURATION = 10.0
+ACROSS, ALONG = 1.0, 1.6
+"""Moments about the axes across the axis of symmetry and along it [kg m2]."""
+SPIN = (0.6, 0.0, 1.0)
+
+
+def _scene(across: float = ACROSS, along: float = ALONG, spin: Vector3 = SPIN) -> Scene:
+    """A cylinder of 6 kg with its axis along z, spinning at `spin` [rad/s]."""
+    mass = 6.0
+    radius = float(np.sqrt(2 * along / mass))
+    half_length = float(np.sqrt(max(3 * across / mass - 0.75 * radius**2, 1e-6)))
+    top = Body(
+        name="top",
+        mass=mass,
+        inertia=principal_inertia(across, across, along),
+        visual=(PlacedShape(shape=Cylinder(radius=radius, half_length=half_length)),),
+        w_WB=spin,
+    )
+    return Scene(bodies=(top,), gravity=(0.0, 0.0, 0.0))
+
+
+def _turn(axis: Floats, angle: Floats) -> Floats:
+    """The rotation by angles [rad] (t,) about a unit axis (3,), (t, 4)."""
+    return np.concatenate([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * axis], axis=1)
+
+
+def _expected(time: Floats, across: float = ACROSS, along: float = ALONG, spin: Vector3 = SPIN) -> Trajectory:
+    """A turn at L/I about the fixed L, after a turn at (1 - J/I) w3 about the axis of symmetry."""
+    truth = Trajectory.of(time, 1)
+    w0 = np.array(spin)
+    momentum = np.array([across, across, along]) * w0
+    size = float(np.linalg.norm(momentum))
+    precession = _turn(momentum / max(size, 1e-300), size / across * truth.time)
+    truth.q_WB[:, 0] = product(precession, _turn(np.array([0.0, 0.0, 1.0]), (1 - along / across) * spin[2] * truth.time))
+    # w_B goes round the axis of symmetry the other way; in W it goes round L with the axis itself.
+    truth.w_WB[:, 0] = rotate(precession, np.broadcast_to(w0, (len(truth.time), 3)))
+    return truth
+
+
+def _first_order(column: int) -> Callable[[float], float]:
+    """The bound over dt of attitude (0), angular momentum (1) or energy (2)."""
+    return lambda dt: 2 * first_order_errors((ACROSS, ACROSS, ALONG), SPIN, DURATION)[column] * dt
+
+
+CASE = Case(
+    name="spin_symmetric_top",
+    title="Symmetric top",
+    question="Does a torque-free axisymmetric body precess about its angular momentum at the rate L/I?",
+    source="Kane, Likins, Levinson, Spacecraft Dynamics (1983), section 3.1",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"across": ACROSS, "along": ALONG, "spin": SPIN},
+    headline=ATTITUDE_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a free top never diverges"),
+        Check(metric=ATTITUDE_MAX, at_most=_first_order(0), because=FIRST_ORDER),
+        Check(metric=ANGULAR_MOMENTUM_MAX, at_most=_first_order(1), because=FIRST_ORDER),
+        Check(metric=ENERGY_MAX, at_most=_first_order(2), because=FIRST_ORDER),
+    ),
+    observe=(ATTITUDE_RMS, ATTITUDE_FINAL, ANGULAR_VELOCITY_MAX, ENERGY_STAGGERED),
+)

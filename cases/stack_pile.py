@@ -1,0 +1,117 @@
+"""Balls in a container, packed so that they touch: what does a heap of n bodies cost, and does it lie still?
+
+The packing is that of cannon balls: square layers, each ball in the hollow of four below, so that every engine has the same
+contacts from the first step on and the walls carry their share. Piles that fall into place differ from engine to engine.
+"""
+
+import math
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.metrics.overlap import OVERLAP
+from harness.metrics.world_spread import WORLD_SPREAD
+from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+BALLS, FRICTION, RADIUS, DENSITY = 100, 0.5, 0.05, 1000.0
+SETTLED, DURATION = 0.5, 1.0
+WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0, -1, 0)}
+
+
+def side(n: int) -> int:
+    """Balls along an edge of the lowest layer: a heap of n = sqrt(2) side^3 balls is as high as it is wide."""
+    return max(1, math.ceil(math.pow(n / math.sqrt(2), 1 / 3)))
+
+
+def packing(n: int) -> Floats:
+    """Centres (n, 3) m in units of RADIUS, layer upon layer of side^2 and (side - 1)^2 balls, about the middle of the floor."""
+    edge, found = side(n), list[tuple[float, float, float]]()
+    layer = 0
+    while len(found) < n:
+        inner = layer % 2 if edge > 1 else 0
+        height = 1.0 + layer * (math.sqrt(2) if edge > 1 else 2.0)
+        places = np.arange(edge - inner) * 2.0 - (edge - inner - 1)
+        found += [(float(x), float(y), height) for y in places for x in places]
+        layer += 1
+    return np.array(found[:n])
+
+
+def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Scene:  # noqa: ARG001 -- stepped by the harness
+    """A floor, four walls and n equal balls, all just touching; `worlds` of them are stepped together."""
+    count = round(n)
+    mass = DENSITY * 4 / 3 * math.pi * RADIUS**3
+    balls = [
+        Body(
+            name=f"ball_{k}",
+            mass=mass,
+            inertia=sphere_inertia(mass, RADIUS),
+            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+            material="ball",
+            p_WB=(RADIUS * place).tolist(),
+        )
+        for k, place in enumerate(packing(count))
+    ]
+    reach = RADIUS * side(count)
+    floor = Body(name="floor", motion="static", material="wall", collision=(PlacedShape(shape=Plane()),))
+    walls = [
+        Body(
+            name=name,
+            motion="static",
+            material="wall",
+            p_WB=(-reach * x, -reach * y, 0.0),
+            collision=(PlacedShape(shape=Plane(normal=(x, y, z))),),
+        )
+        for name, (x, y, z) in WALLS.items()
+    ]
+    laws = tuple(
+        Surface(between=pair, static_friction=friction, kinetic_friction=friction)
+        for pair in (("ball", "ball"), ("ball", "wall"))
+    )
+    return Scene(bodies=(floor, *walls, *balls), surfaces=laws)
+
+
+def expected(time: Floats, n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Trajectory:
+    """Rest."""
+    stage = scene(n, friction, worlds)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    return truth
+
+
+CASE = Case(
+    name="stack_pile",
+    title="Balls in a container",
+    question="Do n balls packed in a container stay in it and apart from each other, come to rest, and at what price?",
+    source="statics of the face-centred cubic packing: each ball in the hollow of four others, held together by the walls",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"n": BALLS, "friction": FRICTION, "worlds": 1},
+    duration=DURATION,
+    sample_interval=1 / 20,
+    steady=SETTLED,
+    worlds="worlds",
+    hard=Axis(parameter="n", unit="1", easy=10, extreme=10_000),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="every number of every sampled state has to be finite"),
+        Check(
+            metric=OVERLAP,
+            at_most=RADIUS,
+            because="the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a ball before its supports take it away",
+            start=SETTLED,
+        ),
+        Check(metric=WORLD_SPREAD, at_most=0.0, because="equal input gives an equal future, bit for bit"),
+    ),
+    observe=(REST_DRIFT,),
+    headline="overlap",
+    scale=RADIUS,
+)

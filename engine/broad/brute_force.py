@@ -1,0 +1,50 @@
+"""Broad phase by testing every pair: quadratic, and the oracle of the others."""
+
+import math
+
+from engine.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.candidates import (
+    add_unbounded,
+    bounds_are_stale,
+    keep_candidates,
+    may_move,
+    write_pairs,
+)  # fmt: skip
+from engine.broad_phase import boxes_overlap
+from engine.carve import floats_of, ints_of
+from engine.jit import entry, kernel
+from engine.vec import Floats, Ints
+
+__all__ = ["find_pairs"]
+
+
+@kernel
+def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs of bounded shapes, of which one of a range is the lower, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
+    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    found = 0
+    for i in range(first, last):
+        if shape[i, BALL_RADIUS] == math.inf:
+            continue
+        moves = may_move(shape_kind, kind, i)
+        for j in range(i + 1, shapes):
+            if (moves or may_move(shape_kind, kind, j)) and shape[j, BALL_RADIUS] < math.inf and boxes_overlap(fat, i, j):
+                if found < candidate.shape[0]:
+                    candidate[found, 0], candidate[found, 1] = i, j
+                found += 1
+    return found
+
+
+@entry
+def find_pairs(floats: Floats, ints: Ints) -> int:
+    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    if bounds_are_stale(floats, ints):
+        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
+        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
+        if status != 0:
+            return status
+    return write_pairs(floats, ints)

@@ -1,0 +1,154 @@
+"""Candidate pairs under widened bounds: kept while the bounds of this step lie inside, and put into one order.
+
+The pairs handed on are those whose bounds of this step overlap, so they do not depend on when the candidates were found, nor
+by which broad phase.
+
+Source: Verlet, Phys. Rev. 159, 1967 (lists with a skin); Catto, Dynamic Bounding Volume Hierarchies, GDC 2019 (fat boxes).
+"""
+
+import math
+
+import numpy as np
+
+from engine.arena import (
+    BALL_RADIUS,
+    BODY_KIND,
+    BOUNDS,
+    CANDIDATE,
+    CANDIDATES,
+    COUNT,
+    DYNAMIC,
+    EXCLUDED,
+    EXCLUSIONS,
+    FAT,
+    KINEMATIC,
+    MATERIALS,
+    MOTION,
+    OWNER,
+    PAIR,
+    PAIRS,
+    POSE,
+    PROGRESS,
+    SETTING,
+    SHAPE,
+    SHAPE_KIND,
+    SHAPES,
+    STATE,
+    SURFACE,
+)  # fmt: skip
+from engine.broad_phase import kept_apart, overlap, pose_shapes, reaches_plane, write_bounds
+from engine.carve import floats_of, ints_of
+from engine.jit import inlined, kernel
+from engine.vec import Floats, Ints
+
+__all__ = ["add_unbounded", "bounds_are_stale", "keep_candidates", "may_move", "compare_candidates", "write_pairs"]
+
+SKIN = 0.1
+"""By how much candidates' bounds are widened on each side, as a share of the shape's bounding radius [1]."""
+
+
+@inlined
+def may_move(shape_kind: Ints, kind: Ints, s: int) -> bool:
+    """Whether shape s belongs to a dynamic body."""
+    return bool(kind[shape_kind[s, OWNER], MOTION] == DYNAMIC)
+
+
+@kernel
+def bounds_are_stale(floats: Floats, ints: Ints) -> bool:
+    """Write this step's poses and bounds; where one has left its widened bounds, or a plane moves, widen all anew."""
+    state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
+    bounds, fat, setting = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, FAT), floats_of(floats, ints, SETTING)
+    kind, shape_kind, progress = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, PROGRESS)
+    shapes = ints_of(ints, COUNT)[0, SHAPES]
+    pose_shapes(state, shape, shape_kind, shapes, pose)
+    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
+    stale = progress[0, CANDIDATES] < 0
+    for s in range(shapes):
+        if shape[s, BALL_RADIUS] == math.inf:
+            stale = stale or kind[shape_kind[s, OWNER], MOTION] == KINEMATIC
+        for k in range(3):
+            stale = stale or bounds[s, k] < fat[s, k] or bounds[s, k + 3] > fat[s, k + 3]
+    if stale:
+        for s in range(shapes):
+            skin = SKIN * shape[s, BALL_RADIUS] if may_move(shape_kind, kind, s) else 0.0
+            for k in range(3):
+                fat[s, k], fat[s, k + 3] = bounds[s, k] - skin, bounds[s, k + 3] + skin
+    return bool(stale)
+
+
+@kernel
+def add_unbounded(floats: Floats, ints: Ints, found: int) -> int:
+    """Append the pairs of unbounded shapes, which no cell or tree holds, with those that can move. Returns: the new number."""
+    shape, pose, fat = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, FAT)
+    candidate, shapes = ints_of(ints, CANDIDATE), ints_of(ints, COUNT)[0, SHAPES]
+    for i in range(shapes):
+        if shape[i, BALL_RADIUS] < math.inf:
+            continue
+        for j in range(shapes):
+            if shape[j, BALL_RADIUS] < math.inf and reaches_plane(fat, pose, i, j):
+                if found < candidate.shape[0]:
+                    candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
+                found += 1
+    return found
+
+
+@kernel
+def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
+    """Drop the candidates that never touch, and order the rest by their first and then their second shape.
+
+    Returns: 0, or 2 if the arena has no room for them.
+    """
+    surface, kind, shape_kind = floats_of(floats, ints, SURFACE), ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
+    excluded, count, candidate = ints_of(ints, EXCLUDED), ints_of(ints, COUNT), ints_of(ints, CANDIDATE)
+    progress, shapes = ints_of(ints, PROGRESS), count[0, SHAPES]
+    if found > candidate.shape[0]:
+        progress[0, CANDIDATES] = -1
+        return 2
+    kept = 0
+    for c in range(found):
+        i, j = candidate[c, 0], candidate[c, 1]
+        if not kept_apart(shape_kind, kind, surface, count[0, MATERIALS], excluded, count[0, EXCLUSIONS], i, j):
+            candidate[kept, 0], candidate[kept, 1] = i, j
+            kept += 1
+    start, second = np.zeros(shapes + 1, np.int64), np.empty(kept, np.int64)
+    for c in range(kept):
+        start[candidate[c, 0] + 1] += 1
+    for s in range(shapes):
+        start[s + 1] += start[s]
+    place = start.copy()
+    for c in range(kept):
+        i, j = candidate[c, 0], candidate[c, 1]
+        to = place[i]
+        while to > start[i] and second[to - 1] > j:
+            second[to] = second[to - 1]
+            to -= 1
+        second[to] = j
+        place[i] += 1
+    for s in range(shapes):
+        for c in range(start[s], start[s + 1]):
+            candidate[c, 0], candidate[c, 1] = s, second[c]
+    progress[0, CANDIDATES] = kept
+    return 0
+
+
+@kernel
+def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: Ints) -> int:
+    """Write the candidates of a range whose bounds of this step overlap. Returns: their number, perhaps beyond the room."""
+    pose, bounds, shape_kind = floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS), ints_of(ints, SHAPE_KIND)
+    candidate, found = ints_of(ints, CANDIDATE), 0
+    for c in range(first, last):
+        i, j = candidate[c, 0], candidate[c, 1]
+        if overlap(bounds, shape_kind, pose, i, j):
+            if found < pair.shape[0]:
+                pair[found, 0], pair[found, 1] = i, j
+            found += 1
+    return found
+
+
+@kernel
+def write_pairs(floats: Floats, ints: Ints) -> int:
+    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    pair = ints_of(ints, PAIR)
+    found = compare_candidates(floats, ints, 0, ints_of(ints, PROGRESS)[0, CANDIDATES], pair)
+    ints_of(ints, COUNT)[0, PAIRS] = found
+    return 2 if found > pair.shape[0] else 0

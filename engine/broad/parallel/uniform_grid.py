@@ -1,0 +1,27 @@
+"""The search of the uniform grid, shared out among threads."""
+
+from numba import prange
+
+from engine.arena import CANDIDATE, COUNT, SHAPES
+from engine.broad.candidates import add_unbounded, bounds_are_stale, keep_candidates
+from engine.broad.parallel.shares import join, new_parts, share
+from engine.broad.uniform_grid import fill_grid, search_range
+from engine.carve import ints_of
+from engine.jit import parallel_entry
+from engine.vec import Floats, Ints
+
+__all__ = ["find_candidates"]
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale. Returns: 0, or 2 if the arena has no room for them."""
+    if not bounds_are_stale(floats, ints):
+        return 0
+    grid = fill_grid(floats, ints)
+    candidate, shapes = ints_of(ints, CANDIDATE), ints_of(ints, COUNT)[0, SHAPES]
+    part, found = new_parts(candidate, threads)
+    for t in prange(threads):
+        first, last = share(shapes, threads, t)
+        found[t] = search_range(floats, ints, grid, first, last, part[t])
+    return keep_candidates(floats, ints, add_unbounded(floats, ints, join(part, found, candidate)))

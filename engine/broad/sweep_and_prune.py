@@ -1,0 +1,99 @@
+"""Broad phase by sorting along one axis: the shapes in order of their lower bounds, each compared until its upper bound.
+
+The order is kept from search to search, so that the insertion sort finds it almost sorted. The axis is the one along which the
+shapes are spread most; another takes over when it spreads them twice as much.
+
+Source: Ericson, Real-Time Collision Detection, section 7.5 (sort and sweep); Baraff, Dynamic Simulation of Non-Penetrating
+Rigid Bodies, 1992, section 2.3.
+"""
+
+import math
+
+from engine.arena import AXIS, BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, ORDER, PROGRESS, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.candidates import (
+    add_unbounded,
+    bounds_are_stale,
+    keep_candidates,
+    may_move,
+    write_pairs,
+)  # fmt: skip
+from engine.broad_phase import boxes_overlap
+from engine.carve import floats_of, ints_of
+from engine.jit import entry, kernel
+from engine.vec import Floats, Ints
+
+__all__ = ["find_pairs"]
+
+
+@kernel
+def widest_axis(fat: Floats, shape: Floats, shapes: int, last: int) -> int:
+    """The axis along which the variance of the lower bounds is largest, or the last one unless it is beaten twofold."""
+    best, most, kept = last, 0.0, 0.0
+    for k in range(3):
+        number, mean, square = 0, 0.0, 0.0
+        for s in range(shapes):
+            if shape[s, BALL_RADIUS] < math.inf:
+                number += 1
+                step = fat[s, k] - mean
+                mean += step / number
+                square += step * (fat[s, k] - mean)
+        if k == last:
+            kept = square
+        if square > most:
+            best, most = k, square
+    return best if most > 2.0 * kept else last
+
+
+@kernel
+def sort_shapes(floats: Floats, ints: Ints) -> int:
+    """Put the shapes into the order of their lower bounds along one axis. Returns: the axis."""
+    fat, shape, order = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, ORDER)
+    progress, shapes = ints_of(ints, PROGRESS), ints_of(ints, COUNT)[0, SHAPES]
+    axis = widest_axis(fat, shape, shapes, progress[0, AXIS])
+    progress[0, AXIS] = axis
+    for at in range(1, shapes):
+        s = order[at, 0]
+        low = fat[s, axis]
+        to = at
+        while to > 0 and fat[order[to - 1, 0], axis] > low:
+            order[to, 0] = order[to - 1, 0]
+            to -= 1
+        order[to, 0] = s
+    return axis
+
+
+@kernel
+def search_range(floats: Floats, ints: Ints, axis: int, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs that a range of shapes finds behind them on the axis, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
+    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    order = ints_of(ints, ORDER)
+    for at in range(first, last):
+        s = order[at, 0]
+        if shape[s, BALL_RADIUS] == math.inf:
+            continue
+        high, moves = fat[s, 3 + axis], may_move(shape_kind, kind, s)
+        for to in range(at + 1, shapes):
+            t = order[to, 0]
+            if fat[t, axis] > high:
+                break
+            if (moves or may_move(shape_kind, kind, t)) and shape[t, BALL_RADIUS] < math.inf and boxes_overlap(fat, s, t):
+                if found < candidate.shape[0]:
+                    candidate[found, 0], candidate[found, 1] = min(s, t), max(s, t)
+                found += 1
+    return found
+
+
+@entry
+def find_pairs(floats: Floats, ints: Ints) -> int:
+    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    if bounds_are_stale(floats, ints):
+        axis = sort_shapes(floats, ints)
+        found = search_range(floats, ints, axis, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
+        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
+        if status != 0:
+            return status
+    return write_pairs(floats, ints)

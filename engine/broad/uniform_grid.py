@@ -1,0 +1,156 @@
+"""Broad phase by a uniform grid: a shape lies in the cell of its centre and meets those of the 27 cells around.
+
+Cells are as wide as the widest shape but for the few that are much wider than the rest, which meet every other shape instead.
+Cells are hashed, so a shape far away costs nothing.
+
+Source: Ericson, Real-Time Collision Detection, section 7.1 (grids, hashed storage); Teschner et al., Optimized Spatial Hashing
+for Collision Detection of Deformable Objects, 2003.
+"""
+
+import math
+
+import numpy as np
+
+from engine.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.candidates import (
+    add_unbounded,
+    bounds_are_stale,
+    keep_candidates,
+    may_move,
+    write_pairs,
+)  # fmt: skip
+from engine.broad_phase import boxes_overlap
+from engine.carve import floats_of, ints_of
+from engine.jit import entry, kernel
+from engine.vec import Floats, Ints
+
+__all__ = ["find_pairs"]
+
+LARGE = 4.0
+"""Times the geometric mean of all widths from which a shape meets every other one instead of lying in a cell."""
+FAR = 1e9
+"""Cells are counted up to here; all that lies beyond shares the last one."""
+
+
+Grid = tuple[Ints, Ints, Ints]
+"""cell (shapes, 4): the cell of a shape, and its bucket or -1 where it lies in none; start (buckets + 1,): the first member of
+each bucket; member (shapes,): shapes, those of a bucket side by side."""
+
+
+@kernel
+def width(fat: Floats, s: int) -> float:
+    """The largest width [m] of the bounds of shape s."""
+    return float(max(max(fat[s, 3] - fat[s, 0], fat[s, 4] - fat[s, 1]), fat[s, 5] - fat[s, 2]))
+
+
+@kernel
+def cell_of(fat: Floats, s: int, k: int, side: float) -> int:
+    """The cell of the centre of shape s along axis k."""
+    middle = 0.5 * float(fat[s, k] + fat[s, k + 3])
+    return math.floor(min(max(middle / side, -FAR), FAR))
+
+
+@kernel
+def bucket_of(x: int, y: int, z: int, buckets: int) -> int:
+    """The bucket of a cell; `buckets` is a power of two."""
+    return int(((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) & (buckets - 1))
+
+
+@kernel
+def cell_side(fat: Floats, shape: Floats, shapes: int) -> float:
+    """The width [m] of the widest shape that lies in a cell, and a millionth more for the rounding of coordinates."""
+    number, total = 0, 0.0
+    for s in range(shapes):
+        if shape[s, BALL_RADIUS] < math.inf:
+            number += 1
+            total += math.log(max(width(fat, s), 1e-300))
+    most, side = LARGE * math.exp(total / max(number, 1)), 0.0
+    for s in range(shapes):
+        if shape[s, BALL_RADIUS] < math.inf and width(fat, s) <= most:
+            side = max(side, width(fat, s))
+    return float(side * (1.0 + 1e-6))
+
+
+@kernel
+def fill_grid(floats: Floats, ints: Ints) -> Grid:
+    """The grid of all bounded shapes."""
+    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
+    shapes = ints_of(ints, COUNT)[0, SHAPES]
+    side = cell_side(fat, shape, shapes)
+    buckets = 1
+    while buckets < 2 * shapes:
+        buckets *= 2
+    cell, start = np.empty((shapes, 4), np.int64), np.zeros(buckets + 1, np.int64)
+    for s in range(shapes):
+        cell[s, 3] = -1
+        if width(fat, s) <= side:
+            for k in range(3):
+                cell[s, k] = cell_of(fat, s, k, side)
+            cell[s, 3] = bucket_of(cell[s, 0], cell[s, 1], cell[s, 2], buckets)
+            start[cell[s, 3] + 1] += 1
+    for c in range(buckets):
+        start[c + 1] += start[c]
+    member, place = np.empty(shapes, np.int64), start.copy()
+    for s in range(shapes):
+        if cell[s, 3] >= 0:
+            member[place[cell[s, 3]]] = s
+            place[cell[s, 3]] += 1
+    return cell, start, member
+
+
+@kernel
+def search_range(floats: Floats, ints: Ints, grid: Grid, first: int, last: int, candidate: Ints) -> int:
+    """Write the pairs that a range of shapes finds in the grid, whose widened bounds overlap.
+
+    Returns: their number, perhaps beyond the room.
+    """
+    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
+    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    cell, start, member = grid
+    buckets = len(start) - 1
+    for i in range(first, last):
+        moves = may_move(shape_kind, kind, i)
+        if cell[i, 3] < 0:
+            if shape[i, BALL_RADIUS] == math.inf:
+                continue
+            for j in range(shapes):
+                wide = cell[j, 3] < 0
+                if shape[j, BALL_RADIUS] == math.inf or (wide and j <= i) or not boxes_overlap(fat, i, j):
+                    continue
+                if moves or may_move(shape_kind, kind, j):
+                    if found < candidate.shape[0]:
+                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
+                    found += 1
+            continue
+        for near in range(14, 27):
+            x, y, z = cell[i, 0] + near % 3 - 1, cell[i, 1] + near // 3 % 3 - 1, cell[i, 2] + near // 9 - 1
+            bucket = bucket_of(x, y, z, buckets)
+            for c in range(start[bucket], start[bucket + 1]):
+                j = member[c]
+                if cell[j, 0] != x or cell[j, 1] != y or cell[j, 2] != z or not boxes_overlap(fat, i, j):
+                    continue
+                if moves or may_move(shape_kind, kind, j):
+                    if found < candidate.shape[0]:
+                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
+                    found += 1
+        for c in range(start[cell[i, 3]], start[cell[i, 3] + 1]):
+            j = member[c]
+            if j <= i or cell[j, 0] != cell[i, 0] or cell[j, 1] != cell[i, 1] or cell[j, 2] != cell[i, 2]:
+                continue
+            if (moves or may_move(shape_kind, kind, j)) and boxes_overlap(fat, i, j):
+                if found < candidate.shape[0]:
+                    candidate[found, 0], candidate[found, 1] = i, j
+                found += 1
+    return found
+
+
+@entry
+def find_pairs(floats: Floats, ints: Ints) -> int:
+    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    if bounds_are_stale(floats, ints):
+        grid = fill_grid(floats, ints)
+        found = search_range(floats, ints, grid, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
+        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
+        if status != 0:
+            return status
+    return write_pairs(floats, ints)

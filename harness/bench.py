@@ -1,0 +1,109 @@
+"""What the clock runs in a trial: steps of a scene, rays cast into it, or steps of many worlds of it.
+
+Building, and the time before a case is steady, are outside the clock. A steady case goes on with one run until its end and then
+starts anew; any other starts anew for each sample, so that all samples have the same part of the motion.
+"""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from harness.adapter import Adapter, Simulation
+from harness.batch import Batch
+from harness.case import Case, Rays
+from harness.study import Trial
+
+__all__ = ["TOGETHER", "Bench", "caster", "clock_steps"]
+
+TOGETHER = 4
+"""Steps that a batch of worlds takes in one call: a policy that acts 60 times a second at 240 Hz."""
+
+
+def clock_steps(simulation: Simulation | Batch, steps: int) -> tuple[float, float]:
+    """CPU and wall seconds of one call of `step`."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    simulation.step(steps)
+    return time.process_time() - cpu, time.perf_counter() - wall
+
+
+def clock_calls(call: Callable[[], object], count: int) -> tuple[float, float]:
+    """CPU and wall seconds of so many calls."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    for _ in range(count):
+        call()
+    return time.process_time() - cpu, time.perf_counter() - wall
+
+
+def caster(simulation: Simulation, rays: Rays) -> Callable[[], object]:
+    """A function that casts the rays: the engine's own call into arrays made beforehand where its adapter offers one."""
+    prepare = getattr(simulation, "caster", None)
+    if prepare is None:
+        return partial(simulation.cast, rays.origins, rays.directions, rays.max_range)
+    prepared: Callable[[], object] = prepare(rays.origins, rays.directions, rays.max_range)
+    return prepared
+
+
+class Bench:
+    """A trial under the clock.
+
+    Terms:
+        whole: clocked steps of a full run. units: what one step or cast counts for. steady: may a run go on over samples?
+    """
+
+    def __init__(self, case: Case, adapter: Adapter, trial: Trial) -> None:
+        self._adapter, self._trial = adapter, trial
+        self._scene = case.scene(**trial.parameters)
+        self._rays = None if case.rays is None else case.rays(**trial.parameters)
+        self._worlds = case.count_of_worlds(trial.parameters)
+        self.steady = case.steady is not None or self._rays is not None
+        dt = trial.settings.dt
+        self._before = 0 if case.steady is None else round(case.steady / dt)
+        self.whole = max(1, round(case.duration / dt) - self._before)
+        self.units = self._worlds if self._rays is None else len(self._rays.origins)
+        self._simulation: Any = None
+        self._cast: Callable[[], object] | None = None
+        self._here = 0
+
+    def start(self) -> None:
+        """Build and go to where the clock starts."""
+        self.stop()
+        scene, settings = self._scene, self._trial.settings
+        if self._worlds > 1:
+            self._simulation = self._adapter.build_batch(scene, settings, self._worlds)
+        else:
+            self._simulation = self._adapter.build(scene, settings)
+        if self._rays is not None:
+            self._cast = caster(self._simulation, self._rays)
+        elif self._before:
+            self._simulation.step(self._before)
+        self._here = 0
+
+    def stop(self) -> None:
+        """Free what was built."""
+        if self._simulation is not None:
+            self._simulation.close()
+        self._simulation = self._cast = None
+
+    def clock(self, count: int) -> tuple[float, float]:
+        """CPU and wall seconds of `count` steps or casts."""
+        cpu = wall = 0.0
+        while count > 0:
+            if self._simulation is None or self._here >= self.whole:
+                self.start()
+            if self._cast is not None:
+                return clock_calls(self._cast, count)
+            part = min(count, self.whole - self._here)
+            one_cpu, one_wall = self._step(part)
+            cpu, wall = cpu + one_cpu, wall + one_wall
+            self._here += part
+            count -= part
+        return cpu, wall
+
+    def _step(self, count: int) -> tuple[float, float]:
+        if self._worlds == 1:
+            return clock_steps(self._simulation, count)
+        calls, rest = divmod(count, TOGETHER)
+        cpu, wall = clock_calls(partial(self._simulation.step, TOGETHER), calls)
+        last = clock_steps(self._simulation, rest) if rest else (0.0, 0.0)
+        return cpu + last[0], wall + last[1]

@@ -1,0 +1,49 @@
+"""Containment: how many of the spheres in a hollow box of walls got out of it."""
+
+import numpy as np
+
+from harness.kinematics import movable, rotate_back
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Box, Scene, Sphere, rotation_matrix
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["ESCAPED_SHARE", "METRIC"]
+
+
+def _container(scene: Scene) -> tuple[int, Floats]:
+    """Place of the body of at least six boxes, and the half extents (3,) m of the box that bounds them all, in B."""
+    for place, body in enumerate(scene.bodies):
+        if len(body.collision) >= 6 and all(isinstance(placed.shape, Box) for placed in body.collision):
+            reach = np.zeros(3)
+            for placed in body.collision:
+                assert isinstance(placed.shape, Box)
+                turned = np.abs(np.array(rotation_matrix(placed.q_BS)))
+                reach = np.maximum(reach, np.abs(np.array(placed.p_BS)) + turned @ np.array(placed.shape.half_extents))
+            return place, reach
+    raise NotMeasurable("no container: a body of at least six boxes")
+
+
+def _escaped(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    place, reach = _container(scene)
+    kept = [
+        i
+        for i in movable(scene)
+        if i != place and scene.bodies[i].collision and all(isinstance(p.shape, Sphere) for p in scene.bodies[i].collision)
+    ]
+    if not kept or len(actual) == 0:
+        raise NotMeasurable("no sphere is contained, or no sample lies in the time that is judged")
+    if not actual.finite:
+        return float("nan")
+    away = actual.p_WB[-1, kept] - actual.p_WB[-1, place]
+    inside = rotate_back(np.broadcast_to(actual.q_WB[-1, place], (len(kept), 4)), away)
+    return float(np.mean((np.abs(inside) > reach).any(axis=1)))
+
+
+ESCAPED_SHARE = Metric(
+    name="escaped_share",
+    unit="1",
+    source="definition: share of spheres whose centre ends outside the box that bounds the container's walls",
+    measure=_escaped,
+)
+
+METRIC = ESCAPED_SHARE

@@ -1,0 +1,56 @@
+"""Overlap of inscribed balls: bodies that pass through each other betray themselves by their places alone.
+
+The ball inscribed in a convex shape about its centre lies inside it however it turns, so that two of them that overlap prove
+that the bodies do. It is less than the true depth, and needs no word from the engine's own contacts.
+"""
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Body, Box, Capsule, Cylinder, Scene, Sphere
+from harness.trajectory import Trajectory
+
+__all__ = ["INSCRIBED_OVERLAP", "METRIC"]
+
+
+def _inscribed(body: Body) -> float | None:
+    """Radius [m] of the ball about the centre of mass that the body's only shape holds; None for other bodies."""
+    if len(body.collision) != 1 or any(body.collision[0].p_BS):
+        return None
+    match body.collision[0].shape:
+        case Sphere(radius=radius) | Capsule(radius=radius):
+            return radius
+        case Box(half_extents=half):
+            return min(half)
+        case Cylinder(radius=radius, half_length=half_length):
+            return min(radius, half_length)
+        case _:
+            return None
+
+
+def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if len(actual) == 0:
+        raise NotMeasurable("no sample lies in the time that is judged")
+    radii = [_inscribed(body) for body in scene.bodies]
+    deepest, pairs = -np.inf, 0
+    for a, r_a in enumerate(radii):
+        for b in range(a + 1, len(radii)):
+            r_b = radii[b]
+            if r_a is None or r_b is None or not scene.collides(scene.bodies[a], scene.bodies[b]):
+                continue
+            pairs += 1
+            distance = np.linalg.norm(actual.p_WB[:, a] - actual.p_WB[:, b], axis=-1)
+            deepest = np.maximum(deepest, np.max(r_a + r_b - distance))
+    if pairs == 0:
+        raise NotMeasurable("no two bodies of one convex shape can touch")
+    return float(np.maximum(deepest, 0.0)) if actual.finite else float("nan")
+
+
+INSCRIBED_OVERLAP = Metric(
+    name="inscribed_overlap",
+    unit="m",
+    source="definition: greatest overlap, at any sample, of the balls inscribed in two bodies that can touch; 0 where none",
+    measure=_measure,
+)
+
+METRIC = INSCRIBED_OVERLAP

@@ -1,0 +1,85 @@
+"""What goes through a row of equal balls: how much of the momentum the last one carries in the end.
+
+A row is all movable balls of one material, on one line; the first is the one that moves at the start. In a row with gaps each
+elastic blow hands everything on, so that the last ball carries all; in a row that touches that is one of many outcomes that
+keep momentum and energy.
+"""
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Scene, Sphere
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["LAST_SHARE_ERROR", "METRIC", "TOUCHING_LAST_SHARE"]
+
+SOURCE = "Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761 (a row with gaps is a chain of pairs)"
+CONTACT = 1e-9
+"""Gaps below this [m] are none: the rounding of places of some metres, a million times over."""
+
+
+def _rows(scene: Scene) -> list[tuple[list[int], Floats, float]]:
+    """Of each row: places of the balls from the first to the last, the way of the first, the narrowest gap [m]."""
+    kinds: dict[str, list[int]] = {}
+    for place, body in enumerate(scene.bodies):
+        if body.movable and len(body.collision) == 1 and isinstance(body.collision[0].shape, Sphere):
+            kinds.setdefault(body.material, []).append(place)
+    found = []
+    for places in kinds.values():
+        moving = [place for place in places if any(scene.bodies[place].v_WB)]
+        if len(places) < 2 or len(moving) != 1:
+            continue
+        v_WB = np.array(scene.bodies[moving[0]].v_WB)
+        way = v_WB / np.linalg.norm(v_WB)
+        ordered = sorted(places, key=lambda place: float(np.array(scene.bodies[place].p_WB) @ way))
+        along = [float(np.array(scene.bodies[place].p_WB) @ way) for place in ordered]
+        radii = [
+            placed.shape.radius for k in ordered for placed in scene.bodies[k].collision if isinstance(placed.shape, Sphere)
+        ]
+        gaps = np.diff(along) - np.array(radii[1:]) - np.array(radii[:-1])
+        found.append((ordered, way, float(gaps[1:].min()) if len(gaps) > 1 else float(gaps[0])))
+    if not found:
+        raise NotMeasurable("no row of balls of which one moves")
+    return found
+
+
+def _share(scene: Scene, actual: Trajectory, places: list[int], way: Floats) -> float:
+    """The last ball's share of the momentum that the first one brought."""
+    if len(actual) == 0:
+        raise NotMeasurable("no sample lies in the time that is judged")
+    if not actual.finite:
+        return float("nan")
+    first, last = scene.bodies[places[0]], scene.bodies[places[-1]]
+    brought = first.mass * float(np.linalg.norm(first.v_WB))
+    return last.mass * float(actual.v_WB[-1, places[-1]] @ way) / brought
+
+
+def _last(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    errors = [abs(_share(scene, actual, places, way) - 1) for places, way, gap in _rows(scene) if gap > CONTACT]
+    if not errors:
+        raise NotMeasurable("every row touches")
+    return float(np.max(errors))
+
+
+def _touching(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    shares = [_share(scene, actual, places, way) for places, way, gap in _rows(scene) if gap <= CONTACT]
+    if not shares:
+        raise NotMeasurable("no row touches")
+    return float(np.mean(shares))
+
+
+LAST_SHARE_ERROR = Metric(
+    name="last_share_error",
+    unit="1",
+    source=f"{SOURCE}; |share of the last ball in the momentum of the first - 1|, worst row with gaps",
+    measure=_last,
+)
+TOUCHING_LAST_SHARE = Metric(
+    name="touching_last_share",
+    unit="1",
+    source="definition: share of the last ball in the momentum of the first, mean of the rows that touch",
+    better="higher",
+    measure=_touching,
+)
+
+METRIC = (LAST_SHARE_ERROR, TOUCHING_LAST_SHARE)

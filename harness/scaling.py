@@ -1,0 +1,374 @@
+"""What a step, a ray or a world costs, engine beside engine: the rows of the scaling table, made from a run folder.
+
+A price alone says little, so each stands beside what it buys: how deep bodies stand in one another, how much still moves, or,
+where nothing touches, the case's own error. Ratios are taken within blocks of samples, which cancels what the machine did.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from harness.store import Store
+from harness.trajectory import Floats
+from harness.trend import fit_order
+
+__all__ = ["BRIEF", "COLUMNS", "Cost", "Exponent", "Ratio", "Scaling", "Sweep", "brief", "growth", "no_worse", "ratio"]
+
+PENETRATION = ("overlap", "penetration")
+"""Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""
+RESIDUAL = ("rms_speed",)
+SMALLEST = {"penetration": 1e-6, "residual": 1e-5, "error": 1e-6}
+"""Below a micrometre, 10 micrometres a second, or a millionth of an error's unit, two answers count as equally good."""
+DRAWS = 2000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ratio:
+    """One price over another, with the 95 % bootstrap interval of the median over blocks."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """A row: one engine under one group of settings in one scene.
+
+    Terms:
+        where: the parameters that tell the scene from the case's others. unit: what is counted. cpu, low, high [s] of one unit.
+        to_fastest: over the fastest setting of any engine whose checks hold. to_ours: over the fastest setting of our engine
+        that penetrates no more and moves no more (or, without contact, errs no more) than this row; ours names it.
+        penetration [m]; residual [m/s]: root mean square speed of the worst body when all should rest; error: the case's
+        headline metric. best: is this the engine's fastest setting whose checks hold?
+    """
+
+    case: str
+    where: str
+    parameters: Mapping[str, Any]
+    engine: str
+    track: str
+    unit: str
+    cpu: float | None
+    low: float | None
+    high: float | None
+    to_fastest: Ratio | None
+    to_ours: Ratio | None
+    ours: str
+    penetration: float | None
+    residual: float | None
+    error: float | None
+    error_metric: str
+    best: bool
+    unstable: bool | None
+    status: str
+    reason: str
+    dt: float
+    trial: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exponent:
+    """cost = C parameter^exponent above a floor, with its 95 % interval, between two values of the parameter."""
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    unit: str
+    parameter: str
+    exponent: float
+    low: float
+    high: float
+    points: int
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """Rows of all engines that differ in one numeric parameter, by its size; where: what else tells them from the case."""
+
+    case: str
+    where: str
+    unit: str
+    parameter: str
+    rows: tuple[Cost, ...]
+
+
+COLUMNS = (
+    "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
+    "to_fastest_high", "to_ours", "to_ours_low", "to_ours_high", "ours", "penetration_m", "residual_m_s", "error",
+    "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
+)  # fmt: skip
+"""Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None."""
+
+
+def ratio(cost: Floats, base: Floats) -> Ratio:
+    """Median of cost/base over blocks, and the interval of that median.
+
+    Args:
+        cost, base: CPU time of a unit in the blocks that both were sampled in, shape (b,), b >= 1, positive.
+
+    Source:
+        B. Efron & R. J. Tibshirani, An Introduction to the Bootstrap (1993), chapter 13 (percentile interval).
+    """
+    shares = cost / base
+    drawn = np.random.default_rng(0).integers(0, len(shares), size=(DRAWS, len(shares)))
+    medians = np.median(shares[drawn], axis=1)
+    low, high = np.percentile(medians, [2.5, 97.5])
+    return Ratio(value=float(np.median(shares)), low=float(low), high=float(high))
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if value is not None and pd.notna(value) and math.isfinite(value) else None
+
+
+class Scaling:
+    """The costs and exponents of a run folder, read once."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        engines = store.catalogue.get("engines", {})
+        self._ours = {name for name, engine in engines.items() if engine.get("ours")}
+
+    @cached_property
+    def _values(self) -> Mapping[str, Mapping[str, float]]:
+        """Metric values by trial; of a metric that is checked twice the first."""
+        found: dict[str, dict[str, float]] = {}
+        table = self._store.measurements
+        for trial, metric, value in zip(table["trial"], table["metric"], table["value"], strict=True):
+            found.setdefault(trial, {}).setdefault(metric, value)
+        return found
+
+    @cached_property
+    def _blocks(self) -> Mapping[str, Mapping[tuple[int, int], float]]:
+        """CPU time [s] of a unit by trial and (process, block)."""
+        found: dict[str, dict[tuple[int, int], float]] = {}
+        for s in self._store.samples.to_dict("records"):
+            units = s["units"] if pd.notna(s.get("units")) else 1
+            found.setdefault(s["trial"], {})[s["process"], s["block"]] = s["cpu"] / (s["steps"] * units)
+        return found
+
+    def _own(self, case: str) -> Mapping[str, Any]:
+        """The parameters that a case has of itself."""
+        own: Mapping[str, Any] = self._store.catalogue.get("cases", {}).get(case, {}).get("parameters", {})
+        return own
+
+    def _swept(self, case: str, given: Sequence[Mapping[str, Any]]) -> list[str]:
+        """The parameters that differ among trials or from the case's own values; never the seed."""
+        names = dict.fromkeys(name for one in given for name in one if name != "seed")
+        return [n for n in names if len({json.dumps(one.get(n)) for one in (*given, self._own(case))}) > 1]
+
+    def _groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
+        """Trials that were clocked together: one case at one set of parameters and one time step."""
+        for (case, _), part in self._store.trials.groupby(["case", "experiment"], sort=False):
+            given = [json.loads(text) for text in part["parameters"]]
+            swept = self._swept(case, given)
+            where = [", ".join(f"{name} {_plain(one.get(name))}" for name in swept) for one in given]
+            keyed = part.assign(where=where, size=[[_size(one.get(name)) for name in swept] for one in given])
+            for (place, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
+                yield case, place, group
+
+    @cached_property
+    def costs(self) -> tuple[Cost, ...]:
+        """All rows, scene by scene; within a scene engine by engine, each from the cheapest setting to the dearest."""
+        found: list[Cost] = []
+        for case, where, group in self._groups():
+            rows = [self._cost(case, where, row) for row in group.to_dict("records")]
+            if any(row.cpu is not None for row in rows):
+                found += self._compared(rows)
+        return tuple(found)
+
+    def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
+        values = self._values.get(row["trial"], {})
+        headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
+        trouble = [text for text in json.loads(row["warnings"]) if str(text).startswith("timing: ")]
+        unstable = row["unstable_timing"]
+        return Cost(
+            case=case,
+            where=where,
+            parameters=json.loads(row["parameters"]),
+            engine=row["engine"],
+            track=row["track"],
+            unit=str(row["unit"]) if pd.notna(row.get("unit")) else "",
+            cpu=_number(row.get("cpu_per_unit")),
+            low=_number(row.get("cpu_per_unit_low")),
+            high=_number(row.get("cpu_per_unit_high")),
+            to_fastest=None,
+            to_ours=None,
+            ours="",
+            penetration=next((_number(values[name]) for name in PENETRATION if name in values), None),
+            residual=next((_number(values[name]) for name in RESIDUAL if name in values), None),
+            error=_number(values.get(headline)),
+            error_metric=headline,
+            best=False,
+            unstable=None if pd.isna(unstable) else bool(unstable),
+            status=row["status"],
+            reason="; ".join([row["reason"], *trouble]) if row["status"] != "passed" else "; ".join(trouble),
+            dt=float(row["dt"]),
+            trial=row["trial"],
+        )
+
+    def _ratio(self, row: Cost, base: Cost) -> Ratio | None:
+        mine, other = self._blocks.get(row.trial, {}), self._blocks.get(base.trial, {})
+        both = sorted(mine.keys() & other.keys())
+        if not both:
+            return None
+        return ratio(np.array([mine[key] for key in both]), np.array([other[key] for key in both]))
+
+    def _compared(self, rows: Sequence[Cost]) -> list[Cost]:
+        timed = sorted((row for row in rows if row.cpu is not None), key=lambda row: row.cpu or 0.0)
+        sound = [row for row in timed if row.status == "passed"]
+        best = {engine: next(row for row in sound if row.engine == engine) for engine in {row.engine for row in sound}}
+        compared = []
+        for row in [*timed, *(row for row in rows if row.cpu is None)]:
+            rival = next((own for own in sound if own.engine in self._ours and no_worse(own, row)), None)
+            compared.append(
+                _with(
+                    row,
+                    to_fastest=self._ratio(row, sound[0]) if sound else None,
+                    to_ours=self._ratio(row, rival) if rival is not None else None,
+                    ours=rival.track if rival is not None else "",
+                    best=best.get(row.engine) is row,
+                )
+            )
+        order = list(dict.fromkeys(row.engine for row in rows))
+        return sorted(compared, key=lambda row: order.index(row.engine))
+
+    @cached_property
+    def sweeps(self) -> tuple[Sweep, ...]:
+        """The rows along each numeric parameter that was run at three values or more while the others were kept."""
+        found: dict[tuple[str, str, str, str, float], list[Cost]] = {}
+        for row in self.costs:
+            for name, value in row.parameters.items():
+                if row.cpu is not None and isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
+                    others = {n: v for n, v in row.parameters.items() if n != name}
+                    key = (row.case, json.dumps(others, sort_keys=True), row.unit, name, row.dt)
+                    found.setdefault(key, []).append(row)
+        return tuple(
+            Sweep(
+                case=case,
+                where=", ".join(f"{n} {_plain(v)}" for n, v in json.loads(others).items() if self._own(case).get(n) != v),
+                unit=unit,
+                parameter=name,
+                rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
+            )
+            for (case, others, unit, name, _), rows in found.items()
+            if len({row.parameters[name] for row in rows}) >= 3
+        )
+
+    @cached_property
+    def exponents(self) -> tuple[Exponent, ...]:
+        """Fitted growth of each engine under each group of settings, along each sweep."""
+        return tuple(
+            fit
+            for sweep in self.sweeps
+            for side in dict.fromkeys((row.engine, row.track) for row in sweep.rows)
+            if (fit := growth(sweep, [row for row in sweep.rows if (row.engine, row.track) == side])) is not None
+        )
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Flat rows with COLUMNS."""
+        blank = dict.fromkeys(COLUMNS)
+        found = []
+        for cost in self.costs:
+            row = {name: value for name, value in asdict(cost).items() if name in COLUMNS and not isinstance(value, dict)}
+            for name in ("to_fastest", "to_ours"):
+                one: Ratio | None = getattr(cost, name)
+                if one is not None:
+                    row |= {name: one.value, f"{name}_low": one.low, f"{name}_high": one.high}
+            prices = {"cpu_s": cost.cpu, "cpu_low_s": cost.low, "cpu_high_s": cost.high}
+            found.append(
+                blank | row | prices | {"row": "cost", "penetration_m": cost.penetration, "residual_m_s": cost.residual}
+            )
+        for fit in self.exponents:
+            row = {name: getattr(fit, name) for name in ("case", "engine", "track", "unit", "exponent")}
+            where = ", ".join(filter(None, (fit.where, f"{fit.parameter} from {fit.start:g} to {fit.end:g}")))
+            found.append(blank | row | {"row": "exponent", "where": where, "exponent_low": fit.low, "exponent_high": fit.high})
+        return found
+
+
+BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "x ours", "penetration", "moves", "marks", "status")
+"""What a terminal has room for; marks: * the engine's fastest whose checks hold, ~ an unstable timing."""
+
+
+def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """A flat row in short words under BRIEF."""
+    scene = f"{row['case']} {row['where'] or ''}".strip()
+    if row["row"] == "exponent":
+        grows = f"exponent {row['exponent']:.2f} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
+        return (scene, row["engine"], row["track"], row["unit"], grows, "", "", "", "", "", "")
+    costs = ""
+    if row["cpu_s"] is not None:
+        costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
+    ahead = "" if row["to_ours"] is None else f"{row['to_ours']:.3g} ({row['ours']})"
+    return (
+        scene,
+        row["engine"],
+        row["track"],
+        row["unit"],
+        costs,
+        "" if row["to_fastest"] is None else f"{row['to_fastest']:.3g}",
+        ahead,
+        "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um",
+        "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s",
+        ("*" if row["best"] else "") + ("~" if row["unstable"] else ""),
+        row["status"] if row["status"] in ("passed", "failed") else f"{row['status']}: {row['reason']}",
+    )
+
+
+def _micro(value: float) -> str:
+    """In millionths, three digits of it, without a power of ten while it is readable."""
+    return f"{value * 1e6:,.0f}" if value >= 1e-4 else f"{value * 1e6:.3g}"
+
+
+def growth(sweep: Sweep, rows: Sequence[Cost]) -> Exponent | None:
+    """The exponent of the price along a sweep for the rows of one engine; None below three values."""
+    points = [(float(row.parameters[sweep.parameter]), row.cpu) for row in rows if row.cpu is not None]
+    fit = fit_order([x for x, _ in points], [y for _, y in points])
+    if fit is None:
+        return None
+    return Exponent(
+        case=sweep.case,
+        where=sweep.where,
+        engine=rows[0].engine,
+        track=rows[0].track,
+        unit=sweep.unit,
+        parameter=sweep.parameter,
+        exponent=fit.order,
+        low=fit.low,
+        high=fit.high,
+        points=fit.used,
+        start=fit.fine,
+        end=fit.coarse,
+    )
+
+
+def _plain(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _size(value: Any) -> tuple[int, float, str]:
+    """Numbers by size, before words by alphabet."""
+    return (0, float(value), "") if isinstance(value, int | float) else (1, 0.0, str(value))
+
+
+def _with(row: Cost, **changed: Any) -> Cost:
+    return Cost(**({f.name: getattr(row, f.name) for f in fields(row)} | changed))
+
+
+def no_worse(own: Cost, other: Cost) -> bool:
+    """Does one answer penetrate no more and move no more than another (or, where neither is known, err no more)?"""
+    names = [name for name in ("penetration", "residual") if getattr(other, name) is not None] or ["error"]
+    for name in names:
+        mine, theirs = getattr(own, name), getattr(other, name)
+        if mine is None or theirs is None or max(mine, SMALLEST[name]) > max(theirs, SMALLEST[name]):
+            return False
+    return True

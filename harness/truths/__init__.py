@@ -1,0 +1,1 @@
+"""Closed forms that more than one case is judged by, one motion a file."""

@@ -1,0 +1,185 @@
+"""The charts of what a step costs: its growth with the size of the scene, engine beside engine, and what the price buys."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from harness.scaling import Cost, Scaling, Sweep, growth
+from reports.contents import cases
+from reports.figure import Figure
+from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.points import labels
+from reports.text import amount, visible
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["UNITS", "growths", "qualities", "standings", "titled"]
+
+Row = dict[str, Any]
+UNITS = {"step": "step", "ray": "ray", "world-step": "step of one world"}
+LANE = 15
+"""Height of a line of text in a chart [px]."""
+QUALITIES = 4
+"""Scenes whose penetration is drawn: more would say the same again."""
+
+
+def titled(store: "Store", case: str, where: str) -> str:
+    """A scene in words: the case's title and what sets it apart."""
+    title = cases(store).get(case, {}).get("title", case)
+    return visible(f"{title}, {where}" if where else str(title))[:70]
+
+
+def drawn(store: "Store", row: Cost) -> Row:
+    """A row for a chart, with the price in microseconds and penetration in micrometres."""
+    assert row.cpu is not None
+    return {
+        "engine": labels(store)[row.engine],
+        "track": "default" if row.track == "default" else "other settings",
+        "setting": visible(row.track)[:40],
+        "scene": titled(store, row.case, row.where),
+        "cpu": 1e6 * row.cpu,
+        "low": 1e6 * (row.low or row.cpu),
+        "high": 1e6 * (row.high or row.cpu),
+        "penetration": None if row.penetration is None else 1e6 * max(row.penetration, 1e-9),
+        "residual": None if row.residual is None else 1e6 * row.residual,
+        "status": row.status,
+        "trial": row.trial,
+        "best": row.best,
+    }
+
+
+def hover(*more: tuple[str, str]) -> list[Any]:
+    """What hovering over a row shows."""
+    import altair as alt  # late: half a second that only a report needs
+
+    words = [("engine", "engine"), ("setting", "setting"), ("scene", "scene"), ("status", "outcome")]
+    numbers = [("cpu", "CPU time [us]"), ("low", "95 % from"), ("high", "to"), *more]
+    return [
+        *(alt.Tooltip(f"{key}:N", title=title) for key, title in words),
+        *(alt.Tooltip(f"{key}:Q", title=title, format=".4~g") for key, title in numbers),
+        alt.Tooltip("trial:N", title="trial"),
+    ]
+
+
+def growths(store: "Store", scaling: Scaling) -> list[Figure]:
+    """One chart a sweep: the price over the parameter, a line through each engine's fastest settings."""
+    return [growth_chart(store, sweep, place) for place, sweep in enumerate(scaling.sweeps)]
+
+
+def growth_chart(store: "Store", sweep: Sweep, place: int) -> Figure:
+    """Price against the parameter of a sweep, both logarithmic."""
+    import altair as alt
+
+    rows = [drawn(store, row) | {"size": float(row.parameters[sweep.parameter])} for row in sweep.rows]
+    style = Marks(store, rows)
+    sizes = sorted({row["size"] for row in rows})
+    across: Row = {"values": sizes, "format": ",~r", "labelOverlap": "greedy"}
+    x = logarithmic(alt.X, "size", f"{visible(sweep.parameter)[:30]}", across)
+    unit = UNITS.get(sweep.unit, sweep.unit)
+    y = logarithmic(alt.Y, "cpu", f"CPU time per {unit} [us]", decades(row["cpu"] for row in rows))
+    best = [row for row in rows if row["best"]]
+    slopes: list[Row] = []
+    for engine in dict.fromkeys(row.engine for row in sweep.rows):
+        mine = [row for row in sweep.rows if row.engine == engine and row.best]
+        fit = growth(sweep, mine) if mine else None
+        if fit is not None:
+            label = f"{labels(store)[engine]}: {sweep.parameter} to the {fit.exponent:.2f}"
+            slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
+    channels = style.channels() | {"tooltip": hover(("size", sweep.parameter))}
+    layers = [
+        chart(best).mark_line(strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
+        chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
+    ]
+    if slopes:
+        # Beside the lines the labels of engines that are equally fast would cover each other.
+        lane = alt.Y("lane:Q", scale=None, axis=None)
+        text = chart(slopes).mark_text(align="left", baseline="middle", fontSize=11, fontWeight=600)
+        layers.append(text.encode(x=alt.value(12), y=lane, text="label:N", color=style.colour()))
+    caption = (
+        "Each point is one engine under one group of settings, open for the vendor's defaults; the line joins the fastest "
+        "setting whose checks hold, and the exponent of that line stands in the corner: 1 means that twice the size "
+        "cost twice the time. What did not finish has no point; the table says why."
+    )
+    title = f"Price of a {unit}: {titled(store, sweep.case, sweep.where)}"
+    columns = (sweep.parameter, "engine", "setting", "CPU time [us]", "95 % from", "to", "outcome", "trial")
+    cells = [
+        [f"{r['size']:g}", r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "low", "high")), r["status"], r["trial"]]
+        for r in rows
+    ]
+    return Figure(f"growth-{place}", title, caption, finished(layers, height=340), columns, cells)
+
+
+def standings(store: "Store", scaling: Scaling) -> Figure | None:
+    """Each engine's fastest setting in every scene, as a multiple of the fastest of all."""
+    import altair as alt
+
+    rows = [
+        drawn(store, row) | {"times": row.to_fastest.value, "times_low": row.to_fastest.low, "times_high": row.to_fastest.high}
+        for row in scaling.costs
+        if row.best and row.cpu is not None and row.to_fastest is not None
+    ]
+    if not rows:
+        return None
+    style = Marks(store, rows)
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    x = logarithmic(alt.X, "times", "CPU time over the fastest engine's", decades(row["times"] for row in rows))
+    axis = alt.Axis(grid=True, labelLimit=190, ticks=False)
+    y = alt.Y("scene:N", title=None, scale=alt.Scale(domain=scenes), axis=axis)
+    channels = style.channels() | {"tooltip": hover(("times", "over the fastest"))}
+    low = alt.X("times_low:Q")
+    layers = [
+        chart(rows).mark_rule(strokeWidth=1.4).encode(x=low, x2="times_high:Q", y=y, color=style.colour()),
+        chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
+    ]
+    caption = (
+        "Every engine at its own fastest setting among those that pass the scene's checks, over the fastest of all: 1 is the "
+        "fastest. Bars are 95 % intervals of the ratio within blocks. Penetration is not the same at these settings: "
+        "the charts below and the table show what each price buys."
+    )
+    columns = ("scene", "engine", "setting", "over the fastest", "95 % from", "to", "CPU time [us]")
+    cells = [
+        [r["scene"], r["engine"], r["setting"], *(amount(r[k]) for k in ("times", "times_low", "times_high", "cpu"))]
+        for r in rows
+    ]
+    spec = finished(layers, height=30 + 24 * len(scenes))
+    return Figure("standings", "Fastest settings, scene by scene", caption, spec, columns, cells)
+
+
+def qualities(store: "Store", scaling: Scaling) -> list[Figure]:
+    """Penetration against price, for the scenes in which most engines and settings have both."""
+    scenes: dict[tuple[str, str], list[Cost]] = {}
+    for row in scaling.costs:
+        if row.cpu is not None and row.penetration is not None:
+            scenes.setdefault((row.case, row.where), []).append(row)
+    several = {scene: rows for scene, rows in scenes.items() if len({row.engine for row in rows}) > 1}
+    richest = sorted(several, key=lambda scene: -len({row.engine for row in several[scene]}) * 1000 - len(several[scene]))
+    chosen = [scene for scene in several if scene in richest[:QUALITIES]]
+    return [quality_chart(store, several[scene], place) for place, scene in enumerate(chosen)]
+
+
+def quality_chart(store: "Store", costs: Sequence[Cost], place: int) -> Figure:
+    """Penetration against price in one scene, both logarithmic."""
+    import altair as alt
+
+    rows = [drawn(store, row) for row in costs]
+    style = Marks(store, rows)
+    unit = UNITS.get(costs[0].unit, costs[0].unit)
+    x = logarithmic(alt.X, "cpu", f"CPU time per {unit} [us]", decades(row["cpu"] for row in rows))
+    y = logarithmic(alt.Y, "penetration", "penetration [um]", decades(row["penetration"] for row in rows))
+    channels = style.channels() | {"tooltip": hover(("penetration", "penetration [um]"), ("residual", "moves [um/s]"))}
+    low = alt.X("low:Q", title=f"CPU time per {unit} [us]")
+    layers = [
+        chart(rows).mark_rule(strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()),
+        chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
+    ]
+    caption = (
+        "The lower left corner is where one wants to be: cheap, and no body stands in another. Each point is one group of "
+        "settings, open for the vendor's defaults; hovering names it, with what still moves."
+    )
+    title = f"What the price buys: {rows[0]['scene']}"
+    columns = ("engine", "setting", "CPU time [us]", "penetration [um]", "residual motion [um/s]", "outcome", "trial")
+    cells = [
+        [r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "penetration", "residual")), r["status"], r["trial"]]
+        for r in rows
+    ]
+    return Figure(f"quality-{place}", title, caption, finished(layers, height=300), columns, cells)

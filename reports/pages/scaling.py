@@ -1,0 +1,63 @@
+"""The page on cost: what a step, a ray or a world costs, how that grows with the scene, and what the price buys."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from harness.scaling import COLUMNS, Cost, Scaling
+from reports.contents import engines
+from reports.costs import UNITS, growths, qualities, standings, titled
+from reports.page import Page
+from reports.template import fill
+from reports.text import csv_cell
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def concerns(store: "Store") -> bool:
+    """Only where some parameter was run at several values under the clock."""
+    return len(Scaling(store).sweeps) > 0
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page and its charts."""
+    scaling = Scaling(store)
+    standing = standings(store, scaling)
+    grown, bought = growths(store, scaling), qualities(store, scaling)
+    page = fill(
+        "scaling.html",
+        store,
+        title="Scaling",
+        standing=standing,
+        growths=grown,
+        qualities=bought,
+        leads=leads(store, scaling.costs),
+        exponents=scaling.exponents,
+        costs=scaling.costs,
+        titles={(row.case, row.where): titled(store, row.case, row.where) for row in scaling.costs},
+        units=UNITS,
+    )
+    figures = [*([standing] if standing is not None else []), *grown, *bought]
+    return {"scaling.html": page, "scaling.csv": sheet(scaling)} | {figure.path: figure.svg for figure in figures}
+
+
+def sheet(scaling: Scaling) -> str:
+    """All rows as comma-separated values, with no cell that a spreadsheet takes for a formula."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows([csv_cell(row[name]) for name in COLUMNS] for row in scaling.rows())
+    return text.getvalue()
+
+
+def leads(store: "Store", costs: Sequence[Cost]) -> list[Cost]:
+    """Each rival's fastest setting whose checks hold; its row names our fastest that is no worse."""
+    told = engines(store)
+    return [row for row in costs if row.best and not told[row.engine]["ours"]]
+
+
+PAGE = Page(name="scaling", title="Scaling", order=20, render=render, concerns=concerns)

@@ -1,0 +1,91 @@
+"""A small scaling study, run for real through the command line: its table in every format, and its page."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+from harness import discover
+from harness.scaling import COLUMNS
+from tests.conftest import Command
+
+STUDY = """
+name = "small"
+recordings = false
+[variants.mujoco]
+cg = {{ on = "default", solver = "cg" }}
+[[experiments]]
+name = "pile"
+cases = ["stack_pile"]
+tracks = ["default"]
+variants = ["*"]
+parameters = {{ n = [4, 6, 8] }}
+samples = 2
+sample_seconds = 0.002
+deadline = {deadline}
+[[experiments]]
+name = "worlds"
+cases = ["stack_pile"]
+tracks = ["default"]
+parameters = {{ n = [4], worlds = [3] }}
+samples = 2
+sample_seconds = 0.002
+deadline = {deadline}
+[[experiments]]
+name = "rays"
+cases = ["system_rays"]
+tracks = ["tuned"]
+parameters = {{ thin = [256] }}
+samples = 2
+sample_seconds = 0.002
+deadline = {deadline}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> Path:
+    version, reason = discover.version_of(discover.adapter("mujoco"))
+    if reason is not None:
+        pytest.skip(f"MuJoCo {version}: {reason}")
+    out = tmp_path_factory.mktemp("scaling")
+    (out / "small.toml").write_text(STUDY.format(deadline=200.0))
+    done = plumbline("run", out / "small.toml", "--engine", "mujoco", "--out", out / "run")
+    assert done.returncode == 0, done.stderr
+    return out / "run"
+
+
+def test_every_scene_and_setting_has_a_price_for_its_own_unit(folder: Path, plumbline: Command) -> None:
+    rows = json.loads(plumbline("show", folder, "--table", "scaling", "--format", "json").stdout)
+    assert all(tuple(row) == COLUMNS for row in rows)
+    costs = [row for row in rows if row["row"] == "cost"]
+    assert {(row["where"], row["track"], row["unit"]) for row in costs} == {
+        *((f"n {n}", track, "step") for n in (4, 6, 8) for track in ("default", "cg")),
+        ("n 4, worlds 3", "default", "world-step"),
+        ("thin 256", "tuned", "ray"),
+    }
+    for row in costs:
+        assert 0 < row["cpu_low_s"] <= row["cpu_s"] <= row["cpu_high_s"]
+    assert sum(row["best"] for row in costs) == 5  # one a scene
+    assert {row["track"] for row in rows if row["row"] == "exponent"} == {"default", "cg"}
+
+
+def test_the_table_is_printed_in_every_format(folder: Path, plumbline: Command) -> None:
+    sheet = list(csv.DictReader(io.StringIO(plumbline("show", folder, "--table", "scaling", "--format", "csv").stdout)))
+    assert len(sheet) == 10
+    markdown = plumbline("show", folder, "--table", "scaling", "--format", "markdown").stdout
+    assert len(markdown.splitlines()) == 2 + len(sheet)
+    text = plumbline("show", folder, "--table", "scaling").stdout
+    assert "stack_pile n 8" in text
+    assert "exponent" in text
+
+
+def test_the_report_has_the_page_with_its_charts_and_sheet(folder: Path) -> None:
+    report = folder / "report"
+    page = (report / "scaling.html").read_text()
+    assert 'href="scaling.html" aria-current="page"' in page
+    for name in ("growth-0", "standings"):
+        assert f'id="{name}"' in page
+        assert (report / "charts" / f"{name}.svg").is_file()
+    assert len((report / "scaling.csv").read_text().splitlines()) == 11

@@ -1,0 +1,75 @@
+"""Many worlds: they all advance, each is read by itself, and a world that goes its own way is seen."""
+
+import math
+
+import numpy as np
+import pytest
+
+from harness import discover
+from harness.batch import Turns, WorldOf, spread
+from harness.trajectory import State
+
+CASE = discover.case("stack_pile")
+SCENE = CASE.scene(n=4)
+BODIES = len(SCENE.bodies)
+
+
+def batch(worlds: int) -> Turns:
+    adapter = discover.adapter("mujoco")
+    made = adapter.build_batch(SCENE, adapter.tracks["default"], worlds)
+    assert isinstance(made, Turns)
+    return made
+
+
+def test_all_worlds_advance_and_stay_equal_to_a_simulation_of_its_own() -> None:
+    adapter = discover.adapter("mujoco")
+    together, alone = batch(3), adapter.build(SCENE, adapter.tracks["default"])
+    together.step(20)
+    alone.step(20)
+    mine, theirs = State.empty(BODIES), State.empty(BODIES)
+    alone.state(mine)
+    for world in range(together.worlds):
+        together.state(world, theirs)
+        np.testing.assert_array_equal(theirs.p_WB, mine.p_WB)
+    assert spread(together, BODIES) == 0.0
+    together.close()
+    alone.close()
+
+
+def test_a_world_that_took_one_step_more_is_seen() -> None:
+    together = batch(3)
+    together.step(5)
+    together._simulations[1].step(1)
+    assert spread(together, BODIES) > 0.0
+
+
+def test_a_world_without_numbers_is_seen() -> None:
+    together = batch(2)
+    together._simulations[1].state = lambda out: out.p_WB.fill(math.nan)  # type: ignore[method-assign]
+    assert math.isnan(spread(together, BODIES))
+
+
+def test_one_world_looked_at_steps_them_all() -> None:
+    together = batch(2)
+    WorldOf(together, 1).step(3)
+    assert spread(together, BODIES) == 0.0
+    state = State.empty(BODIES)
+    WorldOf(together, 0).state(state)
+    assert not np.array_equal(state.v_WB, State.initial(SCENE).v_WB)
+
+
+def test_a_batch_that_cannot_be_finished_closes_what_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
+    adapter = discover.adapter("mujoco")
+    closed, made = [], []
+
+    def build(self: object, scene: object, settings: object) -> object:
+        if len(made) == 2:
+            raise MemoryError
+        made.append(len(made))
+        number = made[-1]
+        return type("World", (), {"close": lambda _: closed.append(number)})()
+
+    monkeypatch.setattr(type(adapter), "build", build)
+    with pytest.raises(MemoryError):
+        adapter.build_batch(SCENE, adapter.tracks["default"], 5)
+    assert closed == [0, 1]

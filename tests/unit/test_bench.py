@@ -1,0 +1,156 @@
+"""The bench: what is inside the clock and what is not, counted on simulations that count; no time is asserted."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness import discover
+from harness.adapter import Settings
+from harness.bench import TOGETHER, Bench, caster
+from harness.clock import calibrate, summarise
+from harness.record import Sample
+from harness.study import Experiment, Trial
+
+DT = 1 / 240
+PILE = discover.case("stack_pile")
+
+
+class Counting:
+    """Counts what is asked of it."""
+
+    def __init__(self, told: list[tuple[str, int]]) -> None:
+        self.told = told
+        told.append(("build", 1))
+
+    def step(self, count: int = 1) -> None:
+        self.told.append(("step", count))
+
+    def cast(self, origins: Any, directions: Any, max_range: float) -> None:
+        self.told.append(("cast", len(origins)))
+
+    def close(self) -> None:
+        self.told.append(("close", 1))
+
+
+class Maker:
+    """An adapter that makes counting simulations, and batches of them."""
+
+    def __init__(self) -> None:
+        self.told: list[tuple[str, int]] = []
+
+    def build(self, scene: object, settings: object) -> Counting:
+        return Counting(self.told)
+
+    def build_batch(self, scene: object, settings: object, count: int) -> Counting:
+        self.told.append(("worlds", count))
+        return Counting(self.told)
+
+
+def bench(case: Any, **parameters: Any) -> tuple[Bench, Maker]:
+    maker = Maker()
+    trial = Trial(
+        trial="t",
+        study="s",
+        experiment=Experiment(name="e"),
+        case=case.name,
+        parameters=dict(case.parameters) | parameters,
+        engine="x",
+        engine_version="1",
+        track="tuned",
+        settings=Settings(dt=DT),
+        seed=0,
+    )
+    return Bench(case, maker, trial), maker  # type: ignore[arg-type]
+
+
+def steps(told: list[tuple[str, int]]) -> list[int]:
+    return [count for what, count in told if what == "step"]
+
+
+def test_a_steady_case_is_clocked_from_its_steady_time_and_goes_on_with_one_run() -> None:
+    made, maker = bench(PILE, n=4)
+    before, whole = round(PILE.steady * 240), round((PILE.duration - PILE.steady) * 240)  # type: ignore[operator]
+    assert made.steady
+    assert made.whole == whole
+    made.clock(50)
+    made.clock(50)
+    assert steps(maker.told) == [before, 50, 50]
+    made.clock(50)  # the run ends after 20 of them
+    assert steps(maker.told)[3:] == [whole - 100, before, 150 - whole]
+    assert [what for what, _ in maker.told].count("build") == 2
+
+
+def test_another_case_is_clocked_from_its_start_in_whole_runs() -> None:
+    made, maker = bench(discover.case("flight_box"))
+    assert not made.steady
+    made.clock(2 * made.whole)
+    assert steps(maker.told) == [made.whole, made.whole]
+    assert [what for what, _ in maker.told if what != "step"] == ["build", "close", "build"]
+
+
+def test_worlds_are_stepped_together_a_few_steps_at_a_time() -> None:
+    made, maker = bench(PILE, n=4, worlds=7)
+    assert made.units == 7
+    made.clock(2 * TOGETHER + 1)
+    assert ("worlds", 7) in maker.told
+    assert steps(maker.told)[1:] == [TOGETHER, TOGETHER, 1]
+
+
+def test_rays_are_cast_instead_of_steps_and_counted_one_by_one() -> None:
+    case = discover.case("system_rays")
+    made, maker = bench(case, thin=64)
+    rays = case.rays(pattern="lidar", thin=64)  # type: ignore[misc]
+    assert made.units == len(rays.origins) == 32 * 1024 // 64
+    made.clock(3)
+    assert [count for what, count in maker.told if what == "cast"] == [made.units] * 3
+    assert steps(maker.told) == []
+
+
+def test_calibration_takes_whole_runs_of_a_short_case_and_part_of_a_long_steady_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    short, _ = bench(discover.case("flight_box"))
+    monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
+    assert calibrate(short, 0.01) % short.whole == 0
+    assert calibrate(short, 0.01) * 1e-6 >= 0.01
+    steady, _ = bench(PILE, n=4)
+    assert calibrate(steady, 0.01) == pytest.approx(10_000, rel=1e-9)
+    monkeypatch.setattr(Bench, "clock", lambda _, count: (0.2 * count, 0.2 * count))
+    assert calibrate(steady, 0.01) == 1
+
+
+def test_a_price_is_that_of_one_ray_or_one_world() -> None:
+    trial = Trial(
+        trial="t", study="s", experiment=Experiment(name="e"), case="c", parameters={}, engine="x", engine_version="1",
+        track="tuned", settings=Settings(dt=0.01), seed=0,
+    )  # fmt: skip
+    sample = Sample(process=0, block=0, steps=100, units=50, cpu=0.5, wall=1.0, canary=0.001, switches=0)
+    rays = summarise(trial, [sample] * 3, unit="ray")
+    assert rays.cpu_per_unit == pytest.approx(1e-4)
+    assert rays.cpu_per_sim_s is None
+    worlds = summarise(trial, [sample] * 3, unit="world-step")
+    assert worlds.cpu_per_unit == pytest.approx(1e-4)
+    assert worlds.cpu_per_sim_s == pytest.approx(1e-2)
+    alone = summarise(trial, [replace(sample, units=1)] * 3)
+    assert alone.unit == "step"
+    assert alone.cpu_per_unit == pytest.approx(alone.cpu_per_sim_s * 0.01)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "bullet"])
+def test_rays_cast_into_arrays_made_beforehand_hit_what_other_rays_hit(engine: str) -> None:
+    case, adapter = discover.case("system_rays"), discover.adapter(engine)
+    rays = case.rays(pattern="lidar", thin=16)  # type: ignore[misc]
+    simulation = adapter.build(case.scene(), adapter.tracks["tuned"])
+    usual = simulation.cast(rays.origins, rays.directions, rays.max_range)
+    cast = caster(simulation, rays)
+    assert getattr(cast, "func", None) is None, "the adapter offers a call of its own"
+    first, second = cast(), cast()
+    if engine == "mujoco":
+        geom, distance, _ = second  # type: ignore[misc]
+        found = np.where((geom >= 0) & (distance <= rays.max_range), distance, np.inf)
+    else:
+        hits = [hit for part in second for hit in part]  # type: ignore[attr-defined]
+        found = np.array([hit[2] * rays.max_range if hit[0] >= 0 else np.inf for hit in hits])
+        assert first == second
+    np.testing.assert_allclose(found, usual.distance, rtol=1e-12)
+    simulation.close()

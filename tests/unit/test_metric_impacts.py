@@ -1,0 +1,288 @@
+"""Rows, containment, inscribed overlap, energy won and passage: a clean answer is not flagged, a planted fault is seen."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.metric import Metric, NotMeasurable
+from harness.metrics.containment import ESCAPED_SHARE
+from harness.metrics.energy import ENERGY_GAIN, ENERGY_GROWTH
+from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
+from harness.metrics.passage import (
+    LATERAL_KICK,
+    PASSAGE_PROBABILITY,
+    PASSAGE_PROBABILITY_HIGH,
+    PASSAGE_PROBABILITY_LOW,
+    REST_SPEED,
+)
+from harness.metrics.row import LAST_SHARE_ERROR, TOUCHING_LAST_SHARE
+from harness.proportion import wilson_interval
+from harness.scene import Body, Box, Capsule, PlacedShape, Scene, Sphere, Surface, axis_angle
+from harness.trajectory import Trajectory
+
+TIME = np.linspace(0.0, 1.0, 11)
+
+
+def ball(name: str, x: float, v: float = 0.0, radius: float = 0.1, material: str = "default") -> Body:
+    shape = (PlacedShape(shape=Sphere(radius=radius)),)
+    return Body(name=name, material=material, collision=shape, p_WB=(x, 0.0, 0.0), v_WB=(v, 0.0, 0.0))
+
+
+def still(scene: Scene) -> Trajectory:
+    """Every body in its initial state throughout."""
+    run = Trajectory.of(TIME, len(scene.bodies))
+    run.p_WB[:] = [b.p_WB for b in scene.bodies]
+    run.q_WB[:] = [b.q_WB for b in scene.bodies]
+    run.v_WB[:] = [b.v_WB for b in scene.bodies]
+    run.w_WB[:] = [b.w_WB for b in scene.bodies]
+    return run
+
+
+# --- rows -----------------------------------------------------------------------------------------
+
+
+def row(gap: float, along: float = 1.0) -> Scene:
+    """Three balls, the first of which moves; `along` -1 turns the row round."""
+    places = (-0.5, 0.0, 0.2 + gap)
+    balls = tuple(ball(f"b{i}", along * x, along * 2.0 * (i == 0)) for i, x in enumerate(places))
+    return Scene(bodies=balls[::-1], surfaces=(Surface(restitution=1.0),), gravity=(0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("along", [1.0, -1.0])
+def test_the_last_ball_is_the_one_at_the_other_end_of_the_row(along: float) -> None:
+    scene = row(0.01, along)
+    run = still(scene)
+    run.v_WB[-1] = 0.0
+    run.v_WB[-1, 0, 0] = along * 2.0
+    assert LAST_SHARE_ERROR(scene, run) == pytest.approx(0.0, abs=1e-15)
+    run.v_WB[-1, 0, 0] = along * 1.9
+    assert LAST_SHARE_ERROR(scene, run) == pytest.approx(0.05)
+    run.v_WB[-1, 0], run.v_WB[-1, 1] = run.v_WB[-1, 1].copy(), run.v_WB[-1, 0].copy()
+    assert LAST_SHARE_ERROR(scene, run) == pytest.approx(1.0)
+
+
+def test_a_touching_row_has_a_share_and_no_error() -> None:
+    scene = row(0.0)
+    run = still(scene)
+    run.v_WB[-1, 0, 0] = 0.8
+    assert TOUCHING_LAST_SHARE(scene, run) == pytest.approx(0.4)
+    with pytest.raises(NotMeasurable, match="every row touches"):
+        LAST_SHARE_ERROR(scene, run)
+    with pytest.raises(NotMeasurable, match="no row touches"):
+        TOUCHING_LAST_SHARE(row(0.01), still(row(0.01)))
+    with pytest.raises(NotMeasurable, match="no row of balls"):
+        LAST_SHARE_ERROR(Scene(bodies=(ball("alone", 0.0, 1.0),)), still(Scene(bodies=(ball("alone", 0.0, 1.0),))))
+
+
+# --- containment ----------------------------------------------------------------------------------
+
+
+def hollow() -> Scene:
+    """A cube of walls, inner half edge 1 and outer 1.2, and four balls in it."""
+    walls = []
+    for axis in range(3):
+        for side in (-1.1, 1.1):
+            half, place = [1.2] * 3, [0.0] * 3
+            half[axis], place[axis] = 0.1, side
+            box = Box(half_extents=(half[0], half[1], half[2]))
+            walls.append(PlacedShape(shape=box, p_BS=(place[0], place[1], place[2])))
+    cube = Body(name="cube", material="wall", collision=tuple(walls))
+    balls = tuple(ball(f"b{i}", 0.3 * i, material="ball") for i in range(4))
+    return Scene(bodies=(*balls, cube), surfaces=(Surface(between=("ball", "wall")), Surface(between=("ball", "ball"))))
+
+
+def test_a_ball_has_escaped_when_it_is_beyond_the_walls_wherever_the_box_is_and_however_it_turned() -> None:
+    scene = hollow()
+    run = still(scene)
+    turn = axis_angle((0.0, 0.0, 1.0), np.pi / 4)
+    run.q_WB[-1, 4] = turn
+    run.p_WB[-1, :, 2] += 7.0
+    run.p_WB[-1, 0, :2] = (1.6, 0.0)  # in the corner of the turned cube, sqrt(2) 1.2 = 1.697 away
+    assert ESCAPED_SHARE(scene, run) == 0.0
+    run.p_WB[-1, 0, :2] = (1.1, 1.1)  # 1.56 along a turned axis
+    assert ESCAPED_SHARE(scene, run) == 0.25
+    with pytest.raises(NotMeasurable, match="no container"):
+        ESCAPED_SHARE(row(0.01), still(row(0.01)))
+
+
+# --- inscribed overlap ----------------------------------------------------------------------------
+
+
+def test_only_bodies_that_can_touch_and_do_overlap_count() -> None:
+    box = Body(name="box", collision=(PlacedShape(shape=Box(half_extents=(0.5, 0.2, 0.3))),), p_WB=(1.0, 0.0, 0.0))
+    ghost = ball("ghost", 1.0, material="ghost")
+    scene = Scene(
+        bodies=(ball("ball", 0.0), box, ghost),
+        surfaces=(Surface(),),
+        apart=(("ghost", "default"),),
+    )
+    run = still(scene)
+    assert INSCRIBED_OVERLAP(scene, run) == 0.0
+    run.p_WB[4, 0, 0] = 0.75
+    assert INSCRIBED_OVERLAP(scene, run) == pytest.approx(0.05)
+    with pytest.raises(NotMeasurable, match="no two bodies"):
+        INSCRIBED_OVERLAP(Scene(bodies=(ball("a", 0.0),)), still(Scene(bodies=(ball("a", 0.0),))))
+
+
+# --- energy ---------------------------------------------------------------------------------------
+
+
+def test_energy_won_is_seen_and_energy_lost_is_no_gain() -> None:
+    scene = Scene(bodies=(ball("b", 0.0, 2.0),), gravity=(0.0, 0.0, 0.0))
+    run = still(scene)
+    assert ENERGY_GAIN(scene, run) == 0.0
+    assert ENERGY_GROWTH(scene, run) == 0.0
+    run.v_WB[:, 0, 0] = 2.0 * np.sqrt(1 - 0.3 * TIME)
+    assert ENERGY_GAIN(scene, run) == 0.0
+    assert ENERGY_GROWTH(scene, run) == pytest.approx(0.3)
+    run.v_WB[:, 0, 0] = 2.0 * np.sqrt(1 + 0.1 * TIME)
+    assert ENERGY_GAIN(scene, run) == pytest.approx(0.1)
+    assert ENERGY_GROWTH(scene, run) == pytest.approx(0.1)
+    with pytest.raises(NotMeasurable, match="2 samples"):
+        ENERGY_GROWTH(scene, run.between(0.0, 0.1))
+
+
+# --- passage --------------------------------------------------------------------------------------
+
+
+def wall(v: tuple[float, float, float] = (5.0, 1.0, 0.0), count: int = 4) -> Scene:
+    """Balls of radius 0.1 shot slantwise at a wall 4 cm thick whose face is x = 0."""
+    shape = (PlacedShape(shape=Sphere(radius=0.1)),)
+    balls = tuple(
+        Body(name=f"b{i}", material="ball", collision=shape, p_WB=(-1.0, float(i), 0.0), v_WB=v) for i in range(count)
+    )
+    slab = (PlacedShape(shape=Box(half_extents=(0.02, 20.0, 1.0))),)
+    fixed = Body(name="wall", motion="static", material="wall", collision=slab, p_WB=(0.02, 0.0, 0.0))
+    return Scene(
+        bodies=(fixed, *balls),
+        surfaces=(Surface(between=("ball", "wall")),),
+        gravity=(0.0, 0.0, 0.0),
+        apart=(("ball", "ball"),),
+    )
+
+
+def stopped(scene: Scene) -> Trajectory:
+    """The truth: at the face from half time on, sliding along it."""
+    truth = still(scene)
+    for place, body in enumerate(scene.bodies[1:], start=1):
+        truth.p_WB[:, place, 0] = np.minimum(-1.0 + body.v_WB[0] * TIME, -0.1)
+        truth.p_WB[:, place, 1] += body.v_WB[1] * TIME
+        truth.v_WB[TIME > 0.18, place, 0] = 0.0
+    return truth
+
+
+def test_the_truth_passes_nothing_is_kicked_and_rests() -> None:
+    scene = wall()
+    truth = stopped(scene)
+    assert [m(scene, truth, truth) for m in (PASSAGE_PROBABILITY, LATERAL_KICK, REST_SPEED)] == [0.0, 0.0, 0.0]
+    bounds = [m(scene, truth, truth) for m in (PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH)]
+    assert tuple(bounds) == wilson_interval(0, 4)
+
+
+@pytest.mark.parametrize(("deeper", "share"), [(-3.0, 0.0), (0.019, 0.0), (0.021, 0.25), (0.3, 0.25), (9.0, 0.25)])
+def test_what_ends_deeper_than_half_the_wall_has_passed(deeper: float, share: float) -> None:
+    scene = wall()
+    truth, run = stopped(scene), stopped(scene)
+    run.p_WB[-1, 2, 0] += deeper
+    assert PASSAGE_PROBABILITY(scene, run, truth) == share
+
+
+def test_way_along_the_wall_is_no_passage_and_velocity_splits_into_kick_and_rest() -> None:
+    scene = wall()
+    truth, run = stopped(scene), stopped(scene)
+    run.p_WB[-1, 1, 1] += 3.0
+    run.v_WB[-1, 1] += (0.2, 0.3, 0.4)
+    assert PASSAGE_PROBABILITY(scene, run, truth) == 0.0
+    assert LATERAL_KICK(scene, run, truth) == pytest.approx(0.5)
+    assert REST_SPEED(scene, run, truth) == pytest.approx(0.2)
+    run.p_WB[-1, 1, 0] += 1.0
+    # What has passed is no longer asked how it rests.
+    assert LATERAL_KICK(scene, run, truth) == 0.0
+    run.p_WB[-1, 1:, 0] += 1.0
+    with pytest.raises(NotMeasurable, match="no body is stopped"):
+        REST_SPEED(scene, run, truth)
+
+
+def test_two_bodies_that_may_both_move_share_the_depth() -> None:
+    scene = Scene(bodies=(ball("left", -1.0, 5.0), ball("right", 1.0, -5.0)), surfaces=(Surface(),), gravity=(0.0, 0.0, 0.0))
+    truth = still(scene)
+    truth.p_WB[-1, :, 0], truth.v_WB[-1] = (-0.1, 0.1), 0.0
+    run = replace(truth, p_WB=truth.p_WB.copy())
+    run.p_WB[-1, :, 0] = (-0.06, 0.06)  # 8 cm deep of 20: less than half
+    assert PASSAGE_PROBABILITY(scene, run, truth) == 0.0
+    run.p_WB[-1, :, 0] = (-0.04, 0.04)
+    assert PASSAGE_PROBABILITY(scene, run, truth) == 1.0
+
+
+@pytest.mark.parametrize(("turned", "share"), [(0.5, 0.0), (0.509, 0.0), (0.511, 1.0), (0.5 + np.pi, 1.0), (-3.0, 0.0)])
+def test_a_rod_is_judged_by_the_way_of_its_posts_through_more_than_a_turn(turned: float, share: float) -> None:
+    rod = Body(
+        name="rod",
+        material="rod",
+        collision=(PlacedShape(shape=Capsule(radius=0.01, half_length=1.2)),),
+        q_WB=axis_angle((0.0, 1.0, 0.0), np.pi / 2),
+        w_WB=(0.0, 0.0, 4.0),
+    )
+    post = Body(
+        name="post",
+        motion="static",
+        material="post",
+        collision=(PlacedShape(shape=Sphere(radius=0.02)),),
+        p_WB=(np.cos(0.5), np.sin(0.5), 0.0),
+    )
+    scene = Scene(bodies=(rod, post), surfaces=(Surface(between=("rod", "post")),), gravity=(0.0, 0.0, 0.0))
+
+    def turning(angle: float) -> Trajectory:
+        run = still(scene)
+        for k, part in enumerate(np.linspace(0.0, angle, len(TIME))):
+            from harness.scene import multiply
+
+            run.q_WB[k, 0] = multiply(axis_angle((0.0, 0.0, 1.0), float(part)), rod.q_WB)
+        run.w_WB[-1] = 0.0
+        return run
+
+    assert PASSAGE_PROBABILITY(scene, turning(turned), turning(0.5)) == share
+
+
+def test_a_truth_that_stops_nothing_is_not_measurable() -> None:
+    scene = wall()
+    truth = still(scene)
+    with pytest.raises(NotMeasurable, match="stops no body"):
+        PASSAGE_PROBABILITY(scene, truth, truth)
+    with pytest.raises(NotMeasurable, match="no truth"):
+        PASSAGE_PROBABILITY(scene, truth, None)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize(
+    "metric",
+    [
+        PASSAGE_PROBABILITY,
+        PASSAGE_PROBABILITY_LOW,
+        PASSAGE_PROBABILITY_HIGH,
+        LATERAL_KICK,
+        REST_SPEED,
+        INSCRIBED_OVERLAP,
+        ENERGY_GAIN,
+        ENERGY_GROWTH,
+    ],
+)
+def test_what_is_not_finite_is_never_swallowed(metric: Metric, bad: float) -> None:
+    scene = wall()
+    if metric is INSCRIBED_OVERLAP:
+        scene = row(0.01)
+    truth = stopped(scene) if metric is not INSCRIBED_OVERLAP else still(scene)
+    run = still(scene)
+    run.p_WB[5, 1] = bad
+    run.v_WB[5, 1] = bad
+    with np.errstate(invalid="ignore"):
+        assert not np.isfinite(metric(scene, run, truth))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_rows_and_containers_do_not_swallow_it_either(bad: float) -> None:
+    for scene, metric in ((row(0.01), LAST_SHARE_ERROR), (row(0.0), TOUCHING_LAST_SHARE), (hollow(), ESCAPED_SHARE)):
+        run = still(scene)
+        run.p_WB[5, 1, 0] = bad
+        assert np.isnan(metric(scene, run))

@@ -1,0 +1,29 @@
+"""World spread: what was recorded, and nothing where nothing was."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.metric import NotMeasurable
+from harness.metrics.world_spread import WORLD_SPREAD
+from harness.scene import Body, Scene
+from harness.trajectory import Trajectory
+
+STAGE = Scene(bodies=(Body(name="a"),))
+
+
+def run(spread: float) -> Trajectory:
+    return replace(Trajectory.of(np.zeros(1), 1), streams={"worlds/time": np.zeros(1), "worlds/spread": np.array([spread])})
+
+
+def test_worlds_that_part_are_seen_and_equal_ones_are_not_flagged() -> None:
+    assert WORLD_SPREAD(STAGE, run(0.0)) == 0.0
+    assert WORLD_SPREAD(STAGE, run(1e-12)) == 1e-12
+    assert math.isnan(WORLD_SPREAD(STAGE, run(math.nan)))
+
+
+def test_worlds_that_nobody_compared_are_not_measurable() -> None:
+    with pytest.raises(NotMeasurable, match="not compared"):
+        WORLD_SPREAD(STAGE, Trajectory.of(np.zeros(1), 1))

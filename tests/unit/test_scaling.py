@@ -1,0 +1,158 @@
+"""The scaling table on run folders made by formula: prices, ratios, quality and exponents are what they were made to be."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.journal import Journal
+from harness.record import Measurement, Record, Sample, Timing
+from harness.scaling import COLUMNS, Cost, Scaling, brief, no_worse, ratio
+from harness.store import Store
+
+SIZES = (10, 100, 1000, 10_000)
+EXPONENT = 1.25
+
+
+def record(engine: str, track: str, n: int, penetration: float, status: str = "passed") -> Record:
+    found = (
+        Measurement(metric="overlap", value=penetration, unit="m"),
+        Measurement(metric="rms_speed", value=1e-4, unit="m/s"),
+    )
+    return Record(
+        trial=f"{engine}-{track}-{n}",
+        study="s",
+        experiment="e",
+        case="stack_pile",
+        parameters={"n": n, "worlds": 1},
+        engine=engine,
+        engine_version="1",
+        track=track,
+        dt=1 / 240,
+        settings={},
+        status=status,  # type: ignore[arg-type]
+        reason="it took too long" if status == "timeout" else "",
+        measurements=found if status != "timeout" else (),
+    )
+
+
+def timing(engine: str, track: str, n: int, cpu: float, noise: tuple[float, ...] = (1.0, 1.1, 0.9, 1.3, 1.0)) -> Timing:
+    """Five blocks whose common noise is the machine's."""
+    samples = tuple(
+        Sample(process=0, block=k, steps=10, units=2, cpu=20 * cpu * shake, wall=1.0, canary=1e-3, switches=0)
+        for k, shake in enumerate(noise)
+    )
+    return Timing(
+        trial=f"{engine}-{track}-{n}", unit="step", cpu_per_unit=cpu, cpu_per_unit_low=0.9 * cpu, cpu_per_unit_high=1.3 * cpu,
+        unstable_timing=False, samples=samples,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def scaling(tmp_path: Path) -> Scaling:
+    journal = Journal(tmp_path)
+    for n in SIZES:
+        price = 1e-6 * n**EXPONENT
+        for engine, track, cpu, depth in (
+            ("ours", "fine", 3 * price, 1e-5),
+            ("ours", "coarse", price, 1e-4),
+            ("theirs", "default", 2 * price, 5e-5),
+            ("theirs", "deep", 0.5 * price, 1e-2),
+        ):
+            failed = track == "deep"
+            journal.append(record(engine, track, n, depth, "failed" if failed else "passed"))
+            journal.append(timing(engine, track, n, cpu))
+        journal.append(record("slow", "default", n, 0.0, "timeout"))
+    journal.close()
+    catalogue = {
+        "cases": {"stack_pile": {"parameters": {"n": 100, "worlds": 1}, "headline": "overlap", "title": "Pile"}},
+        "engines": {name: {"name": name, "ours": name == "ours", "title": name} for name in ("ours", "theirs", "slow")},
+    }
+    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    return Scaling(Store(tmp_path))
+
+
+def at(scaling: Scaling, n: int, engine: str, track: str) -> Cost:
+    (found,) = [r for r in scaling.costs if (r.parameters["n"], r.engine, r.track) == (n, engine, track)]
+    return found
+
+
+def test_noise_that_both_share_cancels_in_a_ratio_and_noise_of_one_widens_it() -> None:
+    shake = np.array([1.0, 2.0, 0.5, 1.5, 3.0])
+    same = ratio(2 * shake, shake)
+    assert (same.value, same.low, same.high) == (2.0, 2.0, 2.0)
+    alone = ratio(2 * shake, np.ones(5))
+    assert alone.low < alone.value < alone.high
+
+
+def test_the_fastest_is_the_fastest_whose_checks_hold(scaling: Scaling) -> None:
+    assert at(scaling, 100, "ours", "coarse").best
+    assert not at(scaling, 100, "ours", "fine").best
+    assert not at(scaling, 100, "theirs", "deep").best
+    fast = at(scaling, 100, "theirs", "deep").to_fastest
+    assert fast is not None
+    assert fast.value == pytest.approx(0.5)
+    assert at(scaling, 100, "ours", "coarse").to_fastest.value == 1.0  # type: ignore[union-attr]
+
+
+def test_a_rival_is_compared_with_our_fastest_that_is_no_worse(scaling: Scaling) -> None:
+    shallow, deep = at(scaling, 100, "theirs", "default"), at(scaling, 100, "theirs", "deep")
+    assert (shallow.ours, deep.ours) == ("fine", "coarse")  # coarse stands deeper than shallow
+    assert shallow.to_ours is not None
+    assert shallow.to_ours.value == pytest.approx(2 / 3)
+    assert deep.to_ours is not None
+    assert deep.to_ours.value == pytest.approx(0.5)
+
+
+def test_what_did_not_finish_is_a_row_with_its_reason(scaling: Scaling) -> None:
+    row = at(scaling, 10_000, "slow", "default")
+    assert row.cpu is None
+    assert row.to_fastest is None
+    assert (row.status, row.reason) == ("timeout", "it took too long")
+
+
+def test_rows_stand_by_size_and_name_what_was_swept(scaling: Scaling) -> None:
+    assert list(dict.fromkeys(row.where for row in scaling.costs)) == [f"n {n}" for n in SIZES]
+
+
+def test_the_exponent_is_the_one_that_the_prices_were_made_with(scaling: Scaling) -> None:
+    assert {(fit.engine, fit.track) for fit in scaling.exponents} == {
+        ("ours", "fine"), ("ours", "coarse"), ("theirs", "default"), ("theirs", "deep"),
+    }  # fmt: skip
+    for fit in scaling.exponents:
+        assert fit.exponent == pytest.approx(EXPONENT, abs=1e-9)
+        assert fit.low <= fit.exponent <= fit.high
+        assert (fit.parameter, fit.start, fit.end) == ("n", pytest.approx(10), pytest.approx(10_000))
+
+
+def test_flat_rows_have_all_columns_and_short_words(scaling: Scaling) -> None:
+    rows = scaling.rows()
+    assert all(tuple(row) == COLUMNS for row in rows)
+    assert [row["row"] for row in rows].count("exponent") == 4
+    short = [brief(row) for row in rows]
+    assert any(cell == "timeout: it took too long" for line in short for cell in line)
+    assert any("exponent 1.25" in line[4] for line in short)
+
+
+def cost(**values: Any) -> Cost:
+    empty: dict[str, Any] = dict.fromkeys(Cost.__dataclass_fields__)
+    return Cost(**(empty | values))
+
+
+@pytest.mark.parametrize(
+    ("own", "other", "answer"),
+    [
+        ({"penetration": 1e-4, "residual": 1e-4}, {"penetration": 1e-4, "residual": 1e-4}, True),
+        ({"penetration": 2e-4, "residual": 1e-4}, {"penetration": 1e-4, "residual": 1e-4}, False),
+        ({"penetration": 1e-4, "residual": 2e-4}, {"penetration": 1e-4, "residual": 1e-4}, False),
+        ({"penetration": 9e-7, "residual": 9e-6}, {"penetration": 0.0, "residual": 0.0}, True),
+        ({"penetration": None, "residual": 0.0}, {"penetration": 1e-4, "residual": 1e-4}, False),
+        ({"error": 0.1}, {"error": 0.2}, True),
+        ({"error": 0.2}, {"error": 0.1}, False),
+        ({"error": 0.2}, {}, False),
+    ],
+)
+def test_no_worse_means_in_every_respect_that_is_known(own: dict[str, Any], other: dict[str, Any], answer: bool) -> None:
+    assert no_worse(cost(**own), cost(**other)) is answer

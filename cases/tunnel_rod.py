@@ -3,14 +3,15 @@
 Both ends meet a post at the same time, so that the blows make a pure couple, and without restitution the rod stops dead.
 Whether a discrete test sees the posts depends on where in a step the ends arrive: every rod starts its own random angle
 before them, uniform over spin/240, a whole number of steps' angles for each step that divides 1/240 s.
-Source: Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.7; Mirtich, Impulse-based Dynamic Simulation (1996),
-section 3.3 (bounds on the motion of a turning body).
+Source: Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.1 (interval halving); Mirtich, Impulse-based Dynamic
+Simulation of Rigid Body Systems (1996; bounds on the time of impact of bodies that turn).
 """
 
 import numpy as np
 
 from harness.case import Axis, Case, Check
 from harness.kinematics import product
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.passage import PASSAGE_PROBABILITY, PASSAGE_PROBABILITY_HIGH, PASSAGE_PROBABILITY_LOW
 from harness.metrics.position import POSITION_FINAL
@@ -98,7 +99,7 @@ CASE = Case(
     name="tunnel_rod",
     title="Rods spinning between posts",
     question="With what probability does the end of a spinning rod get through a thin post, or stick in it?",
-    source="Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.7; Mirtich (1996), section 3.3",
+    source="Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.1; Mirtich, Impulse-based Dynamic Simulation (1996)",
     truth="closed form",
     scene=scene,
     expected=expected,
@@ -116,6 +117,6 @@ CASE = Case(
             because="a post stops every rod, at any phase; 64 of 64 stopped put the probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH, POSITION_FINAL),
+    observe=(PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH, ANGULAR_VELOCITY_FINAL, POSITION_FINAL),
     headline=PASSAGE_PROBABILITY.name,
 )

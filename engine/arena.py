@@ -181,6 +181,7 @@ WORK: Final = 2
 LOWEST: Final = 3
 HIGHEST: Final = 4
 PIVOT: Final = 5
+ENVELOPE: Final = 7  # first column of the row's factor that may differ from 0
 
 # Columns of MANIFOLD.
 NORMAL: Final = 0  # 3

@@ -131,7 +131,9 @@ def _once_for_all_values(function: Function) -> Function:
     if template is None:
         return function
 
-    from numba.core.types import unliteral
+    import numba
+
+    unliteral: Any = numba.types.unliteral
 
     def by_type(args: Any, kws: Any) -> Any:
         plain: Any = unliteral

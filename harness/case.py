@@ -77,7 +77,8 @@ class Case:
     Terms:
         name: the file's; its prefix is the family. duration [s].
         scene(**parameters) gives the scene; expected(time (t,), **parameters) the truth at those times, a `Converged`, or
-        None where only conservation or statistics judge. truth: what kind of truth that is, in words.
+        None where only conservation or statistics judge. truth: what kind of truth that is, in words. coarsest [s]: without
+        `expected`, the truth is the exact solver of the reference engine, extrapolated from runs of at most this step.
         sample_interval [s]: distance of recorded samples, 0 for every step. dt [s]: the step of a quick look; ladder: the
         steps of an accuracy run. with_contacts: record contacts at each sample.
         headline: the metric drawn against time step and cost. scale: the size of that metric's value that counts as 1.
@@ -96,6 +97,7 @@ class Case:
     checks: tuple[Check, ...]
     duration: float
     expected: Callable[..., Trajectory | Converged | None] | None = None
+    coarsest: float | None = None
     observe: tuple[Metric, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     hard: Axis | None = None
@@ -119,6 +121,10 @@ class Case:
         if self.rays is not None:
             return "ray"
         return "world-step" if self.count_of_worlds(parameters) > 1 else "step"
+
+    def __post_init__(self) -> None:
+        if self.coarsest is not None and self.expected is not None:
+            raise ValueError(f"case '{self.name}': has both a truth and a coarsest step to make one from, expected one of them")
 
     @property
     def family(self) -> str:

@@ -10,15 +10,16 @@ import numpy as np
 from harness.adapter import Adapter, Diverged, Feature, SettingsError, Simulation, Unavailable, Unsupported
 from harness.batch import WorldOf, spread
 from harness.case import Case, Converged, Rays
-from harness.metric import NotMeasurable
+from harness.metric import Metric, NotMeasurable
 from harness.record import Measurement, Record, Status
 from harness.scene import Scene
 from harness.sensors.recorder import SensorRecorder
 from harness.study import Trial
 from harness.trajectory import Contacts, Floats, State, Trajectory
 from harness.trajectory_file import save_trajectory
+from harness.truth_keeper import truth_of
 
-__all__ = ["judge", "outcome", "run_trial", "simulate", "steps_between_samples"]
+__all__ = ["judge", "outcome", "run_trial", "simulate", "steps_between_samples", "truth_of"]
 
 
 def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:
@@ -118,8 +119,13 @@ def cast_once(simulation: Simulation, rays: Rays) -> dict[str, Floats]:
     return {"rays/time": np.zeros(1), "rays/range_ideal": hits.distance[None], "rays/body": bodies}
 
 
-def judge(case: Case, scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Measurement, ...]:
-    """All checks and observations of a case on one trajectory."""
+def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) -> tuple[Measurement, ...]:
+    """All checks and observations of a case on one trajectory.
+
+    The bound of a distance [m] or speed [m/s] to the truth grows by the truth's own error.
+    """
+    expected = None if made is None else made.trajectory
+    own = {} if made is None else {"m": made.position_error, "m/s": made.velocity_error}
     found = []
     for check in case.checks:
         end = math.inf if check.end is None else check.end
@@ -130,6 +136,11 @@ def judge(case: Case, scene: Scene, actual: Trajectory, expected: Trajectory | N
         try:
             value = check.metric(scene, part, truth)
             passed: bool | None = check.passes(value, actual.dt)
+            error = own.get(check.metric.unit, 0.0)
+            if error > 0.0 and check.metric.better == "lower" and _compares(check.metric, scene, part):
+                bound += error
+                passed = bool(np.isfinite(value)) and value <= bound
+                because = f"{because}; and {error:.2g} {check.metric.unit} that the truth itself may be off"
         except NotMeasurable as error:
             value, passed, because = math.nan, None, f"not measurable: {error}"
         found.append(
@@ -146,6 +157,15 @@ def judge(case: Case, scene: Scene, actual: Trajectory, expected: Trajectory | N
                 value, because = math.nan, f"not measurable: {error}"
             found.append(Measurement(metric=metric.name, value=value, unit=metric.unit, because=because))
     return tuple(found)
+
+
+def _compares(metric: Metric, scene: Scene, actual: Trajectory) -> bool:
+    """Whether a metric measures against the truth: without one it cannot be measured."""
+    try:
+        metric(scene, actual, None)
+    except NotMeasurable:
+        return True
+    return False
 
 
 def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
@@ -199,9 +219,12 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         resolved, warnings = simulation.resolved.plain(), simulation.warnings()
     finally:
         simulation.close()
-    truth = case.truth_at(actual.time, trial.parameters)
-    expected = truth.trajectory if isinstance(truth, Converged) else truth
-    measurements = () if broke is not None else judge(case, scene, actual, expected)
+    try:
+        truth = truth_of(case, scene, actual.time, trial.parameters, folder)
+    except (NotMeasurable, Unsupported) as error:
+        truth, warnings = None, (*warnings, f"no truth: {error}")
+    expected = None if truth is None else truth.trajectory
+    measurements = () if broke is not None else judge(case, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     steps = round(float(actual.time[-1]) / dt) if len(actual) else 0
     return replace(

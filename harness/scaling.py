@@ -171,7 +171,7 @@ class Scaling:
         for (case, _), part in self._store.trials.groupby(["case", "experiment"], sort=False):
             given = [json.loads(text) for text in part["parameters"]]
             swept = self._swept(case, given)
-            where = [", ".join(f"{name} {_plain(one.get(name))}" for name in swept) for one in given]
+            where = [", ".join(_named(name, one.get(name)) for name in swept) for one in given]
             keyed = part.assign(where=where, size=[[_size(one.get(name)) for name in swept] for one in given])
             for (place, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
                 yield case, place, group
@@ -255,7 +255,7 @@ class Scaling:
         return tuple(
             Sweep(
                 case=case,
-                where=", ".join(f"{n} {_plain(v)}" for n, v in json.loads(others).items() if self._own(case).get(n) != v),
+                where=", ".join(_named(n, v) for n, v in json.loads(others).items() if self._own(case).get(n) != v),
                 unit=unit,
                 parameter=name,
                 rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
@@ -351,8 +351,9 @@ def growth(sweep: Sweep, rows: Sequence[Cost]) -> Exponent | None:
     )
 
 
-def _plain(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def _named(name: str, value: Any) -> str:
+    """'n 100'; a word speaks for itself."""
+    return value if isinstance(value, str) else f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
 
 
 def _size(value: Any) -> tuple[int, float, str]:

@@ -28,7 +28,8 @@ def project_coulomb(impulse: FloatArray, friction: FloatArray) -> FloatArray:
     """The points of Coulomb's cones |r_T| <= mu r_N nearest to impulses (k, 3)."""
     normal, size = impulse[:, 0], np.hypot(impulse[:, 1], impulse[:, 2])
     on_cone = np.maximum((normal + friction * size) / (1.0 + friction * friction), 0.0)
-    inside = size <= friction * normal
+    # Without friction 0 <= 0 would hold for a pull as well.
+    inside = (size <= friction * normal) & (normal >= 0.0)
     share = np.where(inside, 1.0, friction * on_cone / np.maximum(size, 1e-300))
     projected = np.empty_like(impulse)
     projected[:, 0] = np.where(inside, normal, on_cone)

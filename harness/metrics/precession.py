@@ -32,7 +32,7 @@ def _rate(scene: Scene, trajectory: Trajectory) -> float:
     """Mean rate [rad/s] of the azimuth, from the slope of a straight line through it."""
     axis = _axis(scene, trajectory)
     azimuth = np.unwrap(np.arctan2(axis[:, 1], axis[:, 0]))
-    return float(np.polynomial.Polynomial.fit(trajectory.time, azimuth, 1).convert().coef[1])
+    return float(np.polynomial.Polynomial.fit(trajectory.time, azimuth, 1).deriv()(0.0))
 
 
 def _precession(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

@@ -255,12 +255,13 @@ def test_the_adapter_resolves_broad_phase_volume_and_threads() -> None:
     """By default as the engine chose them, else as asked."""
     from adapters.reference import ADAPTER
     from harness.adapter import Settings
-    from harness.scene import Body, PlacedShape, Plane, Scene, Sphere
+    from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
 
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     for number, chosen in ((2, "brute_force"), (40, "uniform_grid")):
         ball = (PlacedShape(shape=Sphere(radius=0.1)),)
-        scene = Scene(bodies=(ground, *(Body(name=f"b{k}", collision=ball, p_WB=(k, 0.0, 1.0)) for k in range(number))))
+        bodies = (Body(name=f"b{k}", collision=ball, p_WB=(float(k), 0.0, 1.0)) for k in range(number))
+        scene = Scene(bodies=(ground, *bodies), surfaces=(Surface(),))
         used = ADAPTER.build(scene, Settings()).resolved.options
         assert (used["broad_phase"], used["bounding_volume"], used["threads"]) == (chosen, "aabb", 1)
         asked = {"broad_phase": "bvh", "bounding_volume": "obb", "threads": 2}

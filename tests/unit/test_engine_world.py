@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -197,6 +198,21 @@ def test_rays_beyond_their_range_miss_and_planes_are_hit_from_above() -> None:
 def test_importing_the_engine_loads_no_compiler() -> None:
     code = "import sys, engine; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
+def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> None:
+    """Compile time follows the number of compiled functions, and `load3` alone meets some forty different columns."""
+    import numba
+
+    from engine import vec
+
+    def ends(a: vec.Floats) -> float:
+        return float(vec.load3(a, 0, 0)[0] + vec.load3(a, 0, 3)[2])
+
+    compiled: Any = numba.njit(ends)
+    assert compiled(np.arange(6.0).reshape(1, 6)) == 5.0
+    assert len(vec.load3.overloads) == 1  # type: ignore[attr-defined]
 
 
 def test_the_kernels_run_without_compilation_and_give_the_same_fall() -> None:

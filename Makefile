@@ -6,7 +6,7 @@ STAMP := $(VENV)/.installed
 WORKERS ?= 2
 OUT ?= build/compare
 
-.PHONY: compare report test test-all lint lock clean help
+.PHONY: compare report test test-all test-nojit lint lock clean help
 
 help:            ## this list
 	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
@@ -29,6 +29,9 @@ test: $(STAMP)     ## all tests but the long ones
 
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
 	$(BIN)/python -m pytest
+
+test-nojit: $(STAMP) ## the engine's unit tests as plain Python, for coverage
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m "not slow" --timeout 1200 tests/unit/test_engine_*.py
 
 lint: $(STAMP)     ## style, types, layers
 	$(BIN)/ruff check .

@@ -10,6 +10,9 @@ Deviations:
       micrometres.
     * Approaches slower than four times what gravity gives in one sub-step do not bounce.
     * Without the effect `continuous_collision`, contacts are made ahead of time up to half the thickness of the thinner shape.
+      With it they are made for the way of the whole step unless the option 'continuous' is 'swept': that costs least and knows
+      joints and every solver, but a body that just misses another may be turned aside by a contact that never comes about.
+    * Swept, the world stops at each impact of a step. Beside joints, and with the solver 'exact', `build` raises `Unsupported`.
     * Bodies that nothing touches in a step follow the integrator; touched ones follow semi-implicit Euler in sub-steps.
     * The integrators of free bodies (all but semi-implicit Euler and Runge-Kutta) build no scene with joints or contacts.
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
@@ -19,6 +22,8 @@ Deviations:
     * With the solver 'exact' contacts are hard: Coulomb's law is solved once per sub-step (one, unless set), and
       `warnings` and `resolved` name the largest residual. Depths are kept from growing, not worked off. It knows neither joints
       beside contacts, nor static above kinetic friction, nor rolling and torsional friction: `build` raises `Unsupported`.
+    * The solver 'sequential_impulses' (one sub-step of ten sweeps, unless set) works depths off apart from the velocities.
+      Beside joints `build` raises `Unsupported`.
 """
 
 from collections.abc import Mapping
@@ -58,10 +63,12 @@ __all__ = ["ADAPTER"]
 
 SOLVER = "tgs_soft"
 EXACT = "exact"
+SEQUENTIAL = "sequential_impulses"
 OPTIONS: Mapping[str, type] = {
     "relaxations": int,
     "step_tolerance": float,
     "broad_phase": str,
+    "continuous": str,
     "bounding_volume": str,
     "threads": int,
     "contact_hertz": float,
@@ -74,8 +81,12 @@ OPTIONS: Mapping[str, type] = {
     "sleep_time": float,
 }
 
-SWEPT = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time")
+CONTINUOUS = ("speculative", "swept")
+"""What the effect of continuous collision may mean; the first unless set."""
+SOFT = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time")
 """Options of the soft solver alone."""
+UNSET: Mapping[str, Mapping[str, Any]] = {SOLVER: {}, EXACT: {"substeps": 1}, SEQUENTIAL: {"substeps": 1, "iterations": 10}}
+"""What a solver takes where the settings leave it open; ten sweeps are Bullet's default as well."""
 
 # --- settings -------------------------------------------------------------------------------------
 
@@ -84,14 +95,15 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
     """The engine's options under the effects of the scene. Raises: SettingsError."""
     import engine
 
-    if settings.solver not in (None, SOLVER, EXACT):
-        raise SettingsError(f"settings: solver '{settings.solver}', expected '{SOLVER}' or '{EXACT}'")
-    exact = settings.solver == EXACT
+    solver = settings.solver or SOLVER
+    if solver not in UNSET:
+        raise SettingsError(f"settings: solver '{solver}', expected one of {', '.join(UNSET)}")
+    exact = solver == EXACT
     if settings.tolerance is not None and not exact:
         raise SettingsError(f"settings: tolerance {settings.tolerance}, but the solver sweeps a fixed number of times")
     if settings.iterations is not None and exact:
         raise SettingsError(f"settings: iterations {settings.iterations}, but '{EXACT}' goes on until its tolerance is met")
-    chosen: dict[str, Any] = {"dt": settings.dt, "solver": EXACT, "substeps": 1} if exact else {"dt": settings.dt}
+    chosen: dict[str, Any] = {"dt": settings.dt, "solver": solver, "continuous": CONTINUOUS[0], **UNSET[solver]}
     if settings.tolerance is not None:
         chosen["tolerance"] = settings.tolerance
     for name in ("substeps", "iterations", "integrator"):
@@ -101,18 +113,21 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
         kind = OPTIONS.get(name)
         if kind is None:
             raise SettingsError(f"settings: option '{name}' is unknown, expected one of {', '.join(OPTIONS)}")
-        if exact and name in SWEPT:
-            raise SettingsError(f"settings: option '{name}' belongs to the solver '{SOLVER}', '{EXACT}' has no use for it")
+        if solver != SOLVER and name in SOFT:
+            raise SettingsError(f"settings: option '{name}' belongs to the solver '{SOLVER}', '{solver}' has no use for it")
         if isinstance(value, bool) != (kind is bool) or not isinstance(value, (int, float) if kind is float else kind):
             raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
         chosen[name] = value
     effects = scene.effects
+    if chosen["continuous"] not in CONTINUOUS:
+        raise SettingsError(f"settings: option 'continuous' is {chosen['continuous']!r}, expected {' or '.join(CONTINUOUS)}")
+    if Effect.CONTINUOUS_COLLISION not in effects:
+        chosen["continuous"] = "off"
     try:
         return engine.Options(
             **chosen,
             contacts=Effect.CONTACT in effects,
             gyroscopic=Effect.GYROSCOPIC in effects,
-            continuous=Effect.CONTINUOUS_COLLISION in effects,
         )
     except ValueError as error:
         raise SettingsError(str(error)) from error
@@ -120,28 +135,23 @@ def _options(scene: Scene, settings: Settings) -> "engine.Options":
 
 def _resolved(settings: Settings, used: "engine.Options", world: "engine.World") -> Settings:
     """What the engine uses, defaults filled in."""
-    filled = {name: getattr(used, name) for name in OPTIONS}
+    soft, exact = used.solver == SOLVER, used.solver == EXACT
+    filled = {name: getattr(used, name) for name in OPTIONS if soft or name not in SOFT}
     filled["broad_phase"] = world.broad_phase
-    if used.solver == EXACT:
-        return replace(
-            settings,
-            substeps=used.substeps,
-            iterations=None,
-            integrator=used.integrator,
-            solver=EXACT,
-            tolerance=used.tolerance,
-            options={n: value for n, value in filled.items() if n not in SWEPT and value is not None},
-        )
-    filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
+    if soft:
+        filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
     filled["step_tolerance"] = used.used_step_tolerance
-    if not used.sleeping:
+    if soft and not used.sleeping:
         del filled["sleep_speed"], filled["sleep_time"]
+    if used.continuous == "off":
+        del filled["continuous"]
     return replace(
         settings,
         substeps=used.substeps,
-        iterations=used.iterations,
+        iterations=None if exact else used.iterations,
         integrator=used.integrator,
-        solver=SOLVER,
+        solver=used.solver,
+        tolerance=used.tolerance if exact else None,
         options={name: value for name, value in filled.items() if value is not None},
     )
 
@@ -316,6 +326,9 @@ class _Simulation:
         self._world.set_load(f_B_W, tau_B_W)
 
     def warnings(self) -> tuple[str, ...]:
+        impacts = self._world.impacts
+        if impacts is not None and impacts.crowded > 0:
+            return (f"swept: {impacts.crowded} steps had too many impacts and were ended with speculative contacts",)
         certificate = self._world.certificate
         if certificate is None or certificate.solves == 0:
             return ()
@@ -413,11 +426,13 @@ ADAPTER = _Reference(
             "semi_implicit_euler", "rk4", "explicit_euler", "velocity_verlet", "implicit_midpoint", "splitting_4",
             "splitting_8", "dormand_prince",
         ),
+        "options.continuous": ("speculative", "swept"),
         "options.contact_hertz": (60.0, 120.0, 240.0, 480.0, 960.0),
     },
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
         "Approaches slower than four times what gravity gives in one sub-step do not bounce.",
+        "A body that just misses another may be turned aside by speculative contacts, unless collision is swept.",
         "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
         "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",
     ),

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from engine.bodies import Body, Surface
-from engine.errors import Diverged, NotSupported
+from engine.errors import Diverged, ManyImpacts, NotSupported
 from engine.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from engine.options import Options
 from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged",
-    "Drive", "Fixed", "Hits", "Joint", "Limits", "NotSupported", "Options", "Placed", "Plane", "Prismatic", "Revolute",
-    "Shape", "Sphere", "Spring", "Surface", "TriangleMesh", "World",
+    "Drive", "Fixed", "Hits", "Joint", "Limits", "ManyImpacts", "NotSupported", "Options", "Placed", "Plane", "Prismatic",
+    "Revolute", "Shape", "Sphere", "Spring", "Surface", "TriangleMesh", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

@@ -31,7 +31,7 @@ MATRIX: Final = 13  # (rows, rows)
 FACTOR: Final = 14  # (rows, rows)
 VECTOR: Final = 15  # (8, rows)
 MANIFOLD: Final = 16  # (pairs, 54)
-POINT: Final = 17  # (4 pairs, 35)
+POINT: Final = 17  # (4 pairs, 36)
 OLD_MANIFOLD: Final = 18
 OLD_POINT: Final = 19
 SURFACE: Final = 20  # (materials^2, 6): the law's five numbers, and 1 where the materials never touch
@@ -58,7 +58,7 @@ LOCAL_JOINT: Final = 40  # (joints, 40)
 CALM: Final = 41  # (bodies + 1, 1): for how long [s] a body has been slow
 REMEMBERED: Final = 42  # (bodies + 1, 19): state and load of asleep and fixed bodies, to notice a change from outside
 RESTING_MANIFOLD: Final = 43  # (pairs, 54): contacts of asleep islands
-RESTING_POINT: Final = 44  # (4 pairs, 35)
+RESTING_POINT: Final = 44  # (4 pairs, 36)
 SLEEP: Final = 45  # (1, 2)
 FLOAT_TABLES: Final = 46
 
@@ -153,7 +153,7 @@ FIRST_MANIFOLD: Final = 1
 FIRST_JOINT: Final = 2
 FIRST_LOCAL: Final = 4
 FIRST_ROW: Final = 5
-HIT: Final = 6  # 1 if a surface with restitution was struck in this sub-step
+HIT: Final = 6  # 1 if a point is about to strike, or, once solved, a surface with restitution was struck
 UNEASY: Final = 7  # bodies that are not slow, or not for long
 ROWS: Final = 8
 EQUALITIES: Final = 9
@@ -236,6 +236,7 @@ WORK: Final = 2
 LOWEST: Final = 3
 HIGHEST: Final = 4
 PIVOT: Final = 5
+ENVELOPE: Final = 7  # first column of the row's factor that may differ from 0
 
 # Columns of MANIFOLD.
 NORMAL: Final = 0  # 3
@@ -282,6 +283,7 @@ ROUND_A: Final = 29  # radius [m] of a round surface: its touching point does no
 ROUND_B: Final = 30
 SPREAD: Final = 31  # 2: place about the manifold's centre along its tangents
 HELD: Final = 33  # 2: friction impulse along the tangents
+PUSH: Final = 35  # pseudo-impulse of the split position correction
 
 # Columns of SURFACE beside the law's.
 APART: Final = 5
@@ -295,6 +297,8 @@ MAX_PUSH: Final = 6
 BOUNCE_SPEED: Final = 7  # below it there is no restitution; negative: chosen from the sub-step
 MARGIN: Final = 8
 STEP_TOLERANCE: Final = 9
+WHOLE_STEP: Final = 10  # DT but while a swept step goes on in parts
+LAST_SPAN: Final = 11  # time that the impulses at hand belong to
 
 # Columns of COUNT.
 BODIES: Final = 0
@@ -354,6 +358,11 @@ K_MOVES: Final = 5  # 1 where B is dynamic
 # Columns of MOVER: velocity and angular velocity first.
 M_INV_MASS: Final = 6
 M_INV_INERTIA: Final = 7
+
+# Values of CONTINUOUS, in the order of the option's.
+OFF: Final = 0
+SPECULATIVE: Final = 1
+SWEPT: Final = 2
 
 
 def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:

@@ -12,13 +12,13 @@ from engine.bodies import Body, Surface
 from engine.check import finite, spd_inertia, unit_quaternion
 from engine.errors import NotSupported
 from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
-from engine.options import FREE_INTEGRATORS, Options
+from engine.options import CONTINUOUS, FREE_INTEGRATORS, Options
 from engine.polyhedra import Polyhedron
 from engine.principal_frame import principal_frame
 from engine.shapes import Box, Plane, Sphere
 from engine.solids import body_solids, quat_mat, quat_mul
 
-__all__ = ["assemble_world", "grow", "spheres_only"]
+__all__ = ["assemble_world", "grow", "islands_know", "spheres_only"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -38,7 +38,7 @@ def spheres_only(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], options: Options
 ) -> bool:
     """Whether the world is one that `steps_spheres` serves."""
-    if not options.contacts or options.sleeping or options.solver == "exact":
+    if not options.contacts or options.sleeping or options.solver != "tgs_soft" or options.continuous == "swept":
         return False
     if joints or any(law.rolling_friction > 0 or law.torsional_friction > 0 for law in surfaces.values()):
         return False
@@ -55,13 +55,24 @@ def spheres_only(
     return True
 
 
+def islands_know(options: Options) -> bool:
+    """Whether islands are solved apart, and may sleep, under these options."""
+    return options.solver == "tgs_soft" and options.continuous != "swept"
+
+
 def assemble_world(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
     options: Options, apart: Sequence[tuple[str, str]] = (),
 ) -> tuple[FloatArray, IntArray]:  # fmt: skip
     """The arena of a world at its start. Raises: ValueError, NotSupported."""
+    _check_pairs(surfaces, apart)
     n, nj = len(bodies), len(joints)
     index: dict[str, int] = {}
+    known: set[str] = set()
+    for joint in joints:
+        if joint.name in known:
+            raise ValueError(f"joint '{joint.name}': the name is taken")
+        known.add(joint.name)
     for i, body in enumerate(bodies):
         if body.name in index or body.name == WORLD:
             raise ValueError(f"body '{body.name}': the name is taken")
@@ -86,8 +97,8 @@ def assemble_world(
     island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options, spheres)
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
-        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 54), (4 * pairs + 1, 35),
-        (pairs, 54), (4 * pairs, 35), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
+        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 54), (4 * pairs + 1, 36),
+        (pairs, 54), (4 * pairs, 36), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
         (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
         (ns, 6), (touches, 16), (touches, 16), (touches, 4), (n + 1 if spheres else 0, 8),
         (n + 1, 7), *island_float_rooms,
@@ -130,7 +141,7 @@ def assemble_world(
     if excluded:
         int_table(ints, at.EXCLUDED)[:] = excluded
     setting = float_table(floats, ints, at.SETTING)[0]
-    setting[at.DT] = options.dt
+    setting[at.DT] = setting[at.WHOLE_STEP] = setting[at.LAST_SPAN] = options.dt
     setting[at.GRAVITY : at.GRAVITY + 3] = finite("world", "gravity", gravity, (3,), "m/s2")
     hertz = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
     setting[at.HERTZ], setting[at.DAMPING_RATIO] = hertz, options.contact_damping_ratio
@@ -141,13 +152,24 @@ def assemble_world(
     count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = n, ns, nj
     count[at.SUBSTEPS], count[at.ITERATIONS], count[at.RELAXATIONS] = options.substeps, options.iterations, options.relaxations
     count[at.RUNGE_KUTTA] = int(options.integrator == "rk4")
-    count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), int(options.continuous)
+    count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), CONTINUOUS.index(options.continuous)
     int_table(ints, at.PROGRESS)[0, at.CANDIDATES] = -1
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
     int_table(ints, at.TALLY)[0, at.THREADS] = options.threads
     if options.sleeping:
         float_table(floats, ints, at.SLEEP)[0] = options.sleep_speed, options.sleep_time
     return floats, ints
+
+
+def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tuple[str, str]]) -> None:
+    """Raises: ValueError for what is no pair of materials, and for a pair with one law in each order."""
+    for field, pairs in (("surfaces", surfaces), ("apart", apart)):
+        for pair in pairs:
+            if not isinstance(pair, tuple | list) or len(pair) != 2 or not all(isinstance(one, str) for one in pair):
+                raise ValueError(f"world: {field} names {pair!r}, expected a pair of materials")
+    for (one, two), law in surfaces.items():
+        if surfaces.get((two, one), law) != law:
+            raise ValueError(f"world: surfaces give {(one, two)} and {(two, one)} different laws, expected one")
 
 
 def _convex_rooms(
@@ -168,14 +190,14 @@ def _island_rooms(
     bodies: int, joints: int, pairs: int, options: Options, spheres: bool
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Rows and columns of the tables of islands and of sleep, empty where a world has none."""
-    wanted = (options.threads > 1 or options.sleeping) and not spheres and options.solver != "exact"
+    wanted = (options.threads > 1 or options.sleeping) and not spheres and islands_know(options)
     members, spans, owners = (bodies + 1, bodies + 2, bodies + 1 + pairs + 2 * joints) if wanted else (0, 0, 0)
     links, ties = (pairs, joints) if wanted else (0, 0)
     sleepers, rests = (bodies + 1, pairs) if options.sleeping else (0, 0)
     return (
         [
             (owners, 13), (owners, 18), (owners, 6), (owners, 6), (ties, 40), (sleepers, 1), (sleepers, 19), (rests, 54),
-            (4 * rests, 35), (1, 2),
+            (4 * rests, 36), (1, 2),
         ],
         [
             (members, 8), (spans, 10), (links, 1), (ties, 1), (owners, 4), (owners, 1), (ties, 6), (rests, 8), (4 * rests, 2),

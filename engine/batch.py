@@ -9,10 +9,16 @@ from numpy.typing import NDArray
 
 from engine import arena as at
 from engine.assembly import grow
-from engine.batch_steps import address_of_collide, address_of_step, advance_worlds, advance_worlds_parallel
+from engine.batch_steps import (
+    address_of_collide,
+    address_of_search,
+    address_of_step,
+    advance_worlds,
+    advance_worlds_parallel,
+)
 from engine.check import finite
 from engine.errors import Diverged, NotSupported
-from engine.world import Step, World
+from engine.world import Kernels, World
 
 __all__ = ["Batch"]
 
@@ -32,7 +38,7 @@ class Batch:
         worlds: of any kinds, with the same number of bodies; they are copied. threads: how many run at once at most, of those
         that Numba was started with (NUMBA_NUM_THREADS).
     Raises: ValueError for no world, for worlds of other numbers of bodies, and for worlds with threads of their own;
-        NotSupported for the exact solver.
+        NotSupported for the exact solver and for swept collision.
     """
 
     def __init__(self, worlds: Sequence[World], threads: int = 1) -> None:
@@ -46,15 +52,16 @@ class Batch:
                 raise ValueError(f"batch: world {k} has {len(world.state())} bodies, expected {self._bodies} as world 0")
             if world.options.threads > 1:
                 raise ValueError(f"batch: world {k} has {world.options.threads} threads, expected 1: a batch has its own")
-            if world.certificate is not None:
-                raise NotSupported("a batch of worlds with the solver 'exact'", "it does not run in one compiled step")
+            for found, what in ((world.certificate, "the solver 'exact'"), (world.impacts, "swept collision")):
+                if found is not None:
+                    raise NotSupported(f"a batch of worlds with {what}", "it does not run in one compiled step")
         self._threads = threads
         self._worlds = [copy(world) for world in worlds]
-        self._kinds: dict[Step, IntArray] = {
-            step: np.array([k for k, world in enumerate(worlds) if world.compiled_step is step])
-            for step in dict.fromkeys(world.compiled_step for world in worlds)
+        self._kinds: dict[Kernels, IntArray] = {
+            kernels: np.array([k for k, world in enumerate(worlds) if world.kernels == kernels])
+            for kernels in dict.fromkeys(world.kernels for world in worlds)
         }
-        self._steps = {step: address_of_step(step) for step in self._kinds}
+        self._addresses = {kernels: _addresses(kernels) for kernels in self._kinds}
         self._collide: Any = 0
         self._left, self._status = np.zeros(len(worlds), np.int64), np.zeros(len(worlds), np.int64)
         self._lay_out()
@@ -76,8 +83,8 @@ class Batch:
         if count < 0:
             raise ValueError(f"batch: step count {count}, expected at least 0")
         self._left[:] = count
-        for step, which in self._kinds.items():
-            while self._advance(step, which):
+        for kernels, which in self._kinds.items():
+            while self._advance(kernels, which):
                 states = self._status[which]
                 if (states == 3).any() and self._collide == 0:
                     from engine.collide_convex import collide_convex
@@ -119,9 +126,11 @@ class Batch:
             world.restore(one)
         self._lay_out()
 
-    def _advance(self, step: Step, which: IntArray) -> int:
+    def _advance(self, kernels: Kernels, which: IntArray) -> int:
         """Advance the worlds of one kind as far as they go. Returns: how many stopped before."""
-        given = (self._steps[step], self._collide, self._floats, self._ints, self._place, which, self._left, self._status)
+        step, search, sift = self._addresses[kernels]
+        memory = (self._floats, self._ints, self._place)
+        given = (step, search, sift, self._collide, *memory, which, self._left, self._status)
         return advance_worlds(*given) if self._threads == 1 else advance_worlds_parallel(*given, self._threads)
 
     def _grow(self, which: Sequence[int]) -> None:
@@ -144,7 +153,15 @@ class Batch:
         for world, (f0, f1, i0, i1) in zip(self._worlds, self._place.tolist(), strict=True):
             self._floats[f0:f1], self._ints[i0:i1] = world.save()
             world.adopt(self._floats[f0:f1], self._ints[i0:i1])
-            world.search_inside()
             loads.append(f0 + self._ints[i0 + 3 * at.LOAD])
         self._state = begins[:, :1] + np.arange(13 * self._bodies)
         self._load = np.array(loads)[:, None] + np.arange(6 * self._bodies)
+
+
+def _addresses(kernels: Kernels) -> tuple[Any, Any, Any]:
+    """Where the step, the search and the test of its pairs lie; 0 for what there is none of."""
+    return (
+        address_of_step(kernels.step),
+        0 if kernels.find_pairs is None else address_of_search(kernels.find_pairs),
+        0 if kernels.drop_apart is None else address_of_collide(kernels.drop_apart),
+    )

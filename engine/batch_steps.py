@@ -14,11 +14,12 @@ from numba.extending import intrinsic
 from engine.jit import entry, jit_is_off, kernel, parallel_entry
 from engine.vec import Floats, Ints
 
-__all__ = ["address_of_collide", "address_of_step", "advance_worlds", "advance_worlds_parallel"]
+__all__ = ["address_of_collide", "address_of_search", "address_of_step", "advance_worlds", "advance_worlds_parallel"]
 
 types: Any = numba.types
 FLOATS, INTS = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C")
 STEP = types.UniTuple(types.int64, 2)(FLOATS, INTS, types.int64)
+SEARCH = types.int64(FLOATS, INTS)
 COLLIDE = types.none(FLOATS, INTS)
 
 
@@ -37,8 +38,13 @@ def address_of_step(step: Any) -> Any:
     return address_of(step, STEP)
 
 
+def address_of_search(search: Any) -> Any:
+    """The address of a broad phase (floats, ints) -> status."""
+    return address_of(search, SEARCH)
+
+
 def address_of_collide(collide: Any) -> Any:
-    """The address of a narrow phase (floats, ints)."""
+    """The address of a narrow phase, or of a test of pairs, (floats, ints)."""
     return address_of(collide, COLLIDE)
 
 
@@ -60,48 +66,60 @@ def _caller(signature: Any) -> Callable[..., Any]:
     return cast(Callable[..., Any], call)
 
 
-call_step, call_collide = _caller(STEP), _caller(COLLIDE)
+call_step, call_search, call_collide = _caller(STEP), _caller(SEARCH), _caller(COLLIDE)
 
 
 @kernel
-def advance_world(step: int, collide: int, floats: Floats, ints: Ints, place: Ints, w: int, left: Ints, status: Ints) -> int:
-    """Advance world w by `left[w]` steps, answering its convex pairs on the way where `collide` is not 0.
+def advance_world(
+    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, w: int, left: Ints, status: Ints
+) -> int:
+    """Advance world w by `left[w]` steps, as `World.step` does.
 
-    Args: floats, ints: the arenas of all worlds in a row; place (k, 4): where those of each world begin and end.
+    Args: search: for the pairs of each step, or 0 where the step finds them; sift: drops pairs that are apart, or 0; collide:
+    answers convex pairs, or 0 to stop at them; floats, ints: the arenas of all worlds in a row; place (k, 4): where those of
+    each world begin and end.
     Returns: 0, or 1 where it stopped before; `left` and `status` then say where and why, as `World.step` reads it.
     """
     own_floats, own_ints = floats[place[w, 0] : place[w, 1]], ints[place[w, 2] : place[w, 3]]
     status[w] = 0
     while left[w] > 0:
-        done, status[w] = call_step(step, (own_floats, own_ints, left[w]))
+        if search != 0 and status[w] != 3:
+            status[w] = call_search(search, (own_floats, own_ints))
+            if status[w] != 0:
+                return 1
+            if sift != 0:
+                call_collide(sift, (own_floats, own_ints))
+        done, status[w] = call_step(step, (own_floats, own_ints, left[w] if search == 0 else 1))
         left[w] -= done
         if status[w] == 3 and collide != 0:
             call_collide(collide, (own_floats, own_ints))
-        elif status[w] != 0:
+        elif status[w] not in (0, 5):
             return 1
     return 0
 
 
 @entry
 def advance_worlds(
-    step: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints, status: Ints
-) -> int:
+    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints,
+    status: Ints,
+) -> int:  # fmt: skip
     """Advance the worlds numbered `which`, one after the other. Returns: how many stopped before."""
     stopped = 0
     for at in range(which.shape[0]):
-        stopped += advance_world(step, collide, floats, ints, place, which[at], left, status)
+        stopped += advance_world(step, search, sift, collide, floats, ints, place, which[at], left, status)
     return stopped
 
 
 @parallel_entry
 def advance_worlds_parallel(
-    step: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints, status: Ints, threads: int
-) -> int:
+    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints,
+    status: Ints, threads: int,
+) -> int:  # fmt: skip
     """Advance the worlds numbered `which`, a run of neighbours on each thread. Returns: how many stopped before."""
     worlds = which.shape[0]
     for chunk in prange(threads):
         for at in range(chunk * worlds // threads, (chunk + 1) * worlds // threads):
-            advance_world(step, collide, floats, ints, place, which[at], left, status)
+            advance_world(step, search, sift, collide, floats, ints, place, which[at], left, status)
     stopped = 0
     for at in range(worlds):
         stopped += status[which[at]] != 0

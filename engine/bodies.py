@@ -43,6 +43,11 @@ class Body:
 
     def __post_init__(self) -> None:
         label = f"body '{self.name}'"
+        if not isinstance(self.name, str) or not self.name:
+            raise ValueError(f"body: name {self.name!r}, expected words")
+        for part, placed in enumerate(self.shapes):
+            if not isinstance(placed, Placed):
+                raise ValueError(f"{label}: shape {part} is {placed!r}, expected a Placed")
         if self.motion not in ("dynamic", "static", "kinematic"):
             raise ValueError(f"{label}: motion '{self.motion}', expected dynamic, static or kinematic")
         if self.motion == "dynamic":

@@ -10,7 +10,6 @@ from engine.arena import (
     BALL_RADIUS,
     BOX,
     CAPSULE,
-    DT,
     DYNAMIC,
     GRAVITY,
     HULL,
@@ -24,6 +23,7 @@ from engine.arena import (
     SPHERE,
     TURN,
     TYPE,
+    WHOLE_STEP,
     P,
     Q,
     V,
@@ -57,7 +57,7 @@ def write_bounds(
 
     Two shapes together are widened by no less than `manifolds.look_ahead`, so that no contact depends on the bounds.
     """
-    dt = setting[0, DT]
+    dt = setting[0, WHOLE_STEP]
     least = setting[0, MARGIN] + 0.5 * dt * dt * norm(load3(setting, 0, GRAVITY))
     for s in range(shapes):
         kind, b = shape_kind[s, TYPE], shape_kind[s, OWNER]

@@ -1,16 +1,20 @@
 """Refuse bad input at the door, with a sentence that names element, field and value."""
 
 import math
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
 
-__all__ = ["finite", "not_negative", "positive", "spd_inertia", "unit_quaternion"]
+__all__ = ["finite", "not_negative", "number", "positive", "spd_inertia", "unit_quaternion", "whole"]
 
 
 def finite(element: str, field: str, value: Any, shape: tuple[int, ...], unit: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """The value as an array of the expected shape. Raises: ValueError if it has another shape or is not finite."""
-    array = np.asarray(value, float)
+    """The value as an array of the expected shape. Raises: ValueError if it is no numbers, of another shape, or not finite."""
+    try:
+        array = np.asarray(value, float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{element}: {field} {value!r}, expected numbers of shape {shape}") from error
     if array.shape != shape:
         raise ValueError(f"{element}: {field} has shape {array.shape}, expected {shape}")
     if not np.isfinite(array).all():
@@ -18,8 +22,23 @@ def finite(element: str, field: str, value: Any, shape: tuple[int, ...], unit: s
     return array
 
 
+def number(element: str, field: str, value: Any) -> float:
+    """The value. Raises: ValueError unless it is one number; it may be infinite or NaN."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"{element}: {field} {value!r}, expected a number")
+    return float(value)
+
+
+def whole(element: str, field: str, value: Any, least: int) -> int:
+    """The value. Raises: ValueError unless it is a whole number of at least `least`."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise ValueError(f"{element}: {field} {value!r}, expected a whole number of at least {least}")
+    return int(value)
+
+
 def positive(element: str, field: str, value: float, unit: str) -> float:
     """The value. Raises: ValueError unless it is finite and above zero."""
+    number(element, field, value)
     if not (math.isfinite(value) and value > 0):
         raise ValueError(f"{element}: {field} {value} {unit}, expected a finite number above 0")
     return float(value)
@@ -27,6 +46,7 @@ def positive(element: str, field: str, value: float, unit: str) -> float:
 
 def not_negative(element: str, field: str, value: float, unit: str) -> float:
     """The value. Raises: ValueError unless it is finite and at least zero."""
+    number(element, field, value)
     if not (math.isfinite(value) and value >= 0):
         raise ValueError(f"{element}: {field} {value} {unit}, expected a finite number of at least 0")
     return float(value)

@@ -116,6 +116,9 @@ __all__ = [
 THIN = 1e-6
 """Squared spread of the points over the squared arm at which they would move the bodies as much by turning as by shifting [1],
 below which they count as one."""
+TOUCHING = 1e-9
+"""Share of a sub-step's way [1] by which rounding may put a gap beyond its end."""
+
 STUCK = 0.999999
 """Share of the static disc from which a manifold counts as slipping."""
 
@@ -358,12 +361,16 @@ def warm_start(state: Floats, body: Floats, turned: Floats, manifolds: int, mani
 def approach(
     state: Floats, kind: Ints, setting: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float,
     slow: float,
-) -> None:  # fmt: skip
+) -> int:  # fmt: skip
     """Note the points that are about to strike in this sub-step, with their normal velocity at the moment of impact [m/s].
 
     With separation s and normal velocity u < 0 after the kick a h, the impact comes after the share tau = s / (-u h) of the
-    sub-step, when the velocity is u - (1 - tau) a h. Impulses of earlier sub-steps are no guess for a blow and are dropped.
+    sub-step, when the velocity is u - (1 - tau) a h. Impulses of earlier sub-steps are no guess for a blow and are dropped. A
+    gap that is the way of the sub-step to rounding is one that closes in it.
+
+    Returns: how many points strike.
     """
+    strikes = 0
     g = load3(setting, 0, GRAVITY)
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
@@ -380,14 +387,16 @@ def approach(
                 point[i, STRUCK] = 0.0
         for i in range(4 * m, 4 * m + key[m, POINTS]):
             u = v[2] + w[0] * point[i, SPREAD + 1] - w[1] * point[i, SPREAD]
-            if u < -slow and point[i, SEPARATION] < -u * h:
+            if u < -slow and point[i, SEPARATION] < -u * h * (1.0 + TOUCHING):
                 share = min(max(point[i, SEPARATION] / (-u * h), 0.0), 1.0)
+                strikes += 1
                 key[m, STRIKES] = 1
                 point[i, STRUCK] = 1.0
                 point[i, SPIKE] = 0.0
                 point[i, APPROACH] = min(u - (1.0 - share) * kick, 0.0)
                 point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
                 store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))
+    return strikes
 
 
 @kernel

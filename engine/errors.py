@@ -1,6 +1,6 @@
-"""The engine's own errors."""
+"""The engine's own errors and warnings."""
 
-__all__ = ["Diverged", "NotSupported"]
+__all__ = ["Diverged", "ManyImpacts", "NotSupported"]
 
 
 class NotSupported(Exception):
@@ -17,3 +17,7 @@ class Diverged(Exception):
     def __init__(self, step: int, why: str = "the state is not finite", world: int | None = None) -> None:
         super().__init__(f"{'' if world is None else f'world {world}: '}{why} after step {step}")
         self.step, self.world = step, world
+
+
+class ManyImpacts(RuntimeWarning):
+    """A swept step had more impacts than are followed one by one; its remainder was done with speculative contacts."""

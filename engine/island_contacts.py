@@ -53,7 +53,10 @@ from engine.motion import drift, kick
 from engine.steps_contact import FRESH, slow_approach, soft_factors
 from engine.vec import Floats, Ints
 
-__all__ = ["advance_island", "bodies_of", "contacts_of", "copy_row", "give_island", "take_island"]
+__all__ = [
+    "advance_island", "bodies_of", "contacts_of", "copy_row", "give_island", "kick_island", "patience_of", "substep_of",
+    "take_island",
+]  # fmt: skip
 
 Table = TypeVar("Table", Floats, Ints)
 
@@ -92,6 +95,18 @@ def contacts_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Int
 
 
 @kernel
+def substep_of(floats: Floats, ints: Ints) -> float:
+    """The length [s] of a sub-step."""
+    return float(floats_of(floats, ints, SETTING)[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
+
+
+@kernel
+def patience_of(ints: Ints, stage: int, strikes: int) -> int:
+    """Times as many sweeps: after a blow anywhere, and in the first sub-step with a new contact anywhere."""
+    return FRESH if strikes == 1 or (stage == 1 and ints_of(ints, TALLY)[0, AROUSED] > 0) else 1
+
+
+@kernel
 def take_island(floats: Floats, ints: Ints, i: int) -> None:
     """Copy the bodies and contacts of island i into its own memory."""
     state, body, turned, load, kind = bodies_of(floats, ints, i)
@@ -121,17 +136,24 @@ def take_island(floats: Floats, ints: Ints, i: int) -> None:
 
 
 @kernel
-def press_island(
-    state: Floats, body: Floats, turned: Floats, load: Floats, kind: Ints, manifold: Floats, point: Floats, key: Ints,
-    setting: Floats, count: Ints, patience: int,
-) -> bool:  # fmt: skip
-    """Kick, solve with the position error, drift, and relax an island. Returns: whether it is to bounce."""
-    n, h = manifold.shape[0], setting[0, DT] / count[0, SUBSTEPS]
-    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
-    slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
+def kick_island(floats: Floats, ints: Ints, i: int) -> int:
+    """Begin a sub-step of island i: gravity and loads. Returns: how many points are about to strike."""
+    state, body, turned, load, kind = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    setting, h = floats_of(floats, ints, SETTING), substep_of(floats, ints)
     for b in range(state.shape[0]):
         kick(state, body, kind, turned, load, setting, b, h)
-    approach(state, kind, setting, n, manifold, key, point, h, slow)
+    return int(approach(state, kind, setting, manifold.shape[0], manifold, key, point, h, slow_approach(setting, h)))
+
+
+@kernel
+def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
+    """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
+    state, body, turned, _, kind = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    n, h, most = manifold.shape[0], substep_of(floats, ints), setting[0, MAX_PUSH]
+    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     warm_start(state, body, turned, n, manifold, key, point)
     for _ in range(count[0, ITERATIONS] * patience):
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
@@ -144,12 +166,12 @@ def press_island(
 
 
 @kernel
-def release_island(
-    state: Floats, body: Floats, turned: Floats, manifold: Floats, point: Floats, key: Ints, setting: Floats, count: Ints,
-    hit: int,
-) -> None:  # fmt: skip
-    """Restitution of an island, where any was hit, and the end of the sub-step."""
-    n, h = manifold.shape[0], setting[0, DT] / count[0, SUBSTEPS]
+def release_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
+    """Restitution of island i, where any was hit, and the end of the sub-step."""
+    state, body, turned, _, _ = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    n, h = manifold.shape[0], substep_of(floats, ints)
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     if hit == 1:
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
@@ -185,27 +207,27 @@ def give_island(floats: Floats, ints: Ints, i: int) -> None:
 
 
 @kernel
-def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, hit: int) -> None:
-    """The stages first..end - 1 of the step of island i, out of one more than there are sub-steps.
+def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, told: int) -> None:
+    """The stages first..end - 1 of the step of island i.
 
-    Each stage ends the sub-step before it and begins the next, for what stands between the two is all that islands have to
-    know of each other: whether any of them was hit and is to bounce.
+    Sub-step s begins in stage 2 s, which also ends the one before it, and is solved in stage 2 s + 1; one more stage ends the
+    last. All that islands have to know of each other stands between two stages, and is `told`: whether any of them strikes
+    before a sub-step is solved, and whether any is to bounce before it ends.
     """
-    state, body, turned, load, kind = bodies_of(floats, ints, i)
-    span = ints_of(ints, SPAN_OF_ISLAND)
+    span, last = ints_of(ints, SPAN_OF_ISLAND), 2 * ints_of(ints, COUNT)[0, SUBSTEPS]
     span[i, HIT] = 0
-    if state.shape[0] == 0:
+    if span[i, FIRST_LOCAL] == span[i + 1, FIRST_LOCAL]:
         return
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    fresh = ints_of(ints, TALLY)[0, AROUSED] > 0
     for stage in range(first, end):
+        if stage % 2 == 1:
+            span[i, HIT] = press_island(floats, ints, i, patience_of(ints, stage, told))
+            told = 0
+            continue
         if stage == 0:
             take_island(floats, ints, i)
         else:
-            release_island(state, body, turned, manifold, point, key, setting, count, hit)
-        if stage < count[0, SUBSTEPS]:
-            patience = FRESH if stage == 0 and fresh else 1
-            span[i, HIT] = press_island(state, body, turned, load, kind, manifold, point, key, setting, count, patience)
+            release_island(floats, ints, i, told)
+        if stage < last:
+            span[i, HIT] = kick_island(floats, ints, i) > 0
         else:
             give_island(floats, ints, i)

@@ -5,15 +5,14 @@ their sum.
 """
 
 from engine.arena import (
-    AROUSED,
     BIAS,
     CHILD,
     COUNT,
     DAMPING_RATIO,
-    DT,
     EQUALITIES,
     FACTOR,
     FIRST_JOINT,
+    FIRST_LOCAL,
     FIRST_ROW,
     GAP,
     GROUPED_JOINT,
@@ -43,14 +42,23 @@ from engine.arena import (
     VECTOR,
 )  # fmt: skip
 from engine.carve import floats_of, ints_of
-from engine.contact_solver import approach, bounce, end_substep, friction_mode, refresh, sweep, warm_start
+from engine.contact_solver import bounce, end_substep, friction_mode, refresh, sweep, warm_start
 from engine.coordinate import bounded_rows
 from engine.direct import assemble
-from engine.island_contacts import bodies_of, contacts_of, copy_row, give_island, take_island
+from engine.island_contacts import (
+    bodies_of,
+    contacts_of,
+    copy_row,
+    give_island,
+    kick_island,
+    patience_of,
+    substep_of,
+    take_island,
+)
 from engine.jit import kernel
 from engine.joint_rows import equality_rows
-from engine.motion import drift, kick
-from engine.steps_contact import FRESH, slow_approach, soft_factors
+from engine.motion import drift
+from engine.steps_contact import FRESH, soft_factors
 from engine.steps_contact_jointed import hold_joints
 from engine.vec import Floats, Ints
 
@@ -122,27 +130,20 @@ def take_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
 
 
 @kernel
-def press_jointed_island(floats: Floats, ints: Ints, i: int, substep: int) -> bool:
-    """Kick, solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
-    state, body, turned, load, kind = bodies_of(floats, ints, i)
-    if state.shape[0] == 0:
-        return False
+def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
+    """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
+    state, body, turned, _, kind = bodies_of(floats, ints, i)
     manifold, point, key = contacts_of(floats, ints, i)
     joint, joint_kind, row, row_body, reach = joints_of(floats, ints, i)
     matrix, low, vector = matrices_of(floats, ints, i)
     setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    n, joints, h = manifold.shape[0], joint.shape[0], setting[0, DT] / count[0, SUBSTEPS]
+    n, joints, h, most = manifold.shape[0], joint.shape[0], substep_of(floats, ints), setting[0, MAX_PUSH]
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
-    slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
-    patience = FRESH if substep == 0 and ints_of(ints, TALLY)[0, AROUSED] > 0 else 1
-    for b in range(state.shape[0]):
-        kick(state, body, kind, turned, load, setting, b, h)
     equalities = equality_rows(state, joint, joint_kind, joints, row, row_body)
     for r in range(equalities):
         row[r, BIAS] = row[r, GAP] / h
     rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, equalities, h, 0)
     assemble(row, row_body, 0, rows, body, turned, reach, matrix)
-    approach(state, kind, setting, n, manifold, key, point, h, slow)
     warm_start(state, body, turned, n, manifold, key, point)
     hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
     # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.
@@ -164,13 +165,11 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, substep: int) -> bo
 def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
     """Restitution of island i, where any island was hit, and the end of the sub-step."""
     state, body, turned, _, _ = bodies_of(floats, ints, i)
-    if state.shape[0] == 0:
-        return
     manifold, point, key = contacts_of(floats, ints, i)
     _, _, row, row_body, reach = joints_of(floats, ints, i)
     matrix, low, vector = matrices_of(floats, ints, i)
     setting, count, span = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), ints_of(ints, SPAN_OF_ISLAND)
-    n, h = manifold.shape[0], setting[0, DT] / count[0, SUBSTEPS]
+    n, h = manifold.shape[0], substep_of(floats, ints)
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     if hit == 1:
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
@@ -192,16 +191,22 @@ def give_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
 
 
 @kernel
-def advance_jointed_island(floats: Floats, ints: Ints, i: int, first: int, end: int, hit: int) -> None:
-    """Some stages of the step of island i, as `advance_island`."""
-    span = ints_of(ints, SPAN_OF_ISLAND)
+def advance_jointed_island(floats: Floats, ints: Ints, i: int, first: int, end: int, told: int) -> None:
+    """The stages first..end - 1 of the step of island i, as `advance_island`."""
+    span, last = ints_of(ints, SPAN_OF_ISLAND), 2 * ints_of(ints, COUNT)[0, SUBSTEPS]
     span[i, HIT] = 0
+    if span[i, FIRST_LOCAL] == span[i + 1, FIRST_LOCAL]:
+        return
     for stage in range(first, end):
+        if stage % 2 == 1:
+            span[i, HIT] = press_jointed_island(floats, ints, i, patience_of(ints, stage, told))
+            told = 0
+            continue
         if stage == 0:
             take_jointed_island(floats, ints, i)
         else:
-            release_jointed_island(floats, ints, i, hit)
-        if stage < ints_of(ints, COUNT)[0, SUBSTEPS]:
-            span[i, HIT] = press_jointed_island(floats, ints, i, stage)
+            release_jointed_island(floats, ints, i, told)
+        if stage < last:
+            span[i, HIT] = kick_island(floats, ints, i) > 0
         else:
             give_jointed_island(floats, ints, i)

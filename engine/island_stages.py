@@ -62,7 +62,7 @@ from engine.runge_kutta import runge_kutta_free
 from engine.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
 from engine.vec import Floats, Ints
 
-__all__ = ["any_hit", "begin_islands", "end_islands", "skip_sleep", "stages_at_once"]
+__all__ = ["any_hit", "begin_islands", "end_islands", "next_meeting", "skip_sleep"]
 
 
 @kernel
@@ -152,14 +152,17 @@ def begin_islands(floats: Floats, ints: Ints, keeping: int) -> int:
 
 
 @kernel
-def stages_at_once(ints: Ints) -> int:
-    """How many stages an island may go through without asking the others: all, but where surfaces bounce one."""
-    return 1 if ints_of(ints, TALLY)[0, ELASTIC] == 1 else int(ints_of(ints, COUNT)[0, SUBSTEPS] + 1)
+def next_meeting(ints: Ints, stage: int) -> int:
+    """The stage before which all islands must have told each other what they met with since `stage`.
+
+    They do so before a sub-step is solved, and where surfaces bounce before it ends too.
+    """
+    return stage + 1 if stage % 2 == 0 or ints_of(ints, TALLY)[0, ELASTIC] == 1 else stage + 2
 
 
 @kernel
 def any_hit(ints: Ints) -> int:
-    """1 if any island was hit in this stage."""
+    """1 if any island has something to tell."""
     span, hit = ints_of(ints, SPAN_OF_ISLAND), 0
     for i in range(ints_of(ints, TALLY)[0, ISLANDS]):
         hit |= span[i, HIT]

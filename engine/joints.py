@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.check import finite, not_negative
+from engine.check import finite, not_negative, number
 
 __all__ = ["WORLD", "Ball", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
 
@@ -22,8 +22,9 @@ class Limits:
     upper: float = math.inf
 
     def __post_init__(self) -> None:
-        if not self.lower <= self.upper:
-            raise ValueError(f"limits: lower {self.lower}, expected at most upper {self.upper}")
+        lower, upper = number("limits", "lower", self.lower), number("limits", "upper", self.upper)
+        if not (lower <= upper and lower < math.inf and upper > -math.inf):
+            raise ValueError(f"limits: lower {self.lower}, upper {self.upper}, expected lower at most upper and a range")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +56,7 @@ class Drive:
         not_negative("drive", "damping", self.damping, "N s/m or N m s/rad")
         finite("drive", "target", self.target, (), "m or rad")
         finite("drive", "target_velocity", self.target_velocity, (), "m/s or rad/s")
-        if not self.limit > 0:
+        if not number("drive", "limit", self.limit) > 0:
             raise ValueError(f"drive: limit {self.limit}, expected above 0")
 
 
@@ -101,6 +102,7 @@ class Revolute:
     def __post_init__(self) -> None:
         finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
         _axis(self.name, self.axis_W)
+        finite(f"joint '{self.name}'", "position", self.position, (), "rad or m")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,6 +123,7 @@ class Prismatic:
     def __post_init__(self) -> None:
         finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
         _axis(self.name, self.axis_W)
+        finite(f"joint '{self.name}'", "position", self.position, (), "rad or m")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,7 +17,6 @@ from engine.arena import (
     BOX,
     CONTINUOUS,
     CYLINDER,
-    DT,
     FIRST_GAP,
     HULL,
     LAW,
@@ -29,6 +28,7 @@ from engine.arena import (
     NEW,
     NORMAL,
     NORMAL_IMPULSE,
+    OFF,
     OFFSET,
     OLD_MANIFOLDS,
     OWNER,
@@ -43,10 +43,12 @@ from engine.arena import (
     SPIN_IMPULSE,
     STILL,
     SUM,
+    SWEPT,
     TANGENT_IMPULSE,
     TOUCHED,
     TRIANGLE,
     TYPE,
+    WHOLE_STEP,
     P,
     V,
     W,
@@ -55,6 +57,7 @@ from engine.contact_solver import prepare
 from engine.jit import kernel
 from engine.narrow.box_box import FACE_OF_B
 from engine.narrow.collide import collide, is_convex_pair
+from engine.swept.begin import begins
 from engine.vec import Floats, Ints, add, axpy, cross, dot, load3, norm, store3, sub
 
 __all__ = ["CORNERS_OF_B", "build_manifolds", "keep_old", "look_ahead", "ordered", "start_anew", "thinnest"]
@@ -115,10 +118,11 @@ def ordered(shape_kind: Ints, one: int, two: int) -> tuple[int, int]:
 def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, setting: Floats, continuous: int) -> float:
     """How far apart [m] two shapes may be and still be given a contact for this step: the way they may go towards each other.
 
-    Without continuous collision it ends at half the thickness of the thinner shape, so that a fast body passes a thin wall.
+    Without continuous collision it ends at half the thickness of the thinner shape, so that a fast body passes a thin wall. A
+    swept step that goes on in parts looks as far ahead as the whole of it, so that a pair stays fast or slow.
     """
     i, j = shape_kind[a, OWNER], shape_kind[b, OWNER]
-    dt = setting[0, DT]
+    dt = setting[0, WHOLE_STEP]
     speed = norm(sub(load3(state, j, V), load3(state, i, V)))
     for s, owner in ((a, i), (b, j)):
         if shape[s, BALL_RADIUS] < math.inf:
@@ -126,7 +130,7 @@ def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, s
             swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if shape_kind[s, TYPE] != SPHERE else 0.0)
             speed += norm(load3(state, owner, W)) * swing
     way = setting[0, MARGIN] + dt * (speed + dt * norm(load3(setting, 0, 1)))
-    if continuous == 0:
+    if continuous == OFF:
         way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
     return float(way)
 
@@ -209,6 +213,8 @@ def build_manifolds(
         else:
             points, normal = collide(shape, shape_kind, pose, a, b, margin, point, point_key, at, clip, clip_key)
         if points <= 0:
+            continue
+        if count[0, CONTINUOUS] == SWEPT and not begins(state, setting, i, j, normal, point, at, points, margin):
             continue
         for k in range(points):
             for c in range(point.shape[1]):

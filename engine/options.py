@@ -1,11 +1,12 @@
 """How a world is solved."""
 
-import math
 from dataclasses import dataclass
 
-from engine.check import not_negative, positive
+from engine.check import not_negative, positive, whole
 
-__all__ = ["ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options"]
+__all__ = [
+    "ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options",
+]  # fmt: skip
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
@@ -20,7 +21,8 @@ FREE_INTEGRATORS = {
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
 BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force")
 BOUNDING_VOLUMES = ("aabb", "obb", "sphere")
-SOLVERS = ("tgs_soft", "exact")
+SOLVERS = ("tgs_soft", "exact", "sequential_impulses")
+CONTINUOUS = ("off", "speculative", "swept")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,16 +34,19 @@ class Options:
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
         relative error of one step of dormand_prince alone (None: 1e-12); broad_phase (None: by the number of shapes);
         bounding_volume: what two shapes are compared by, after their axis-aligned boxes; threads: how many, of those that
-        Numba was started with, share the broad phase, and the islands of a world with contacts that is not one of spheres
-        alone, without changing a bit of the answer; contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter of its
-        rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest correction of penetration; bounce_speed
-        [m/s]: slower approaches do not bounce (None: four times what gravity gives in a sub-step); margin [m]: contacts are
-        made at least this far ahead; contacts, gyroscopic, continuous: whether these effects are simulated; solver: of
-        contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations, relaxations and springs, down to
-        the relative residual `tolerance`; sleeping: whether an island of which all bodies have been slower than sleep_speed
-        [m/s] for sleep_time [s] stands still until something outside of it changes, where sqrt(2 E / m) of the kinetic energy
-        E is a body's speed; it errs by up to sleep_speed in velocity, and keeps down what accelerates by less than sleep_speed
-        / sleep_time. With it a world of spheres alone is solved by manifolds like any other, not by the solver of spheres.
+        Numba was started with, share the broad phase, and the islands of a world under the soft solver that is not one of
+        spheres alone, without changing a bit of the answer; contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter
+        of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest correction of penetration;
+        bounce_speed [m/s]: slower approaches do not bounce (None: four times what gravity gives in a sub-step); margin [m]:
+        contacts are made at least this far ahead; contacts, gyroscopic: whether these effects are simulated; continuous:
+        collision of fast bodies, 'speculative' makes contacts for the way of the whole step, 'swept' stops the world at each
+        impact; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations, relaxations and
+        springs, down to the relative residual `tolerance`; 'sequential_impulses' sweeps `iterations` times over velocities and
+        once more over positions, without relaxations and springs; sleeping: whether an island of which all bodies have been
+        slower than sleep_speed [m/s] for sleep_time [s] stands still until something outside of it changes, where
+        sqrt(2 E / m) of the kinetic energy E is a body's speed; it errs by up to sleep_speed in velocity, and keeps down what
+        accelerates by less than sleep_speed / sleep_time. With it a world of spheres alone is solved by manifolds like any
+        other, not by the solver of spheres.
     """
 
     dt: float = 1 / 240
@@ -60,7 +65,7 @@ class Options:
     margin: float = 1e-3
     contacts: bool = True
     gyroscopic: bool = True
-    continuous: bool = False
+    continuous: str = "off"
     solver: str = "tgs_soft"
     tolerance: float = 1e-11
     sleeping: bool = False
@@ -69,11 +74,8 @@ class Options:
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
-        for name in ("substeps", "iterations", "threads"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"options: {name} {getattr(self, name)}, expected at least 1")
-        if self.relaxations < 0:
-            raise ValueError(f"options: relaxations {self.relaxations}, expected at least 0")
+        for name, least in (("substeps", 1), ("iterations", 1), ("relaxations", 0), ("threads", 1)):
+            whole("options", name, getattr(self, name), least)
         if self.integrator not in INTEGRATORS:
             raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
         if self.step_tolerance is not None:
@@ -92,14 +94,16 @@ class Options:
             )
         if self.solver not in SOLVERS:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
+        if self.continuous not in CONTINUOUS:
+            raise ValueError(f"options: continuous {self.continuous!r}, expected one of {', '.join(CONTINUOUS)}")
         positive("options", "tolerance", self.tolerance, "")
         if self.contact_hertz is not None:
             positive("options", "contact_hertz", self.contact_hertz, "Hz")
         not_negative("options", "contact_damping_ratio", self.contact_damping_ratio, "")
         positive("options", "max_push", self.max_push, "m/s")
         not_negative("options", "margin", self.margin, "m")
-        if self.bounce_speed is not None and not (math.isfinite(self.bounce_speed) and self.bounce_speed >= 0):
-            raise ValueError(f"options: bounce_speed {self.bounce_speed} m/s, expected at least 0")
+        if self.bounce_speed is not None:
+            not_negative("options", "bounce_speed", self.bounce_speed, "m/s")
         positive("options", "sleep_speed", self.sleep_speed, "m/s")
         positive("options", "sleep_time", self.sleep_time, "s")
 

@@ -2,12 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
 from engine.check import finite, positive
 
 __all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Placed", "Plane", "Shape", "Sphere", "TriangleMesh"]
+
+
+FLAT = 1e-12
+"""Height of a triangle over its longest edge [1] below which rounding decides where its normal points."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +81,8 @@ class ConvexHull:
 
     def __post_init__(self) -> None:
         finite("convex hull", "vertices", self.vertices, (len(self.vertices), 3), "m")
+        if len(self.vertices) < 4:
+            raise ValueError(f"convex hull: {len(self.vertices)} vertices, expected at least 4")
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,9 +102,12 @@ class TriangleMesh:
                 f"triangle mesh: faces name vertices {faces.min()} to {faces.max()}, expected 0 to {len(corners) - 1}"
             )
         a, b, c = (corners[faces[:, k]] for k in range(3))
+        edges = np.stack([np.linalg.norm(e, axis=1) for e in (b - a, c - b, a - c)])
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        if area.min() <= 0.0:
-            raise ValueError(f"triangle mesh: face {int(area.argmin())} has no area")
+        flat = area <= FLAT * edges.max(axis=0) ** 2
+        if flat.any():
+            face = int(flat.argmax())
+            raise ValueError(f"triangle mesh: face {face} of vertices {faces[face].tolist()} has no area")
 
 
 Shape = Sphere | Box | Capsule | Cylinder | Plane | ConvexHull | TriangleMesh
@@ -112,6 +122,10 @@ class Placed:
     q_BS: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.shape, Shape):
+            raise ValueError(
+                f"placed shape: shape {self.shape!r}, expected one of {', '.join(s.__name__ for s in get_args(Shape))}"
+            )
         finite("placed shape", "p_BS", self.p_BS, (3,), "m")
         finite("placed shape", "q_BS", self.q_BS, (4,), "1")
         if float(np.linalg.norm(np.asarray(self.q_BS, float))) < 1e-12:

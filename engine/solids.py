@@ -125,7 +125,10 @@ def body_solids(body: Body) -> Iterator[Solid]:
         shape, offset = placed.shape, np.asarray(placed.p_BS, float)
         turn = unit_quaternion("placed shape", "q_BS", placed.q_BS)
         if isinstance(shape, ConvexHull):
-            yield _hull(np.asarray(shape.vertices, float), offset, turn, part)
+            try:
+                yield _hull(np.asarray(shape.vertices, float), offset, turn, part)
+            except ValueError as error:
+                raise ValueError(f"body '{body.name}': {error}") from error
         elif isinstance(shape, TriangleMesh):
             vertices, faces = np.asarray(shape.vertices, float), np.asarray(shape.faces)
             for face, inner in zip(faces, inner_edges(vertices, faces), strict=True):

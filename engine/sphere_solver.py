@@ -40,7 +40,7 @@ from engine.arena import (
     T_TANGENT_MASS,
     P,
 )  # fmt: skip
-from engine.contact_solver import STUCK
+from engine.contact_solver import STUCK, TOUCHING
 from engine.jit import inlined, kernel
 from engine.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, scale, store3, sub
 
@@ -64,7 +64,7 @@ def note_strikes(
         n, gap = load3(touch, t, 0), touch[t, T_GAP]
         u = dot(n, sub(load3(mover, key[t, K_BODY_B], 0), load3(mover, key[t, K_BODY_A], 0)))
         rest[t, R_STRUCK] = 0.0
-        if u < -slow and gap < -u * h:
+        if u < -slow and gap < -u * h * (1.0 + TOUCHING):
             share = min(max(gap / (-u * h), 0.0), 1.0)
             kick = h * dot(n, g) * (0.0 if key[t, K_MOVES] == 1 else -1.0)
             rest[t, R_STRUCK], rest[t, R_APPROACH] = 1.0, min(u - (1.0 - share) * kick, 0.0)

@@ -96,11 +96,11 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                     drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
         if n > 0:
             for substep in range(substeps):
-                patience = FRESH if substep == 0 and count[0, NEW] > 0 else 1
                 for b in range(bodies):
                     if kind[b, TOUCHED] == 1:
                         kick(state, body, kind, turned, load, setting, b, h)
-                approach(state, kind, setting, n, manifold, key, point, h, slow)
+                strikes = approach(state, kind, setting, n, manifold, key, point, h, slow)
+                patience = FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
                 warm_start(state, body, turned, n, manifold, key, point)
                 for _ in range(count[0, ITERATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)

@@ -105,7 +105,6 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                 else:
                     drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
         for substep in range(substeps):
-            patience = FRESH if substep == 0 and count[0, NEW] > 0 else 1
             for b in range(bodies):
                 if kind[b, TOUCHED] == 1:
                     kick(state, body, kind, turned, load, setting, b, h)
@@ -114,7 +113,8 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                 row[r, BIAS] = row[r, GAP] / h
             rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, equalities, h, 0)
             assemble(row, row_body, 0, rows, body, turned, reach, matrix)
-            approach(state, kind, setting, n, manifold, key, point, h, slow)
+            strikes = approach(state, kind, setting, n, manifold, key, point, h, slow)
+            patience = FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
             warm_start(state, body, turned, n, manifold, key, point)
             hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector)
             for _ in range(count[0, ITERATIONS] * patience):

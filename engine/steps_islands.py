@@ -5,7 +5,7 @@ from numba import prange
 from engine.arena import COUNT, ISLANDS, SPAN_OF_ISLAND, SUBSTEPS, TALLY, THREADS
 from engine.carve import ints_of
 from engine.island_contacts import advance_island
-from engine.island_stages import any_hit, begin_islands, end_islands, skip_sleep, stages_at_once
+from engine.island_stages import any_hit, begin_islands, end_islands, next_meeting, skip_sleep
 from engine.islands import share
 from engine.jit import entry, parallel_entry
 from engine.vec import Floats, Ints
@@ -16,18 +16,19 @@ __all__ = ["step_islands", "step_islands_parallel"]
 @entry
 def step_islands(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact, one island after the other. Returns: as `step_contact`, or 5 as `begin_islands`."""
-    stages, tally = ints_of(ints, COUNT)[0, SUBSTEPS] + 1, ints_of(ints, TALLY)
+    stages, tally = ints_of(ints, COUNT)[0, SUBSTEPS] * 2 + 1, ints_of(ints, TALLY)
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
         status = begin_islands(floats, ints, 1)
         if status != 0:
             return step, status
-        hit, some = 0, stages_at_once(ints)
-        for first in range(0, stages, some):
+        first, told = 0, 0
+        while first < stages:
+            end = next_meeting(ints, first)
             for i in range(tally[0, ISLANDS]):
-                advance_island(floats, ints, i, first, first + some, hit)
-            hit = any_hit(ints) if some == 1 else 0
+                advance_island(floats, ints, i, first, end, told)
+            first, told = end, any_hit(ints)
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status
@@ -38,21 +39,22 @@ def step_islands(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
 def step_islands_parallel(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """As `step_islands`, to the last bit, with neighbouring islands of about as many contacts on each thread.
 
-    A bounce anywhere gives all islands more sweeps, so where surfaces bounce the threads meet in every sub-step.
+    A blow anywhere gives all islands more sweeps, so the threads meet in every sub-step, and twice where surfaces bounce.
     """
-    stages, tally, span = ints_of(ints, COUNT)[0, SUBSTEPS] + 1, ints_of(ints, TALLY), ints_of(ints, SPAN_OF_ISLAND)
+    stages, tally, span = ints_of(ints, COUNT)[0, SUBSTEPS] * 2 + 1, ints_of(ints, TALLY), ints_of(ints, SPAN_OF_ISLAND)
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
         status = begin_islands(floats, ints, 1)
         if status != 0:
             return step, status
-        hit, some = 0, stages_at_once(ints)
-        for first in range(0, stages, some):
+        first, told = 0, 0
+        while first < stages:
+            end = next_meeting(ints, first)
             for t in prange(tally[0, THREADS]):
                 for i in range(share(span, tally, t), share(span, tally, t + 1)):
-                    advance_island(floats, ints, i, first, first + some, hit)
-            hit = any_hit(ints) if some == 1 else 0
+                    advance_island(floats, ints, i, first, end, told)
+            first, told = end, any_hit(ints)
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status

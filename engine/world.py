@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 
 from engine import arena as at
 from engine.arena import float_table, int_table
-from engine.assembly import assemble_world, grow, spheres_only
+from engine.assembly import assemble_world, grow, islands_know, spheres_only
 from engine.bodies import Body, Surface
-from engine.broad.choice import choose_broad_phase, load_search, load_volume
-from engine.check import finite
+from engine.broad.choice import DropApart, FindPairs, choose_broad_phase, load_search, load_volume, search_pairs
+from engine.check import finite, number, whole
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
 from engine.options import FREE_INTEGRATORS, Options
@@ -23,8 +24,9 @@ from engine.shapes import Placed
 if TYPE_CHECKING:
     from engine.exact.steps import Certificate
     from engine.ray_tree import RayTree
+    from engine.swept.steps import Impacts
 
-__all__ = ["Contacts", "Hits", "World"]
+__all__ = ["Contacts", "Hits", "Kernels", "World"]
 
 GEOMETRIES = ("collision", "visual")
 METHODS = ("tiles", "brute_force")
@@ -32,6 +34,15 @@ METHODS = ("tiles", "brute_force")
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class Kernels:
+    """What advances a world: its step, and where that does not find its pairs, the search before it and the test after that."""
+
+    step: Step
+    find_pairs: FindPairs | None
+    drop_apart: DropApart | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +79,8 @@ class World:
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch.
     Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for an integrator of free
-        bodies where there are joints or contacts, and for what the exact solver lacks.
+        bodies where there are joints or contacts, for what the exact solver lacks, and for joints beside contacts where these
+        are swept or solved by sequential impulses.
     """
 
     def __init__(
@@ -97,19 +109,35 @@ class World:
         self._find_pairs = load_search(self.broad_phase, volume, len(kinds), threads) if self.touching else None
         self._drop_apart = load_volume(volume) if self.touching else None
         int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
+        if self.touching and self.options.sleeping and not islands_know(self.options):
+            raise NotSupported("sleep", "islands are known to the soft solver alone, without swept collision")
         self._exact = None
         if self.touching and self.options.solver == "exact":
-            if self.options.sleeping:
-                raise NotSupported("sleep", "the exact solver knows no islands")
             from engine.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
         self._step = self._exact or _choose_step(self.touching, self.jointed, self.options, self.spheres)
+        self._swept = None
+        if self.touching and self.options.continuous == "swept":
+            if self.jointed or self._exact is not None:
+                raise NotSupported(
+                    f"swept collision with {'joints' if self.jointed else 'the exact solver'}",
+                    "a step in parts is known to the soft solver and to sequential impulses, without joints",
+                )
+            from engine.swept.steps import SweptSteps
+
+            search = None if self._find_pairs is None else partial(search_pairs, self._find_pairs, self._drop_apart)
+            self._step = self._swept = SweptSteps(self.options, self._step, search, len(self._names), len(kinds))
 
     @property
     def certificate(self) -> "Certificate | None":
         """What the exact solver certifies of all steps done so far; None where another solver, or none, was at work."""
         return None if self._exact is None else self._exact.certificate
+
+    @property
+    def impacts(self) -> "Impacts | None":
+        """The impacts of all steps so far; None where collision is not swept."""
+        return None if self._swept is None else self._swept.impacts
 
     @property
     def stages(self) -> tuple[str, ...]:
@@ -127,11 +155,9 @@ class World:
 
         Raises: Diverged, ValueError for count < 0.
         """
-        if count < 0:
-            raise ValueError(f"world: step count {count}, expected at least 0")
-        status = 0
+        count, status = whole("world", "step count", count, 0), 0
         while count > 0:
-            if self._find_pairs is None or (status == 0 and self._all_asleep()):
+            if self._find_pairs is None or self._swept is not None or (status == 0 and self._all_asleep()):
                 done, status = self._step(self._floats, self._ints, count)
             elif status == 3 or self._search() == 0:
                 done, status = self._step(self._floats, self._ints, 1)
@@ -153,6 +179,8 @@ class World:
         """Compile, or load from the cache, every stage that a step may run, by taking one: for a world to be thrown away."""
         with suppress(Diverged):
             self.step(1)
+        if self._swept is not None:
+            self._swept.compile(self._floats, self._ints)
         if self.touching and self._polyhedral:
             from engine.collide_convex import collide_convex
 
@@ -161,11 +189,7 @@ class World:
     def _search(self) -> int:
         """Find the pairs of the coming step. Returns: 0, or 2 if the arena must grow first."""
         assert self._find_pairs is not None
-        status = self._find_pairs(self._floats, self._ints)
-        if status == 0 and self._drop_apart is not None:
-            self._drop_apart(self._floats, self._ints)
-        int_table(self._ints, at.TALLY)[0, at.SEARCHED] = 1
-        return status
+        return search_pairs(self._find_pairs, self._drop_apart, self._floats, self._ints)
 
     def _all_asleep(self) -> bool:
         """Whether all dynamic bodies sleep."""
@@ -183,13 +207,29 @@ class World:
 
     def set_load(self, f_B_W: Any, tau_B_W: Any) -> None:
         """Apply forces (n, 3) N at the centres of mass and torques (n, 3) N m, in W, from now on. Raises: ValueError."""
-        n = len(self._names)
         load = float_table(self._floats, self._ints, at.LOAD)
-        load[:-1, :3] = finite("world", "f_B_W", f_B_W, (n, 3), "N")
-        load[:-1, 3:] = finite("world", "tau_B_W", tau_B_W, (n, 3), "N m")
+        force, torque = self._per_body("f_B_W", f_B_W, "N"), self._per_body("tau_B_W", tau_B_W, "N m")
+        load[:-1, :3], load[:-1, 3:] = force, torque
+
+    def _per_body(self, field: str, value: Any, unit: str) -> FloatArray:
+        """One vector (n, 3) for each body. Raises: ValueError naming the first body whose vector is not finite."""
+        n = len(self._names)
+        try:
+            return finite("world", field, value, (n, 3), unit)
+        except ValueError:
+            table = np.asarray(value)
+            if table.shape == (n, 3) and table.dtype.kind == "f":
+                bad = int((~np.isfinite(table)).any(axis=1).argmax())
+                finite(f"body '{self._names[bad]}'", field, table[bad], (3,), unit)
+            raise
 
     def add_force(self, body: int, f_W: Any, point_W: Any) -> None:
-        """Add a force [N] at a point [m], both in W, to the load on a body: f at the centre of mass and (point - p_WB) x f."""
+        """Add a force [N] at a point [m], both in W, to the load on a body: f at the centre of mass and (point - p_WB) x f.
+
+        Raises: ValueError.
+        """
+        if whole("world", "body", body, 0) >= len(self._names):
+            raise ValueError(f"world: body {body}, expected at most {len(self._names) - 1}")
         f, point = finite("world", "f_W", f_W, (3,), "N"), finite("world", "point_W", point_W, (3,), "m")
         load = float_table(self._floats, self._ints, at.LOAD)
         load[body, :3] += f
@@ -206,7 +246,7 @@ class World:
             row[at.DRIVE + 3] = finite(f"joint '{joint}'", "target_velocity", target_velocity, (), "rad/s or m/s")
 
     def contacts(self) -> Contacts:
-        """The contact points of the last step, with the force of the whole step."""
+        """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
         if self.spheres:
             return self._sphere_contacts(count)
@@ -223,12 +263,22 @@ class World:
         near = point[:, at.FIRST_GAP] <= self.options.margin
         hit = near | (np.abs(point[:, at.SUM : at.SUM + 3]).max(axis=1, initial=0.0) > 0.0)
         rows, point = rows[hit], point[hit]
-        return Contacts(
+        found = Contacts(
             bodies=key[rows // 4][:, [at.BODY_A, at.BODY_B]],
             point=point[:, at.PLACE : at.PLACE + 3],
             normal=manifold[rows // 4, at.NORMAL : at.NORMAL + 3],
             gap=point[:, at.FIRST_GAP],
             force=point[:, at.SUM : at.SUM + 3] / self.options.dt,
+        )
+        if self._swept is None:
+            return found
+        past = self._swept.earlier
+        return Contacts(
+            bodies=np.concatenate([past.bodies, found.bodies]),
+            point=np.concatenate([past.point, found.point]),
+            normal=np.concatenate([past.normal, found.normal]),
+            gap=np.concatenate([past.gap, found.gap]),
+            force=np.concatenate([past.impulse / self.options.dt, found.force]),
         )
 
     def _sphere_contacts(self, count: int) -> Contacts:
@@ -268,6 +318,8 @@ class World:
                 f"rays: geometry '{geometry}', method '{method}', threads {threads}, expected {' or '.join(GEOMETRIES)}, "
                 f"{' or '.join(METHODS)}, at least 1"
             )
+        if not number("rays", "max_range", max_range) >= 0:
+            raise ValueError(f"rays: max_range {max_range} m, expected at least 0")
         if geometry == "visual" and self._drawn is not self:
             return self._as_drawn().cast(origins, directions, max_range, method=method, threads=threads)
         d = np.ascontiguousarray(directions, float)
@@ -308,22 +360,21 @@ class World:
         return self._floats.copy(), self._ints.copy()
 
     def restore(self, saved: tuple[FloatArray, IntArray]) -> None:
-        """Back to a saved state of this world."""
+        """Back to a saved state of this world. Raises: ValueError for that of a world with other bodies, shapes or joints."""
+        columns = [at.BODIES, at.SHAPES, at.JOINTS]
+        got, own = (int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
+        if got != own:
+            raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own}")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
     def adopt(self, floats: FloatArray, ints: IntArray) -> None:
         """Work in this memory from now on, which holds a saved state of this world."""
         self._floats, self._ints = floats, ints
 
-    def search_inside(self) -> None:
-        """From now on test all pairs inside the step, which finds the same contacts: for who calls the compiled step itself."""
-        self._find_pairs = None
-        int_table(self._ints, at.COUNT)[0, at.BROAD] = 0
-
     @property
-    def compiled_step(self) -> Step:
-        """The compiled function that advances this world in its memory."""
-        return self._step
+    def kernels(self) -> Kernels:
+        """The compiled functions that advance this world in its memory."""
+        return Kernels(self._step, self._find_pairs, self._drop_apart)
 
 
 def _looks(body: Body) -> Sequence[Placed]:
@@ -381,21 +432,20 @@ def _choose_step(touching: bool, jointed: bool, options: Options, spheres: bool)
                 "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
             )
         return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
+    if touching and options.solver == "sequential_impulses":
+        if jointed:
+            raise NotSupported("joints beside contacts", "sequential impulses know contacts only")
+        from engine.steps_sequential import step_sequential_impulses
+
+        return step_sequential_impulses
     if spheres:
         from engine.steps_spheres import step_spheres
 
         return step_spheres
-    if touching and (options.sleeping or options.threads > 1):
-        if jointed:
-            from engine import steps_islands_jointed
-
-            parallel = options.threads > 1
-            return (
-                steps_islands_jointed.step_islands_jointed_parallel if parallel else steps_islands_jointed.step_islands_jointed
-            )
-        from engine import steps_islands
-
-        return steps_islands.step_islands_parallel if options.threads > 1 else steps_islands.step_islands
+    if touching and (options.sleeping or options.threads > 1) and islands_know(options):
+        name = f"islands{'_jointed' if jointed else ''}"
+        module = import_module(f"engine.steps_{name}")
+        return cast(Step, getattr(module, f"step_{name}{'_parallel' if options.threads > 1 else ''}"))
     if touching and jointed:
         from engine.steps_contact_jointed import step_contact_jointed
 

@@ -29,12 +29,14 @@ from engine.arena import (
     PAIRS,
     POSE,
     PROGRESS,
+    SEARCHED,
     SETTING,
     SHAPE,
     SHAPE_KIND,
     SHAPES,
     STATE,
     SURFACE,
+    TALLY,
 )  # fmt: skip
 from engine.broad_phase import kept_apart, overlap, pose_shapes, reaches_plane, write_bounds
 from engine.carve import floats_of, ints_of
@@ -150,5 +152,5 @@ def write_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
     pair = ints_of(ints, PAIR)
     found = compare_candidates(floats, ints, 0, ints_of(ints, PROGRESS)[0, CANDIDATES], pair)
-    ints_of(ints, COUNT)[0, PAIRS] = found
+    ints_of(ints, COUNT)[0, PAIRS], ints_of(ints, TALLY)[0, SEARCHED] = found, 1
     return 2 if found > pair.shape[0] else 0

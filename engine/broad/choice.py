@@ -6,7 +6,7 @@ from importlib import import_module
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FEW", "DropApart", "FindPairs", "choose_broad_phase", "load_search", "load_volume"]
+__all__ = ["FEW", "DropApart", "FindPairs", "choose_broad_phase", "load_search", "load_volume", "search_pairs"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -52,3 +52,11 @@ def load_volume(name: str) -> DropApart | None:
         return None
     tested: DropApart = import_module(f"engine.volumes.{name}").drop_apart
     return tested
+
+
+def search_pairs(find_pairs: FindPairs, drop_apart: DropApart | None, floats: FloatArray, ints: IntArray) -> int:
+    """Find the pairs of the coming step. Returns: 0, or 2 if the arena must grow first."""
+    status = find_pairs(floats, ints)
+    if status == 0 and drop_apart is not None:
+        drop_apart(floats, ints)
+    return status

@@ -62,28 +62,42 @@ def _tied(seed: int) -> engine.World:
     return engine.World([GROUND, *bodies], [joint], ROUGH)
 
 
-def _spheres(seed: int) -> engine.World:
-    """A hundred falling spheres, which have a solver of their own and, alone, find their pairs by a grid before each step."""
+def _crowd(seed: int) -> engine.World:
+    """Spheres so many that their pairs are found before each step, falling into a heap."""
     rng = np.random.default_rng(seed)
     bodies = [
-        engine.Body(
-            name=f"b{k}", inertia=0.004 * np.eye(3), shapes=[engine.Placed(engine.Sphere(0.1))],
-            p_WB=(0.21 * (k % 5), 0.21 * (k // 5 % 5), 0.12 + 0.22 * (k // 25)), v_WB=rng.normal(size=3),
-        )
+        _ball(f"b{k}", (*(0.21 * np.array([k % 5, k // 5 % 5]) + rng.uniform(-0.02, 0.02, 2)), 0.1 + 0.25 * (k // 25)))
         for k in range(100)
-    ]  # fmt: skip
+    ]
     return engine.World([GROUND, *bodies], surfaces=ROUGH)
 
 
-def _crowd(seed: int) -> engine.World:
-    """Thirty boxes, compared by oriented boxes in a tree where they are alone."""
+def _ball(name: str, place: tuple[float, ...]) -> engine.Body:
+    return engine.Body(name=name, inertia=0.004 * np.eye(3), shapes=[engine.Placed(engine.Sphere(0.1))], p_WB=place)
+
+
+def _slanted(seed: int) -> engine.World:
+    """Boxes whose pairs are compared by their oriented bounds too."""
     rng = np.random.default_rng(seed)
-    shape = engine.Box((0.1, 0.08, 0.12))
-    bodies = [_body(f"b{k}", shape, rng, p_WB=(0.2 * (k % 6), 0, 0.2 + 0.3 * (k // 6))) for k in range(30)]
-    return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(broad_phase="bvh", bounding_volume="obb"))
+    bodies = [
+        _body(f"b{k}", engine.Box((0.2, 0.05, 0.05)), rng, p_WB=(*rng.uniform(-0.2, 0.2, 2), 0.2 + 0.1 * k)) for k in range(7)
+    ]
+    return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(bounding_volume="obb"))
 
 
-@pytest.mark.parametrize("build", [_free, _chain, _pile, _hulls, _tied, _spheres, _crowd])
+def _sleepers(seed: int) -> engine.World:
+    """Boxes that have slept for a while when a ball, by one search before the step, finds the first of them."""
+    boxes = [
+        engine.Body(
+            name=f"b{k}", inertia=0.006 * np.eye(3), shapes=[engine.Placed(engine.Box((0.1, 0.1, 0.1)))], p_WB=(0.4 * k, 0, 0.1)
+        )
+        for k in range(4)
+    ]  # fmt: skip
+    options = engine.Options(broad_phase="sweep_and_prune", sleeping=True, sleep_time=0.1)
+    return engine.World([GROUND, *boxes, _ball("ball", (0.02 * seed, 0, 0.5))], surfaces=ROUGH, options=options)
+
+
+@pytest.mark.parametrize("build", [_free, _chain, _pile, _hulls, _tied, _crowd, _slanted, _sleepers])
 def test_worlds_in_a_batch_end_with_the_bits_they_have_alone(build: Callable[[int], engine.World]) -> None:
     """States and everything else that decides the future, contacts included, in calls of one and of many steps."""
     worlds = [build(seed) for seed in range(6)]
@@ -163,11 +177,12 @@ def test_batches_refuse_what_they_cannot_advance() -> None:
         engine.Batch([one]).step(-1)
     with pytest.raises(ValueError, match="f_B_W has shape"):
         engine.Batch([one]).set_load(np.zeros((1, 3)), np.zeros((1, 1, 3)))
-    exact = engine.World(
-        [GROUND, _body("b", engine.Sphere(0.1), np.random.default_rng(1))], options=engine.Options(solver="exact")
-    )
-    with pytest.raises(engine.NotSupported, match="batch"):
-        engine.Batch([exact])
+    touching = [GROUND, _body("b", engine.Sphere(0.1), np.random.default_rng(1))]
+    with pytest.raises(ValueError, match="world 0 has 2 threads, expected 1"):
+        engine.Batch([engine.World(touching, options=engine.Options(threads=2))])
+    for options, what in ((engine.Options(solver="exact"), "exact"), (engine.Options(continuous="swept"), "swept")):
+        with pytest.raises(engine.NotSupported, match=f"batch.*{what}"):
+            engine.Batch([engine.World(touching, options=options)])
 
 
 THREADS = """

@@ -191,7 +191,7 @@ def test_a_world_of_one_thread_loads_no_parallel_search() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "True"]
-    with pytest.raises(ValueError, match="threads 0, expected at least 1"):
+    with pytest.raises(ValueError, match="threads 0, expected a whole number of at least 1"):
         engine.Options(threads=0)
 
 

@@ -173,17 +173,19 @@ def test_a_stack_of_ten_boxes_stands_still() -> None:
     assert -world.contacts().force[below, 2].sum() == pytest.approx(10 * G, rel=1e-3)
 
 
-def test_a_stack_stands_under_a_top_a_thousand_times_heavier() -> None:
-    """Sub-steps of 1/15360 s, 16 sweeps and 8 relaxing ones: in 10 s the top sinks by less than 1 mm.
+@pytest.mark.parametrize("order", [range(10), range(9, -1, -1), (3, 7, 0, 9, 5, 1, 8, 2, 6, 4)], ids=["up", "down", "mixed"])
+def test_a_stack_stands_under_a_top_a_thousand_times_heavier(order: Sequence[int]) -> None:
+    """Sub-steps of 1/15360 s, 32 sweeps and 8 relaxing ones: in 10 s the top sinks by less than 1 mm, in any order.
 
     Between two boxes lie the springs of half a box, which sinks by g / (2 pi / (4 h))^2 = 17 nm under its own weight, so by
-    34 um under 1 t; ten times that is 0.34 mm.
+    34 um under 1 t; ten times that is 0.34 mm. With 16 sweeps a stack swept upwards buckles.
     """
-    bodies = [_cube(name=f"box_{i}", mass=1000.0 if i == 9 else 1.0, p_WB=(0, 0, 0.1 + 0.2 * i)) for i in range(10)]
-    world = _world([GROUND, *bodies], _rough(0.5), substeps=64, iterations=16, relaxations=8)
+    bodies = [_cube(name=f"box_{i}", mass=1000.0 if i == 9 else 1.0, p_WB=(0, 0, 0.1 + 0.2 * i)) for i in order]
+    world, top = _world([GROUND, *bodies], _rough(0.5), substeps=64, iterations=32, relaxations=8), 1 + list(order).index(9)
     for _ in range(20):
         world.step(120)
-        assert abs(world.state()[-1, 2] - 1.9) < 1e-3
+        assert abs(world.state()[top, 2] - 1.9) < 1e-3
+    # A slow sway of millimetres is left, in which the top's height does not take part.
     assert np.abs(world.state()[1:, 7:10]).max() < 0.01
 
 
@@ -208,7 +210,7 @@ def test_continuous_collision_never_lets_a_ball_through_a_thin_wall(speed: float
     wall = engine.Body(name="wall", motion="static", shapes=[engine.Placed(engine.Box((0.005, 1, 1)))])
     for phase in np.linspace(0, 1, 8, endpoint=False):
         ball = _ball(p_WB=(-0.3 - phase * speed / 240, 0, 0), v_WB=(speed, 0, 0))
-        world = _world([wall, ball], gravity=(0, 0, 0), continuous=True)
+        world = _world([wall, ball], gravity=(0, 0, 0), continuous="speculative")
         world.step(240)
         assert world.state()[1, 0] < -0.055 + 1e-6
 

@@ -111,7 +111,7 @@ def test_one_thread_compiles_nothing_parallel() -> None:
 
 
 def test_options_of_islands_are_checked() -> None:
-    with pytest.raises(ValueError, match="threads 0, expected at least 1"):
+    with pytest.raises(ValueError, match="threads 0, expected a whole number of at least 1"):
         engine.Options(threads=0)
     with pytest.raises(ValueError, match=r"sleep_speed 0.0 m/s"):
         engine.Options(sleep_speed=0.0)

@@ -2,7 +2,7 @@
 
 from numba import prange
 
-from engine.arena import CANDIDATES, COUNT, PAIR, PAIRS, PROGRESS
+from engine.arena import CANDIDATES, COUNT, PAIR, PAIRS, PROGRESS, SEARCHED, TALLY
 from engine.broad.candidates import compare_candidates
 from engine.broad.parallel.shares import join, new_parts, share
 from engine.carve import ints_of
@@ -21,5 +21,5 @@ def write_pairs(floats: Floats, ints: Ints, threads: int) -> int:
         first, last = share(candidates, threads, t)
         found[t] = compare_candidates(floats, ints, first, last, part[t])
     total = join(part, found, pair)
-    ints_of(ints, COUNT)[0, PAIRS] = total
+    ints_of(ints, COUNT)[0, PAIRS], ints_of(ints, TALLY)[0, SEARCHED] = total, 1
     return 2 if total > len(pair) else 0

@@ -1,0 +1,137 @@
+"""The earliest impact of a span of time, among the pairs that are too fast for contacts made ahead.
+
+Pairs come from sort and sweep over the bounds of whole paths: for a shape that turns, of its bounding ball; else of itself.
+
+Source: Ericson, Real-Time Collision Detection, sections 5.5.8 (interval of time) and 7.5 (sort and sweep).
+"""
+
+import math
+
+from engine.arena import (
+    APART,
+    BALL_RADIUS,
+    BODIES,
+    BODY,
+    BODY_KIND,
+    COUNT,
+    DYNAMIC,
+    EXCLUDED,
+    EXCLUSIONS,
+    GRAVITY,
+    INV_MASS,
+    LOAD,
+    MARGIN,
+    MATERIAL,
+    MATERIALS,
+    MOTION,
+    OFFSET,
+    OWNER,
+    PLANE,
+    SETTING,
+    SHAPES,
+    STATE,
+    SURFACE,
+    SWEPT,
+    TOUCHED,
+    TYPE,
+    W,
+)  # fmt: skip
+from engine.carve import floats_of, ints_of
+from engine.collide_convex import solids
+from engine.jit import entry, kernel
+from engine.manifolds import look_ahead, ordered
+from engine.narrow.support import Solids, core_radius, core_support
+from engine.swept.begin import FAST, touch_gap
+from engine.swept.impact_time import impact_time
+from engine.swept.path import ACCELERATION, body_at, shape_at, write_path
+from engine.vec import Floats, Ints, axpy, load3, norm
+
+__all__ = ["earliest_impact"]
+
+
+@kernel
+def bound_path(t: Solids, path: Floats, s: int, span: float, bounds: Floats) -> None:
+    """Write axis-aligned bounds [m] of shape s on its whole path."""
+    for k in range(3):
+        bounds[s, k], bounds[s, k + 3] = math.inf, -math.inf
+    if t.shape_kind[s, TYPE] == PLANE:
+        for k in range(3):
+            bounds[s, k], bounds[s, k + 3] = -math.inf, math.inf
+        return
+    b = t.shape_kind[s, OWNER]
+    turns = load3(path, b, W) != (0.0, 0.0, 0.0)
+    ball = norm(load3(t.shape, s, OFFSET)) + t.shape[s, BALL_RADIUS]
+    bulge = 0.125 * span * span * norm(load3(path, b, ACCELERATION))
+    for end in range(2):
+        p, _ = body_at(path, b, end * span)
+        shape_at(path, t.shape, t.shape_kind, s, end * span, t.pose)
+        for k in range(3):
+            if turns:
+                low, high = p[k] - ball, p[k] + ball
+            else:
+                e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+                low = t.pose[s, k] + core_support(t, s, (-e[0], -e[1], -e[2]))[k] - core_radius(t, s)
+                high = t.pose[s, k] + core_support(t, s, e)[k] + core_radius(t, s)
+            bounds[s, k], bounds[s, k + 3] = min(bounds[s, k], low - bulge), max(bounds[s, k + 3], high + bulge)
+
+
+@kernel
+def may_strike(
+    t: Solids, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, bounds: Floats, i: int, j: int
+) -> bool:
+    """Whether shapes i and j come near each other, can move against each other, and are not kept apart."""
+    a, b = t.shape_kind[i, OWNER], t.shape_kind[j, OWNER]
+    if a == b or (kind[a, MOTION] != DYNAMIC and kind[b, MOTION] != DYNAMIC):
+        return False
+    for k in range(3):
+        if bounds[i, k] > bounds[j, k + 3] or bounds[j, k] > bounds[i, k + 3]:
+            return False
+    if surface[t.shape_kind[i, MATERIAL] * materials + t.shape_kind[j, MATERIAL], APART] == 1.0:
+        return False
+    for e in range(exclusions):
+        if (excluded[e, 0] == a and excluded[e, 1] == b) or (excluded[e, 0] == b and excluded[e, 1] == a):
+            return False
+    return not (t.shape_kind[i, TYPE] == PLANE and t.shape_kind[j, TYPE] == PLANE)
+
+
+@entry
+def earliest_impact(
+    floats: Floats, ints: Ints, start: Floats, span: float, path: Floats, bounds: Floats, order: Ints, work: Floats, key: Ints
+) -> float:
+    """The time [s] of the first impact on the way from the state `start` to the present one, `span` seconds later; inf if none.
+
+    Args: start (bodies + 1, 13); path (bodies + 1, 16), bounds (shapes, 6), order (shapes,), a permutation: scratch, of which
+    the paths are of use afterwards; work, key: scratch of GJK and EPA.
+    """
+    t, state, setting = solids(floats, ints), floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
+    body, load = floats_of(floats, ints, BODY), floats_of(floats, ints, LOAD)
+    surface, kind, count = floats_of(floats, ints, SURFACE), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    excluded, shapes = ints_of(ints, EXCLUDED), count[0, SHAPES]
+    for b in range(count[0, BODIES] + 1):
+        pull = (0.0, 0.0, 0.0)
+        if kind[b, MOTION] == DYNAMIC and kind[b, TOUCHED] == 0:
+            pull = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
+        write_path(start, state, path, b, span, pull)
+    for s in range(shapes):
+        bound_path(t, path, s, span, bounds)
+    for at in range(1, shapes):
+        s, to = order[at], at
+        while to > 0 and (bounds[order[to - 1], 0], order[to - 1]) > (bounds[s, 0], s):
+            order[to] = order[to - 1]
+            to -= 1
+        order[to] = s
+    fast, touch, best = FAST * setting[0, MARGIN], touch_gap(setting), math.inf
+    for at in range(shapes):
+        for to in range(at + 1, shapes):
+            i, j = order[at], order[to]
+            if bounds[j, 0] > bounds[i, 3]:
+                break
+            if not may_strike(t, kind, surface, count[0, MATERIALS], excluded, count[0, EXCLUSIONS], bounds, i, j):
+                continue
+            a, b = ordered(t.shape_kind, min(i, j), max(i, j))
+            if (
+                look_ahead(start, t.shape, t.shape_kind, a, b, setting, SWEPT) > fast
+                or look_ahead(path, t.shape, t.shape_kind, a, b, setting, SWEPT) > fast
+            ):
+                best = min(best, impact_time(t, path, a, b, span, min(best, span), touch, work, key))
+    return best

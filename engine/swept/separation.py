@@ -1,0 +1,37 @@
+"""The signed distance of two shapes of any kind at their present poses, by the same GJK and EPA as the contacts.
+
+Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003, sections 4.3.4 and 4.3.8.
+"""
+
+import math
+
+from engine.arena import BALL_RADIUS, PLANE, TYPE
+from engine.jit import kernel
+from engine.narrow.convex import part_cores
+from engine.narrow.support import Solids, core_radius, core_support
+from engine.vec import Floats, Ints, Vec, add, axpy, dot, load3, neg, sub
+
+__all__ = ["separation"]
+
+
+@kernel
+def above_plane(t: Solids, plane: int, s: int) -> tuple[float, Vec, Vec]:
+    """The gap [m] of shape s over a plane, the plane's normal, and the lowest point of s, in W."""
+    up = (t.pose[plane, 5], t.pose[plane, 8], t.pose[plane, 11])
+    lowest = axpy(-core_radius(t, s), up, add(load3(t.pose, s, 0), core_support(t, s, neg(up))))
+    return dot(up, sub(lowest, load3(t.pose, plane, 0))), up, lowest
+
+
+@kernel
+def separation(t: Solids, a: int, b: int, work: Floats, key: Ints) -> tuple[float, Vec, Vec, Vec]:
+    """The gap [m] of shapes a and b, negative in penetration, the normal from A to B, and their closest points in W."""
+    if t.shape_kind[a, TYPE] == PLANE:
+        gap, up, spot = above_plane(t, a, b)
+        return gap, up, axpy(-gap, up, spot), spot
+    if t.shape_kind[b, TYPE] == PLANE:
+        gap, up, spot = above_plane(t, b, a)
+        return gap, neg(up), spot, axpy(-gap, up, spot)
+    pa, ra, rb = load3(t.pose, a, 0), core_radius(t, a), core_radius(t, b)
+    size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
+    gap, n, qa, qb = part_cores(t, a, b, sub(load3(t.pose, b, 0), pa), size, math.inf, work, key)
+    return gap - ra - rb, n, add(pa, axpy(ra, n, qa)), add(pa, axpy(-rb, n, qb))

@@ -1,0 +1,227 @@
+"""Swept steps: advance the world to its next impact, let it strike, and go on with the rest of the step.
+
+    left = dt
+    repeat  try the step `left`; find the earliest impact t on the paths from its start to its end
+            none: done.  Else go back, advance by t alone, put the bodies where their paths are, strike, left -= t
+
+The trial is any contact step of the engine, so that whatever does not strike moves exactly as without the sweep. A pair is
+swept if it could go farther than the margin in a step; it has no contact before it touches, and so is never deflected by what
+it passes. After `MAX_IMPACTS` of one step the rest is done with speculative contacts, which let nothing through either.
+
+Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996, chapter 2; Catto, Continuous Collision, GDC 2013.
+"""
+
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine import arena as at
+from engine.arena import float_table, int_table
+from engine.errors import ManyImpacts
+from engine.options import Options
+from engine.swept.earliest import earliest_impact
+from engine.swept.path import PATH_COLUMNS
+from engine.swept.strike import place_bodies, strike
+
+__all__ = ["MAX_IMPACTS", "Impacts", "SweptSteps"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
+Search = Callable[[FloatArray, IntArray], int]
+
+MAX_IMPACTS = 256
+"""Impacts of one step [1] that are followed one by one."""
+SWEEPS = 24
+"""Sweeps of a blow, which has no impulses to start from: as many as a blow of the soft solver has."""
+MOST_GROWTH = 8.0
+"""Largest factor [1] on impulses from a short part of a step to a longer one: beyond, their rounding would grow as well."""
+
+
+@dataclass(frozen=True, slots=True)
+class Impacts:
+    """What was swept so far. Terms: count: impacts; crowded: steps that had more than `MAX_IMPACTS`."""
+
+    count: int = 0
+    crowded: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Earlier:
+    """Impulses in the parts of the last step before its last: bodies (k, 2), impulse, point, normal (k, 3), gap (k,)."""
+
+    bodies: IntArray
+    impulse: FloatArray
+    point: FloatArray
+    normal: FloatArray
+    gap: FloatArray
+
+
+class SweptSteps:
+    """The step of one world, with the record of its impacts.
+
+    Args: options; step: of the contact solver, compiled; search: for the pairs of the coming part of a step, or None where the
+    step finds them itself; bodies, shapes: their numbers.
+    """
+
+    def __init__(self, options: Options, step: Step, search: Search | None, bodies: int, shapes: int) -> None:
+        self._dt, self._trial, self._search = options.dt, step, search
+        self._path, self._bounds = np.zeros((bodies + 1, PATH_COLUMNS)), np.zeros((shapes, 6))
+        self._order = np.arange(shapes)
+        self._work, self._key = np.zeros((560, 10)), np.zeros((560, 6), np.int64)
+        self._left, self._done, self._strikes = 0.0, 0, False
+        self._parts: list[Earlier] = []
+        self.impacts = Impacts()
+
+    def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
+        """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
+        for step in range(steps):
+            status = self._step(floats, ints)
+            if status != 0:
+                return step + int(status == 1), status
+        return steps, 0
+
+    @property
+    def earlier(self) -> Earlier:
+        """What acted in the last step before its last part."""
+        if not self._parts:
+            return Earlier(np.empty((0, 2), np.int64), np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
+        return Earlier(*(np.concatenate([getattr(part, f) for part in self._parts]) for f in Earlier.__slots__))
+
+    def _step(self, floats: FloatArray, ints: IntArray) -> int:
+        """One whole step, or what is left of one that waited for a larger arena. Returns: a status."""
+        count = int_table(ints, at.COUNT)[0]
+        if self._left == 0.0:
+            self._left, self._done, self._parts = self._dt, 0, []
+        number = int(count[at.STEPS])
+        status = self._finish(floats, ints, number)
+        float_table(floats, ints, at.SETTING)[0, at.DT] = self._dt
+        count[at.CONTINUOUS], count[at.STEPS] = at.SWEPT, number + int(status != 2)
+        if status != 2:
+            self._left = 0.0
+        return status
+
+    def _finish(self, floats: FloatArray, ints: IntArray, number: int) -> int:
+        """Strike and advance until nothing is left of the step that follows step `number`. Returns: a status."""
+        state, count = float_table(floats, ints, at.STATE), int_table(ints, at.COUNT)[0]
+        while True:
+            if self._strikes:
+                status = self._strike(floats, ints)
+                if status != 0:
+                    return status
+            follows, manifolds = self._done < MAX_IMPACTS, int(count[at.MANIFOLDS])
+            count[at.CONTINUOUS] = at.SWEPT if follows else at.SPECULATIVE
+            start, saved = state.copy(), [table.copy() for table in _moving(floats, ints)]
+            status = self._advance(floats, ints, self._left)
+            if status != 0:
+                return status
+            time = math.inf
+            if follows:
+                time = earliest_impact(
+                    floats, ints, start, self._left, self._path, self._bounds, self._order, self._work, self._key
+                )
+            if not time < self._left:
+                break
+            count[at.MANIFOLDS] = manifolds
+            for table, old in zip(_moving(floats, ints), saved, strict=True):
+                table[:] = old
+            if time > 0.0:
+                status = self._advance(floats, ints, time)
+                if status != 0:
+                    return status
+                self._note(floats, ints)
+            place_bodies(floats, ints, self._path, time)
+            self._left, self._done, self._strikes = self._left - time, self._done + 1, True
+        if self._done == MAX_IMPACTS:
+            warnings.warn(ManyImpacts(f"step {number + 1} had {MAX_IMPACTS} impacts or more"), stacklevel=2)
+        past = self.impacts
+        self.impacts = Impacts(past.count + self._done, past.crowded + int(self._done == MAX_IMPACTS))
+        return 0 if np.isfinite(state).all() else 1
+
+    def _strike(self, floats: FloatArray, ints: IntArray) -> int:
+        """The blow of this instant. Returns: a status."""
+        status = self._find_anew(floats, ints) or int(strike(floats, ints, SWEEPS))
+        if status == 3:
+            _answer(floats, ints)
+            status = int(strike(floats, ints, SWEEPS))
+        if status == 0:
+            self._strikes = False
+            self._note(floats, ints)
+        return status
+
+    def _advance(self, floats: FloatArray, ints: IntArray, span: float) -> int:
+        """A contact step of `span` seconds, started from impulses that fit its length. Returns: a status."""
+        setting = float_table(floats, ints, at.SETTING)[0]
+        setting[at.DT] = span
+        if span != setting[at.LAST_SPAN]:
+            share = min(span / setting[at.LAST_SPAN], MOST_GROWTH)
+            manifolds = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+            float_table(floats, ints, at.POINT)[: 4 * manifolds, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] *= share
+            float_table(floats, ints, at.MANIFOLD)[:manifolds, at.SPIN_IMPULSE : at.SPIN_IMPULSE + 3] *= share
+            setting[at.LAST_SPAN] = span
+        status = self._find_anew(floats, ints)
+        if status != 0:
+            return status
+        _, status = self._trial(floats, ints, 1)
+        if status == 3:
+            _answer(floats, ints)
+            _, status = self._trial(floats, ints, 1)
+        return status
+
+    def _find_anew(self, floats: FloatArray, ints: IntArray) -> int:
+        """Make the next contacts be those of the present poses: find their pairs, and count no body as still.
+
+        Contacts kept from part to part would miss bodies that are put where their paths are. Returns: a status.
+        """
+        float_table(floats, ints, at.REST)[:] = np.inf
+        return 0 if self._search is None else self._search(floats, ints)
+
+    def compile(self, floats: FloatArray, ints: IntArray) -> None:
+        """Compile what only an impact calls for, in a world to be thrown away."""
+        place_bodies(floats, ints, self._path, 0.0)
+        self._strike(floats, ints)
+
+    def _note(self, floats: FloatArray, ints: IntArray) -> None:
+        """Keep the impulses of this part of the step, which the next part will not know."""
+        count, key = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS]), int_table(ints, at.MANIFOLD_KEY)
+        if count == 0:
+            return
+        manifold, used = np.repeat(np.arange(count), 4), np.arange(4 * count) % 4
+        point = float_table(floats, ints, at.POINT)[: 4 * count]
+        acts = (used < key[manifold, at.POINTS]) & point[:, at.SUM : at.SUM + 3].any(axis=1)
+        point, manifold = point[acts], manifold[acts]
+        self._parts.append(
+            Earlier(
+                bodies=key[manifold][:, [at.BODY_A, at.BODY_B]],
+                impulse=point[:, at.SUM : at.SUM + 3].copy(),
+                point=point[:, at.PLACE : at.PLACE + 3].copy(),
+                normal=float_table(floats, ints, at.MANIFOLD)[manifold, at.NORMAL : at.NORMAL + 3],
+                gap=point[:, at.FIRST_GAP].copy(),
+            )
+        )
+
+
+def _answer(floats: FloatArray, ints: IntArray) -> None:
+    """Let the convex narrow phase answer the pairs that wait for it."""
+    from engine.collide_convex import collide_convex
+
+    collide_convex(floats, ints)
+
+
+def _moving(floats: FloatArray, ints: IntArray) -> list[NDArray[np.float64] | NDArray[np.int64]]:
+    """Views of all that a step changes and the next one reads."""
+    n = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    return [
+        float_table(floats, ints, at.STATE),
+        float_table(floats, ints, at.TURNED),
+        float_table(floats, ints, at.SETTING),
+        float_table(floats, ints, at.MANIFOLD)[:n],
+        float_table(floats, ints, at.POINT)[: 4 * n],
+        int_table(ints, at.MANIFOLD_KEY)[:n],
+        int_table(ints, at.POINT_KEY)[: 4 * n],
+        int_table(ints, at.COUNT),
+    ]

@@ -1,0 +1,73 @@
+"""The kernel cache: an edit of any function is seen, what did not change is not compiled again; and no compiler is needed."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import engine
+
+FALL = """
+import engine
+world = engine.World([engine.Body(name="b")])
+world.step()
+print(world.state()[0, 9], sum(world._step.stats.cache_hits.values()))
+"""
+"""The velocity after a step of free fall, and how many compiled functions came from the cache."""
+KICK = "g = load3(setting, 0, GRAVITY)"
+UNIT = ("test_engine_motion.py", "test_engine_door.py", "test_engine_world.py")
+"""Tests of every stage of a step, that pass within a minute as plain Python."""
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """A copy of the engine of one's own, with an empty cache beside it."""
+    source = Path(engine.__file__).parent
+    shutil.copytree(source, tmp_path / "engine", ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+def _fall(root: Path) -> tuple[float, int]:
+    """Run the copy in a process of its own. Returns: velocity [m/s], hits of the cache."""
+    said = subprocess.run(
+        [sys.executable, "-B", "-c", FALL],
+        cwd=root,
+        env=os.environ | {"PYTHONPATH": str(root), "PLUMBLINE_KERNEL_CACHE": str(root / "cache"), "NUMBA_DISABLE_JIT": "0"},
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.split()
+    return float(said[0]), int(said[1])
+
+
+def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_cache(copy: Path) -> None:
+    """The edit turns gravity round in a function that the compiled step calls from another module. A cache that looks at the
+    step's own file alone would go on to fall down.
+    """
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
+    motion = copy / "engine" / "motion.py"
+    text = motion.read_text()
+    assert text.count(KICK) == 1
+    motion.write_text(text.replace(KICK, KICK.replace("load3", "scale(-1.0, load3") + ")"))
+    assert _fall(copy) == (pytest.approx(9.81 / 240), 0)
+    motion.write_text(text)
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="this very run is without the compiler")
+def test_the_unit_tests_pass_without_the_compiler() -> None:
+    """A part that takes less than a minute; `make test-nojit` runs them all."""
+    here = Path(__file__).parent
+    ran = subprocess.run(
+        [sys.executable, "-m", "pytest", *(str(here / name) for name in UNIT)],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=280,
+    )
+    assert ran.returncode == 0, ran.stdout[-3000:]

@@ -1,0 +1,83 @@
+"""A box at rest on an incline that friction should hold: does it stay, or creep down?"""
+
+import math
+
+from harness.case import Case, Check
+from harness.metrics.creep import CREEP_SPEED
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.jitter import RMS_SPEED
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION, SETTLED = 2.5, 0.5
+ANGLE, FRICTION, MASS = 10.0, 0.5, 1.0
+HALF = (0.1, 0.1, 0.05)
+
+
+def _scene(angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Scene:
+    """A box on ground from which gravity leans `angle` [degrees] towards +x: an incline seen from itself."""
+    lean = math.radians(angle)
+    box = Body(
+        name="box",
+        mass=mass,
+        inertia=box_inertia(mass, HALF),
+        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+        material="box",
+        p_WB=(0.0, 0.0, HALF[2]),
+    )
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, box),
+        gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
+        surfaces=(Surface(between=("box", "ground"), static_friction=friction, kinetic_friction=friction),),
+        # A box that lies still never turns.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _expected(time: Floats, angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Trajectory:  # noqa: ARG001
+    """Rest, where tan(angle) <= mu.
+
+    Raises:
+        ValueError: friction does not hold the box.
+    """
+    if math.tan(math.radians(angle)) > friction:
+        raise ValueError(f"angle {angle} degrees, expected at most atan({friction}): the box slides")
+    truth = Trajectory.of(time, 2)
+    truth.p_WB[:, 1] = (0.0, 0.0, HALF[2])
+    return truth
+
+
+FIRST_STEP = "a first step may pass before there is a contact to hold the box: g sin(angle) dt^2, twice for a staggered scheme"
+
+CASE = Case(
+    name="friction_creep",
+    title="Creep on an incline",
+    question="Does dry friction hold a box still, or is it a very thick oil?",
+    source="Coulomb's law: at tan(angle) < mu a box at rest stays",
+    truth="rest",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"angle": ANGLE, "friction": FRICTION, "mass": MASS},
+    headline=CREEP_SPEED.name,
+    scale=1e-3,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="rest"),
+        Check(
+            metric=CREEP_SPEED,
+            at_most=1e-5,
+            start=SETTLED,
+            because="ten micrometres a second, a millimetre in two minutes, is the least that a user who leaves a robot "
+            "holding an object would see; Coulomb's law allows none",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: 2 * G * math.sin(math.radians(ANGLE)) * dt**2 + 1e-3,
+            because=f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
+        ),
+    ),
+    observe=(RMS_SPEED, POSITION_FINAL),
+)

@@ -1,0 +1,106 @@
+"""A stool spun about its own axis on the ground: how long until its feet have rubbed the spin away?
+
+Feet at the distance rho from the axis share the weight evenly, so that the moment is mu m g rho and the spin ends after
+t = w I/(mu m g rho). A disc with uniform pressure has 2/3 of its radius for rho: t = 3 w R/(4 mu g) for I = m R^2/2. The stool
+has feet and no face, so that no engine's choice of contact points decides.
+"""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL, ANGULAR_VELOCITY_MAX
+from harness.metrics.attitude import ATTITUDE_MAX
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_MAX
+from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Plane, Scene, Sphere, Surface, cylinder_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 1.5
+SPIN, FRICTION, MASS = 10.0, 0.3, 1.0
+FOOT, OUT, LOW = 0.02, 0.2, 0.05
+"""Radius of a foot, its distance from the axis, and its centre's depth below the centre of mass [m]."""
+INERTIA = cylinder_inertia(MASS, 0.2, 0.03)
+
+
+def _scene(spin: float = SPIN, friction: float = FRICTION) -> Scene:
+    """A stool of four round feet on the ground, spinning at `spin` [rad/s] about the vertical."""
+    feet = tuple(PlacedShape(shape=Sphere(radius=FOOT), p_BS=(x, y, -LOW)) for x in (-OUT, OUT) for y in (0.0,)) + tuple(
+        PlacedShape(shape=Sphere(radius=FOOT), p_BS=(0.0, y, -LOW)) for y in (-OUT, OUT)
+    )
+    stool = Body(
+        name="stool",
+        mass=MASS,
+        inertia=INERTIA,
+        collision=feet,
+        material="stool",
+        p_WB=(0.0, 0.0, LOW + FOOT),
+        w_WB=(0.0, 0.0, spin),
+    )
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    return Scene(
+        bodies=(ground, stool),
+        surfaces=(Surface(between=("stool", "ground"), static_friction=friction, kinetic_friction=friction),),
+    )
+
+
+def deceleration(friction: float = FRICTION) -> float:
+    """mu m g rho/I [rad/s2]."""
+    return friction * MASS * G * OUT / INERTIA[2][2]
+
+
+def _expected(time: Floats, spin: float = SPIN, friction: float = FRICTION) -> Trajectory:
+    """Uniform deceleration of the spin, then rest."""
+    truth = Trajectory.of(time, 2)
+    a = deceleration(friction)
+    t = truth.time if a == 0 else np.minimum(truth.time, abs(spin) / a)
+    angle = np.sign(spin) * (abs(spin) * t - a * t**2 / 2)
+    truth.p_WB[:, 1, 2] = LOW + FOOT
+    truth.q_WB[:, 1, 0], truth.q_WB[:, 1, 3] = np.cos(angle / 2), np.sin(angle / 2)
+    truth.w_WB[:, 1, 2] = np.sign(spin) * (abs(spin) - a * t)
+    return truth
+
+
+def _rate(dt: float) -> float:
+    """A first step without a contact, and a last one rubbed through to its end."""
+    return 2 * deceleration() * dt
+
+
+CASE = Case(
+    name="friction_spinning",
+    title="Spinning stool",
+    question="Do feet that slide in a circle brake a spin as Coulomb's law says?",
+    source="Farkas, Bartels, Unger, Wolf, Frictional coupling between sliding and spinning motion, Phys. Rev. Lett. 90 (2003) "
+    "248302, for the disc; four feet by hand",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"spin": SPIN, "friction": FRICTION},
+    headline=ANGULAR_VELOCITY_MAX.name,
+    scale=SPIN,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a spin that is braked never diverges"),
+        Check(
+            metric=ANGULAR_VELOCITY_MAX,
+            at_most=_rate,
+            because="a first step without a contact and a last one rubbed through to its end: mu m g rho dt/I each",
+        ),
+        Check(
+            metric=ATTITUDE_MAX,
+            at_most=lambda dt: _rate(dt) * DURATION + SPIN * dt,
+            because="the error of the spin all the way, and a staggered scheme's half step of turning, taken twice",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: 2 * G * dt**2 + 1e-3,
+            because="the feet's forces along the ground cancel; a first step of free fall, and a millimetre for contacts that "
+            "give way",
+        ),
+        Check(
+            metric=ANGULAR_VELOCITY_FINAL,
+            at_most=lambda dt: deceleration() * dt,
+            because="at rest friction takes any spin that is less than it can take in a step",
+        ),
+    ),
+)

@@ -1,0 +1,146 @@
+"""A block drawn along by a spring whose far end moves on steadily: it sticks, breaks away, slips and sticks again.
+
+It sticks until the spring pulls with mu_s m g, then swings about the force mu_k m g. Each slip shortens the spring by
+2 (mu_s - mu_k) m g/k less what the far end goes meanwhile, so that the motion repeats itself with the period
+T = 2 (mu_s - mu_k) g/(w^2 v) + (2/w) (pi - atan((mu_s - mu_k) g/(w v))), w^2 = k/m, but for the first stick.
+"""
+
+import math
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import (
+    EARTH_GRAVITY,
+    Body,
+    Box,
+    Distance,
+    Effect,
+    PlacedShape,
+    Plane,
+    Scene,
+    Spring,
+    Surface,
+    box_inertia,
+)
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 4.0
+STATIC, KINETIC, MASS, STIFFNESS, DRAWN = 0.6, 0.4, 1.0, 20.0, 0.2
+REST = 1.0
+"""Length of the slack spring [m]."""
+HALF = (0.2, 0.2, 0.05)
+
+
+def _scene(static: float = STATIC, kinetic: float = KINETIC, stiffness: float = STIFFNESS, drawn: float = DRAWN) -> Scene:
+    """A block on the ground and a puller `REST` m ahead of its centre that moves on at `drawn` [m/s], with a slack spring."""
+    block = Body(
+        name="block",
+        mass=MASS,
+        inertia=box_inertia(MASS, HALF),
+        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+        material="block",
+        p_WB=(0.0, 0.0, HALF[2]),
+    )
+    puller = Body(name="puller", motion="kinematic", p_WB=(REST, 0.0, HALF[2]), v_WB=(drawn, 0.0, 0.0))
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    line = Distance(
+        name="spring",
+        parent="puller",
+        child="block",
+        anchor_W=(REST, 0.0, HALF[2]),
+        child_anchor_W=(0.0, 0.0, HALF[2]),
+        spring=Spring(stiffness=stiffness, rest=REST),
+    )
+    return Scene(
+        bodies=(ground, block, puller),
+        joints=(line,),
+        surfaces=(Surface(between=("block", "ground"), static_friction=static, kinetic_friction=kinetic),),
+        # The block slides flat and never turns.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _block(time: Floats, static: float, kinetic: float, stiffness: float, drawn: float) -> tuple[Floats, Floats]:
+    """Way [m] and speed [m/s] of the block at ascending times, each (t,)."""
+    w = math.sqrt(stiffness / MASS)
+    x, v = np.zeros(len(time)), np.zeros(len(time))
+    here, stuck, at = 0.0, True, 0.0
+    while here <= (time[-1] if len(time) else -1.0):
+        # The spring pulls with k (v t - x).
+        if stuck:
+            away = (static * MASS * G / stiffness + at) / drawn
+            inside = (time >= here) & (time <= away)
+            x[inside] = at
+            here, stuck = away, False
+        else:
+            # y = v t - x - mu_k m g/k swings from (mu_s - mu_k) m g/k at the rate v until y' is v again: x' = 0.
+            y = (static - kinetic) * MASS * G / stiffness
+            lasts = 2 / w * (math.pi - math.atan(y * w / drawn))
+            inside = (time >= here) & (time <= here + lasts)
+            t = time[inside] - here
+            swing = y * np.cos(w * t) + drawn / w * np.sin(w * t)
+            rate = -y * w * np.sin(w * t) + drawn * np.cos(w * t)
+            x[inside] = drawn * time[inside] - kinetic * MASS * G / stiffness - swing
+            v[inside] = drawn - rate
+            here += lasts
+            end = y * math.cos(w * lasts) + drawn / w * math.sin(w * lasts)
+            at, stuck = drawn * here - kinetic * MASS * G / stiffness - end, True
+    return x, v
+
+
+def _expected(
+    time: Floats, static: float = STATIC, kinetic: float = KINETIC, stiffness: float = STIFFNESS, drawn: float = DRAWN
+) -> Trajectory:
+    """Sticking and slipping in turns."""
+    truth = Trajectory.of(time, 3)
+    truth.p_WB[:, 1, 0], truth.v_WB[:, 1, 0] = _block(truth.time, static, kinetic, stiffness, drawn)
+    truth.p_WB[:, 1, 2] = HALF[2]
+    truth.p_WB[:, 2] = np.stack([REST + drawn * truth.time, 0 * truth.time, np.full_like(truth.time, HALF[2])], axis=1)
+    truth.v_WB[:, 2, 0] = drawn
+    return truth
+
+
+W = math.sqrt(STIFFNESS / MASS)
+FASTEST = DRAWN + math.hypot((STATIC - KINETIC) * G / W, DRAWN)
+"""Speed of the block in a slip, at most [m/s]."""
+SLIPS = 2
+"""Slips within the duration: from t = 1.47 and from 3.35 s on."""
+
+
+def _late(dt: float) -> float:
+    """Break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step besides."""
+    return 3 * SLIPS * dt
+
+
+CASE = Case(
+    name="friction_static_kinetic",
+    title="Stick and slip",
+    question="Does a drawn block break away at the static coefficient and slip under the kinetic one?",
+    source="Rabinowicz, Friction and Wear of Materials, 2nd ed., section 4.10: stick-slip of a spring-drawn slider",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"static": STATIC, "kinetic": KINETIC, "stiffness": STIFFNESS, "drawn": DRAWN},
+    headline=POSITION_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="friction and a spring keep the block within reach"),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: FASTEST * _late(dt) + 1e-3,
+            because="break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step: "
+            "three steps of way a slip, and a millimetre for contacts that give way before they hold",
+        ),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=lambda dt: FASTEST * W * _late(dt) + STATIC * G * dt,
+            because="the swing's acceleration over the time by which it is late, and one step of friction at its end",
+        ),
+    ),
+    observe=(POSITION_FINAL,),
+)

@@ -1,0 +1,114 @@
+"""Boxes pressed against a wall: which hold, and which slide down it, and how fast?
+
+A push F holds a box of weight m g iff mu F >= m g; what does not hold falls with g - mu F/m. The push is a field: gravity leans
+towards the wall.
+"""
+
+from collections.abc import Sequence
+
+from harness.case import Axis, Case, Check
+from harness.metrics.creep import CREEP_SPEED
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION = 1.0
+PUSH, MASS, SPACING = 2.0, 1.0, 0.5
+FRICTIONS = (0.3, 0.45, 0.48, 0.52, 0.55, 0.8)
+"""Coefficients around the threshold 1/PUSH, on either side of it."""
+HALF = (0.1, 0.1, 0.1)
+THICKNESS = 0.1
+LONG = 6.0
+"""Half extents [m] of the wall along its normal and down."""
+
+
+def _scene(push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Scene:
+    """One box for each coefficient, side by side along y, against a wall in the plane x = 0, pushed by `push` times its "
+    "weight."""
+    boxes = [
+        Body(
+            name=f"box_{i}",
+            mass=MASS,
+            inertia=box_inertia(MASS, HALF),
+            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+            material=f"box_{i}",
+            p_WB=(-HALF[0], SPACING * i, 0.0),
+        )
+        for i in range(len(frictions))
+    ]
+    width = SPACING * len(frictions)
+    wall = Body(
+        name="wall",
+        motion="static",
+        material="wall",
+        collision=(PlacedShape(shape=Box(half_extents=(THICKNESS, width, LONG))),),
+        p_WB=(THICKNESS, 0.0, 0.0),
+    )
+    names = [box.material for box in boxes]
+    return Scene(
+        bodies=(wall, *boxes),
+        gravity=(push * G, 0.0, -G),
+        surfaces=tuple(
+            Surface(between=(name, "wall"), static_friction=mu, kinetic_friction=mu)
+            for name, mu in zip(names, frictions, strict=True)
+        ),
+        apart=tuple((a, b) for i, a in enumerate(names) for b in names[i + 1 :]),
+        # Boxes flat against a wall never turn.
+        narrow=Effect.GYROSCOPIC,
+    )
+
+
+def _expected(time: Floats, push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Trajectory:
+    """Rest or uniform acceleration down the wall."""
+    truth = Trajectory.of(time, 1 + len(frictions))
+    truth.p_WB[:, 0, 0] = THICKNESS
+    for i, mu in enumerate(frictions, start=1):
+        a = max(0.0, G * (1 - mu * push))
+        truth.p_WB[:, i, 0], truth.p_WB[:, i, 1] = -HALF[0], SPACING * (i - 1)
+        truth.p_WB[:, i, 2] = -a * truth.time**2 / 2
+        truth.v_WB[:, i, 2] = -a * truth.time
+    return truth
+
+
+def _speed(dt: float) -> float:
+    """The first step may pass before there is a contact: then a box falls freely for it, twice for a soft contact."""
+    return 2 * G * dt
+
+
+CASE = Case(
+    name="friction_wall_pinch",
+    title="Pinched against a wall",
+    question="Does a push against a wall hold a box exactly where friction times push reaches its weight?",
+    source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"push": PUSH, "frictions": FRICTIONS},
+    hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4),
+    headline=POSITION_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a sliding box never diverges"),
+        Check(
+            metric=VELOCITY_MAX,
+            at_most=_speed,
+            because="a first step without a contact is a step of free fall, taken twice",
+        ),
+        Check(
+            metric=POSITION_MAX,
+            at_most=lambda dt: _speed(dt) * DURATION + 1e-3,
+            because="the error of the speed all the way, and a millimetre for contacts that give way under the push",
+        ),
+        Check(
+            metric=CREEP_SPEED,
+            at_most=1e-4,
+            start=0.5,
+            because="a tenth of a millimetre a second: a gripper that holds an object for ten seconds loses a millimetre. "
+            "Coulomb's law allows none",
+        ),
+    ),
+    observe=(POSITION_FINAL,),
+)

@@ -19,6 +19,9 @@ Deviations:
     * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together.
+    * Restitution is Newton's, of normal velocities: u_after = -e u_before. Where friction acts off the centre of mass, that law
+      itself can give energy (Kane and Levinson, *Dynamics*, 1985; Stronge, *Impact Mechanics*, 2000): of 300 blows of a
+      tumbling box on a plane at e = 1 and mu = 0.3, 13 % gained some, at most 27 %; at e = 0.5 none did.
     * With the solver 'exact' contacts are hard: Coulomb's law is solved once per sub-step (one, unless set), and
       `warnings` and `resolved` name the largest residual. Depths are kept from growing, not worked off. It knows neither joints
       beside contacts, nor static above kinetic friction, nor rolling and torsional friction: `build` raises `Unsupported`.
@@ -432,6 +435,7 @@ ADAPTER = _Reference(
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
         "Approaches slower than four times what gravity gives in one sub-step do not bounce.",
+        "Restitution is Newton's law, which off the centre of mass gives energy with friction: at e = 1 up to a quarter.",
         "A body that just misses another may be turned aside by speculative contacts, unless collision is swept.",
         "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
         "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",

@@ -57,19 +57,21 @@ def slip_of(va: Vec, wa: Vec, la: float, vb: Vec, wb: Vec, lb: float, n: Vec) ->
 @kernel
 def note_strikes(
     touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, setting: Floats, h: float, slow: float
-) -> None:
+) -> int:
     """As `contact_solver.approach`: note what is about to strike, and drop impulses that are no guess for a blow."""
-    g = load3(setting, 0, GRAVITY)
+    g, strikes = load3(setting, 0, GRAVITY), 0
     for t in range(touches):
         n, gap = load3(touch, t, 0), touch[t, T_GAP]
         u = dot(n, sub(load3(mover, key[t, K_BODY_B], 0), load3(mover, key[t, K_BODY_A], 0)))
         rest[t, R_STRUCK] = 0.0
         if u < -slow and gap < -u * h * (1.0 + TOUCHING):
+            strikes += 1
             share = min(max(gap / (-u * h), 0.0), 1.0)
             kick = h * dot(n, g) * (0.0 if key[t, K_MOVES] == 1 else -1.0)
             rest[t, R_STRUCK], rest[t, R_APPROACH] = 1.0, min(u - (1.0 - share) * kick, 0.0)
             touch[t, T_NORMAL] = 0.0
             store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
+    return strikes
 
 
 @kernel

@@ -61,7 +61,7 @@ from engine.vec import Floats, Ints, axpy, load3, load4, quat_spin, quat_unit, s
 __all__ = ["step_spheres"]
 
 MANY = 16
-"""New contacts get more sweeps where they are at least one in so many: elsewhere the others' impulses carry the load."""
+"""New or struck contacts get more sweeps where they are one in so many: elsewhere the others' impulses carry the load."""
 
 
 @kernel
@@ -135,10 +135,11 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         for substep in range(substeps):
             if n == 0:
                 break
-            patience = FRESH if substep == 0 and count[0, NEW] * MANY >= n else 1
+            fresh = count[0, NEW] if substep == 0 else 0
             kick_spheres(body, kind, load, setting, mover, bodies, h)
             if striking == 1:
-                note_strikes(n, touch, rest, key, mover, setting, h, slow)
+                fresh = max(fresh, note_strikes(n, touch, rest, key, mover, setting, h, slow))
+            patience = FRESH if fresh * MANY >= n else 1
             push_again(n, touch, key, mover)
             for _ in range(count[0, ITERATIONS] * patience):
                 press_spheres(n, touch, rest, key, mover, h, rate, mass, keep, most, striking)

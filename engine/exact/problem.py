@@ -4,7 +4,8 @@ With the frame R = (normal, tangent, tangent) of a contact and the arms r_A, r_B
 w_A x r_A), so that u = J v; with M^-1 = S S^T, W = (J S)(J S)^T is symmetric to the last bit. The law sees q = J v_free plus,
 along the normal,
 
-    max(gap, 0) / h   a gap may close and a depth may not grow; rest then always satisfies the law, so that a solution exists,
+    max(gap - TOUCHING, 0) / h
+                      a gap may close and a depth may not grow; rest then always satisfies the law, so that a solution exists,
     e u_before        Newton's restitution for a point that strikes, with the normal velocity at the moment of impact.
 
 A depth is not worked off: pushes from both sides of a jammed body could not be satisfied at once.
@@ -26,6 +27,10 @@ __all__ = ["ContactFrames", "apply_impulse", "assemble_problem"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+TOUCHING = 1e-9
+"""Gap [m] below which a point touches. Gaps of 1e-12 m, which round-off leaves between jammed bodies, would otherwise
+close by motions of 1e-10 m/s beside others of 1 m/s, and who slips in them would be asked of the last digits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +78,7 @@ def assemble_problem(floats: FloatArray, ints: IntArray, h: float) -> tuple[Prob
     q = relative_velocity(float_table(floats, ints, at.STATE), made)
     gap, law = point[:, at.SEPARATION], manifold[:, at.LAW : at.LAW + 5]
     strikes = (point[:, at.STRUCK] == 1.0) & (law[:, 2] > 0.0)
-    lift = np.where(strikes, law[:, 2] * point[:, at.APPROACH], np.maximum(gap, 0.0) / h)
+    lift = np.where(strikes, law[:, 2] * point[:, at.APPROACH], np.maximum(gap - TOUCHING, 0.0) / h)
     pace = float(np.sqrt((q * q).sum(axis=1)).max(initial=0.0))
     q[:, 0] += lift
     speed = max(pace, float((-lift).max(initial=0.0)))

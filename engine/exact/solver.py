@@ -1,12 +1,17 @@
 """The exact solve: four methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
-2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its narrow part;
-3. the path traced by arc length, around its turns (`trace`), and 1 and 2 from ever smaller widths of it;
+2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
+3. the path traced by arc length, around its turns (`trace`), and from ever smaller widths 1 and Newton with the modes of the
+   contacts that the path shows (`settle`);
 4. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
+
+A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,22 +22,31 @@ from engine.exact.follow import follow_path
 from engine.exact.law import Problem
 from engine.exact.residual import relative_residual
 from engine.exact.scaled import Scaled, scale_problem
-from engine.exact.trace import trace_path
+from engine.exact.settle import OPEN, modes_of, settling_step
+from engine.exact.trace import PathPoint, trace_path
 
 __all__ = ["Solution", "solve"]
 
 FloatArray = NDArray[np.float64]
+Answer: TypeAlias = tuple[FloatArray, float, int]
+"""The best scaled impulses (k, 3) that a method found, their residual, and the Newton steps it took."""
 
 NEAR = 0.1
 """Residual below which Newton on Coulomb's law is tried."""
-PROXIMAL = 1e-8
-"""Weight of the distance to the last impulses in a step of that Newton, which vanishes with the step."""
+PLAIN = (1.0, 1e-8)
+"""What it weighs velocities with against impulses, and the distance to the last impulses, which vanishes with the step."""
+SHARPER = ((1e4, 1e-8), (1e6, 1e-11), (1e2, 1e-8), (1e6, 1e-8), (1e4, 1e-11))
+"""The same where contacts slip so slowly beside their impulses that they are taken for sticking."""
 MOST_STEPS, SHORTER = 12, (1.0, 0.5, 0.2, 0.05, 0.01)
 """How many steps it is given, and how much shorter they may be made."""
-WIDTHS, SHARPEST, SHARP = (0.1, 1e-2), 1e-13, 3e-6
-"""First widths of the paths, their last one, and that from which on 1 is tried, in units of the largest free velocity."""
-NARROW, CLOSER, MOST_TRACED = 1e-3, 0.1, 800
+WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
+"""First widths of the paths, and their last one, in units of the largest free velocity."""
+NARROW, CLOSER, MOST_TRACED = 1e-2, 0.3, 800
 """Width of a traced path below which Newton is tried, how much narrower each time, and the matrices it may take."""
+POWERS = (2.0, 1.0, 1.5)
+"""Of w in the width of sliding of the traced paths: where one is lost, another may lead on."""
+HELD, MOST_SETTLED = (1e-8, 1e-12), 8
+"""Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 PATIENCE = 12
 """Rounds of the fixed point without halving the residual, after which it is given up."""
 
@@ -42,13 +56,12 @@ class Solution:
     """Impulses with their certificate.
 
     Terms:
-        impulse (k, 3) N s in the frames of the contacts; residual: see `relative_residual`; rounds: of the fixed point; steps:
-        of Newton, all methods together.
+        impulse (k, 3) N s in the frames of the contacts; residual: see `relative_residual`; steps: of Newton, of
+        all methods together.
     """
 
     impulse: FloatArray
     residual: float
-    rounds: int
     steps: int
 
 
@@ -62,71 +75,122 @@ def solve(problem: Problem, tolerance: float = 1e-11, most: int = 40, guess: Flo
     best = np.zeros((problem.size, 3))
     lowest, steps = relative_residual(problem, best), 0
     if lowest <= tolerance or problem.speed == 0.0:
-        return Solution(best, lowest, 0, 0)
+        return Solution(best, lowest, 0)
     scaled = scale_problem(problem)
-    if guess is not None:
-        best, lowest, steps = finish(scaled, guess * scaled.scale / scaled.unit, tolerance)
-    for width in WIDTHS:
-        if lowest <= tolerance:
-            break
-        x = np.zeros((problem.size, 3))
-        x[:, 0] = width
-        x, residual, more = follow(scaled, x, width, tolerance)
+    for x, residual, more in answers(scaled, tolerance, most, guess):
         steps += more
         if residual < lowest:
             best, lowest = x, residual
-    if lowest > tolerance:
-        narrow = NARROW
-        for x, width, more in trace_path(scaled.w, scaled.q, scaled.rubs, MOST_TRACED):
-            steps += more
-            if width < narrow:
-                narrow = CLOSER * width
-                for tried, residual, more in (finish(scaled, x, tolerance), follow(scaled, x, width, tolerance)):
+        if lowest <= tolerance:
+            break
+    return Solution(scaled.impulse(best), lowest, steps)
+
+
+def answers(scaled: Scaled, tolerance: float, most: int, guess: FloatArray | None) -> Iterator[Answer]:
+    """The answer of each method in turn. Args: as `solve`."""
+    near: Answer = (np.zeros_like(scaled.q), np.inf, 0)
+    if guess is not None:
+        near = finish(scaled, guess * scaled.scale / scaled.unit, tolerance)
+        yield near
+    for width in WIDTHS:
+        found = follow(scaled, width, tolerance)
+        yield found
+        near = min(near, found, key=residual_of)
+    yield sharpen(scaled, near[0], tolerance)
+    for power in POWERS:
+        yield trace(scaled, power, tolerance)
+    yield relax(scaled, near[0] if near[1] < NEAR else np.zeros_like(scaled.q), tolerance, most)
+
+
+def residual_of(answer: Answer) -> float:
+    """What answers are judged by."""
+    return answer[1]
+
+
+def follow(scaled: Scaled, width: float, tolerance: float) -> Answer:
+    """From the middle of the cones along the path that starts with this width."""
+    x = np.zeros_like(scaled.q)
+    x[:, 0] = width
+    x, steps = follow_path(scaled.w, scaled.q, scaled.rubs, x, width, SHARPEST)
+    x, residual, last = finish(scaled, x, tolerance)
+    return x, residual, steps + last
+
+
+def trace(scaled: Scaled, power: float, tolerance: float) -> Answer:
+    """From ever narrower points of the traced path."""
+    best, lowest, steps, narrow = np.zeros_like(scaled.q), np.inf, 0, NARROW
+    for point in trace_path(scaled.w, scaled.q, scaled.rubs, power, MOST_TRACED):
+        steps += point.steps
+        if point.width < narrow:
+            narrow = CLOSER * point.width
+            for x, residual, more in (finish(scaled, point.x, tolerance), *settle(scaled, point, tolerance)):
+                steps += more
+                if residual > tolerance:
+                    x, residual, more = sharpen(scaled, x, tolerance)
                     steps += more
-                    if residual < lowest:
-                        best, lowest = tried, residual
+                if residual < lowest:
+                    best, lowest = x, residual
                 if lowest <= tolerance:
-                    break
-    count, idle = 0, 0
-    if lowest > tolerance:
-        for x, more in rounds(scaled, best if lowest < NEAR else np.zeros_like(best)):
-            x, residual, last = finish(scaled, x, tolerance)
-            count, steps = count + 1, steps + more + last
-            idle = 0 if residual < 0.5 * lowest else idle + 1
-            if residual < lowest:
-                best, lowest = x, residual
-            if lowest <= tolerance or idle > PATIENCE or count >= most:
-                break
-    return Solution(scaled.impulse(best), lowest, count, steps)
+                    return best, lowest, steps
+    return best, lowest, steps
 
 
-def follow(scaled: Scaled, x: FloatArray, width: float, tolerance: float) -> tuple[FloatArray, float, int]:
-    """The best scaled impulses (k, 3) along the path from x and a width on, with residual and number of steps."""
-    best, lowest, steps = x, np.inf, 0
-    for point, sharp, more in follow_path(scaled.w, scaled.q, scaled.rubs, x, width, SHARPEST):
-        x, steps = np.where(scaled.kept, point, 0.0), steps + more
-        residual = scaled.residual(x)
+def relax(scaled: Scaled, x: FloatArray, tolerance: float, most: int) -> Answer:
+    """By rounds of the fixed point from x."""
+    best, lowest, steps, idle = x, np.inf, 0, 0
+    for count, (point, more) in enumerate(rounds(scaled, x)):
+        tried, residual, last = finish(scaled, point, tolerance)
+        steps += more + last
+        idle = 0 if residual < 0.5 * lowest else idle + 1
         if residual < lowest:
-            best, lowest = x, residual
-        if sharp <= SHARP and lowest > tolerance:
-            tried, residual, last = finish(scaled, x, tolerance)
-            steps += last
-            if residual < lowest:
-                best, lowest = tried, residual
+            best, lowest = tried, residual
+        if lowest <= tolerance or idle > PATIENCE or count + 1 >= most:
+            break
+    return best, lowest, steps
+
+
+def sharpen(scaled: Scaled, x: FloatArray, tolerance: float) -> Answer:
+    """By Newton from x with velocities weighed higher."""
+    best, lowest, steps = x, scaled.residual(x), 0
+    for weights in SHARPER:
+        tried, residual, more = finish(scaled, x, tolerance, weights)
+        steps += more
+        if residual < lowest:
+            best, lowest = tried, residual
         if lowest <= tolerance:
             break
     return best, lowest, steps
 
 
-def finish(scaled: Scaled, x: FloatArray, tolerance: float) -> tuple[FloatArray, float, int]:
-    """The best scaled impulses (k, 3) of a few Newton steps on Coulomb's law from x, with residual and number of steps."""
+def settle(scaled: Scaled, point: PathPoint, tolerance: float) -> Iterator[Answer]:
+    """By Newton from a point of the path with its modes."""
+    mode = modes_of(scaled.rubs, point.x, point.drift)
+    for held in HELD:
+        regular = scaled.w + held * np.eye(scaled.w.shape[0])
+        x = np.where(scaled.kept & (mode != OPEN)[:, None], point.x, 0.0)
+        best, lowest, idle, count = x, scaled.residual(x), 0, 0
+        while lowest > tolerance and idle <= 3 and count < MOST_SETTLED:
+            made = settling_step(regular, scaled.q - held * x, scaled.rubs, mode, x)
+            count += 1
+            if made is None:
+                break
+            x, now = made, scaled.residual(made)
+            idle = 0 if now < 0.5 * lowest else idle + 1
+            if now < lowest:
+                best, lowest = x, now
+        yield best, lowest, count
+
+
+def finish(scaled: Scaled, x: FloatArray, tolerance: float, weights: tuple[float, float] = PLAIN) -> Answer:
+    """By a few Newton steps on Coulomb's law from x."""
     x = np.where(scaled.kept, x, 0.0)
     best, lowest, idle = x, scaled.residual(x), 0
     if not tolerance < lowest < NEAR:
         return best, lowest, 0
-    regular = scaled.w + PROXIMAL * np.eye(scaled.w.shape[0])
+    weight, proximal = weights
+    regular = weight * (scaled.w + proximal * np.eye(scaled.w.shape[0]))
     for count in range(MOST_STEPS):
-        made = finishing_step(regular, scaled.q - PROXIMAL * x, scaled.rubs, x)
+        made = finishing_step(regular, weight * (scaled.q - proximal * x), scaled.rubs, x)
         if made is None:
             return best, lowest, count + 1
         size, now = 1.0, np.inf

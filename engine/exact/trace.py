@@ -3,10 +3,15 @@
 Where sliding feeds back into the normal velocities a path may turn: no solution near by exists for a smaller width; the path
 goes back to larger ones before it comes down again. Traced by its arc length in (x, log w) it passes such turns. The smoothing
 
-    y = (W + w^2) x + q + (|y_T|^2 / sqrt(|y_T|^2 + w^2), 0, 0),    F = p(x - y) - x = 0
+    y = (W + w^2) x + q + (|y_T|^2 / sqrt(|y_T|^2 + b^2), 0, 0),    F = p(x - y) - x = 0
 
-makes a convex problem of large widths, which has one solution, so that the path from there leads down; it shifts a sticking
-contact by nothing and a sliding one by w^2, so that a jammed body is not loosened by it.
+is convex for large widths, where it has one solution, so that the path from there leads down. On the path x o y = w^2: impulses
+of order one go with velocities of order w^2, so that w^2 is the natural width b of sliding, and the weight that keeps jammed
+impulses bounded; with them the limit is inside the cones wherever they have room. Another b = w^power is another path. A change
+counts relative to a contact's own impulse, since a bearing one is of order one and an open one of order w^2.
+
+With c = p(z) - z, F is p - x where a contact is open and c - y where it bears, and 1 - dp/dz comes from c alone: differences of
+large numbers would cost the digits that decide who slips.
 
 Source: Allgower, Georg, Introduction to Numerical Continuation Methods, SIAM 2003, chapters 2 and 6; Fukushima, Luo, Tseng,
 SIAM J. Optim. 12, 2002 (smoothing).
@@ -14,151 +19,169 @@ SIAM J. Optim. 12, 2002 (smoothing).
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
-from engine.exact.cone import compose, inverse_slope, root, smooth_project, spectral
+from engine.exact.cone import compose, frame_of, root, spectral
 
-__all__ = ["trace_path"]
+__all__ = ["PathPoint", "trace_path"]
 
 FloatArray = NDArray[np.float64]
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
 
-WIDEST, NARROWEST = 10.0, 1e-13
+WIDEST, NARROWEST = 10.0, 1e-8
 """Widths, in units of the largest free velocity, where the path starts and ends."""
-PROXIMAL = 1e-15
-"""Added to the diagonal for the steps alone."""
-CENTRED = 0.3
+CENTRED = 0.1
 """How far, relative to its distance from the boundary of the cone, a contact may be off the path."""
-SHORTEST = 1e-7
-"""Arc length of a step below which the path is given up."""
+SHORTEST, LONGEST = 1e-7, 3.0
+"""Arc length of a step below which the path is given up, and the largest change of log w in one step."""
+TRIES = 8
+"""Newton steps allowed to come back to the path, and how the arc length changes after each number of them."""
+PACE = (2.0, 2.0, 2.0, 1.3, 1.3, 1.0, 0.7, 0.7, 0.7)
 
 
-class _Path:
-    """F and its derivatives for one problem: w (3k, 3k) and q (k, 3) scaled to order one and mu = 1, rubs (k,)."""
+@dataclass(frozen=True, slots=True)
+class PathPoint:
+    """A point of the path.
 
-    def __init__(self, w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_]) -> None:
-        self.w, self.q, self.rubs = w, q, rubs
-        self.one = np.eye(len(w))
+    Terms:
+        x, drift (k, 3): scaled impulses and their derivative along the path, dx / d log w; width: w; steps: matrices factorised
+        since the point before.
+    """
 
-    def at(self, x: FloatArray, width: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-        """F (k, 3), -dF/dx (3k, 3k), dF/dw (k, 3), and how far x is off the path relative to its room."""
-        k, soft, square = len(x), width * width, width * width
-        y = self.q + (self.w @ x.ravel()).reshape(-1, 3) + soft * x
-        y[~self.rubs, 1:] = 0.0
-        size = np.sqrt(y[:, 1] ** 2 + y[:, 2] ** 2 + square)
-        lift = y[:, 1:] / size[:, None] * (1.0 + square / size**2)[:, None]
-        y[:, 0] += np.where(self.rubs, size - square / size, 0.0)
-        z = x - y
-        miss = smooth_project(z, width) - x
-        values, frame = inverse_slope(z, width)
-        slope = (frame / values[:, None, :]) @ np.swapaxes(frame, 1, 2)
-        rows = (self.w + (soft + PROXIMAL) * self.one).reshape(k, 3, 3 * k)
-        rows[:, 0] += lift[:, 0, None] * rows[:, 1] + lift[:, 1, None] * rows[:, 2]
-        matrix = self.one - (slope @ (self.one.reshape(k, 3, 3 * k) - rows)).reshape(3 * k, 3 * k)
-        low, high, tangent = spectral(z)
-        rate = compose(2.0 * width / np.hypot(low, 2.0 * width), 2.0 * width / np.hypot(high, 2.0 * width), tangent)
-        pushed = 2.0 * width * x
-        sliding = (lift * pushed[:, 1:]).sum(axis=1) - (size**2 - square) * width / size**3
-        pushed[:, 0] += np.where(self.rubs, sliding, 0.0)
-        rate -= (slope @ pushed[:, :, None])[:, :, 0]
-        return miss, matrix, rate, off_centre(z, miss, width)
+    x: FloatArray
+    drift: FloatArray
+    width: float
+    steps: int
 
 
-def off_centre(z: FloatArray, miss: FloatArray, width: float) -> float:
-    """The largest spectral value of the miss relative to the room that its contact has within the cone and its dual."""
+@dataclass(frozen=True, slots=True)
+class Local:
+    """F (k, 3), -dF/dx (3k, 3k) and dF / d log w (k, 3) at a point; off: how far from the path; size (k,): of the impulses."""
+
+    miss: FloatArray
+    slope: FloatArray
+    rate: FloatArray
+    off: float
+    size: FloatArray
+
+
+def look(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray, width: float, power: float) -> Local:
+    """F and its derivatives. Args: as `trace_path`; x (k, 3)."""
+    k, soft, dim = len(x), width * width, width**power
+    y = q + (w @ x.ravel()).reshape(-1, 3) + soft * x
+    y[~rubs, 1:] = 0.0
+    square = y[:, 1] ** 2 + y[:, 2] ** 2
+    size = np.sqrt(square + dim * dim)
+    blur = (dim / size) ** 2
+    lift = y[:, 1:] / size[:, None] * (1.0 + blur)[:, None]
+    y[:, 0] += np.where(rubs, square / size, 0.0)
+    z = x - y
     low, high, tangent = spectral(z)
     (p_low, c_low), (p_high, c_high) = root(low, width), root(high, width)
-    along = miss[:, 1] * tangent[:, 0] + miss[:, 2] * tangent[:, 1]
-    across = miss[:, 2] * tangent[:, 0] - miss[:, 1] * tangent[:, 1]
-    round_off = 1e-14 + 3e-15 * float(np.abs(z).max())
-    shares = (
-        (miss[:, 0] - along) / (np.minimum(p_low, c_low) + round_off),
-        (miss[:, 0] + along) / (np.minimum(p_high, c_high) + round_off),
-        across / (np.minimum(p_low + p_high, c_low + c_high) + round_off),
-    )
-    return float(np.abs(shares).max())
+    open_ = (x[:, 0] < y[:, 0])[:, None]
+    miss = np.where(open_, compose(p_low, p_high, tangent) - x, compose(c_low, c_high, tangent) - y)
+
+    p, c = np.stack([p_low, p_high, p_low + p_high], axis=1), np.stack([c_low, c_high, c_low + c_high], axis=1)
+    frame = frame_of(tangent)
+    turned = np.swapaxes(frame, 1, 2)
+    bears, opens = (frame * (p / (p + c))[:, None, :]) @ turned, (frame * (c / (p + c))[:, None, :]) @ turned
+    rows = (w + soft * np.eye(3 * k)).reshape(k, 3, 3 * k)
+    rows[:, 0] += lift[:, 0, None] * rows[:, 1] + lift[:, 1, None] * rows[:, 2]
+    slope = (bears @ rows).reshape(3 * k, 3 * k)
+    each = np.arange(k)
+    slope.reshape(k, 3, k, 3)[each, :, each, :] += opens
+
+    pushed = 2.0 * soft * x
+    pushed[:, 0] += np.where(rubs, (lift * pushed[:, 1:]).sum(axis=1) - power * square / size * blur, 0.0)
+    rate = compose(2.0 * soft / np.hypot(low, 2.0 * width), 2.0 * soft / np.hypot(high, 2.0 * width), tangent)
+    rate -= (bears @ pushed[:, :, None])[:, :, 0]
+    along, across = (miss[:, 1:] * tangent).sum(axis=1), miss[:, 2] * tangent[:, 0] - miss[:, 1] * tangent[:, 1]
+    ends = np.stack([miss[:, 0] - along, miss[:, 0] + along, across], axis=1)
+    room = np.minimum(p, c) + 1e-16 + 4e-16 * float(np.abs(z).max())
+    return Local(miss, slope, rate, float(np.abs(ends / room).max()), p_high)
 
 
-def trace_path(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], most: int) -> Iterator[tuple[FloatArray, float, int]]:
-    """Points of the path, each with its width and the matrices factorised since the last one; ends where the path is lost.
+def trace_path(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int) -> Iterator[PathPoint]:
+    """Points of the path; ends where the path is lost.
 
-    Args: w (3k, 3k), q (k, 3), rubs (k,): as `follow_path`; most: matrices allowed.
+    Args: w (3k, 3k) and q (k, 3) scaled to order one and to mu = 1; rubs (k,): contacts with friction; power: of w in
+        the width of sliding; most: matrices allowed.
     """
-    path, n = _Path(w, q, rubs), len(w)
-    x, used = start(path)
-    log_width, arc = math.log(WIDEST), 1.0
-    # Unknowns are dx / w and the change of log w, so that a step means the same at every width.
-    turn = np.zeros(n + 1)
-    turn[n] = -1.0
-    matrix, right = np.empty((n + 1, n + 1)), np.zeros(n + 1)
+    n = len(w)
+    x, used = start(w, q, rubs, power)
+    here = look(w, q, rubs, x, WIDEST, power)
+    unit, turn = np.repeat(here.size, 3), np.zeros(n + 1)
+    log_width, arc, turn[n], count = math.log(WIDEST), 1.0, -1.0, 0
+    matrix, right = np.empty((n + 1, n + 1)), np.empty(n + 1)
 
-    def bordered(slope: FloatArray, rate: FloatArray) -> None:
-        matrix[:n, :n], matrix[:n, n] = slope, -rate.ravel()
+    def newton(at: Local, miss: FloatArray | float, along: float) -> FloatArray | None:
+        """The change of (x / unit, log w) that makes up for a miss with this way along the path."""
+        matrix[:n, :n], matrix[:n, n] = at.slope * unit, -at.rate.ravel()
         matrix[n, :n], matrix[n, n] = turn[:n] / n, turn[n]
-
-    count = used
-    while used < most:
-        width = math.exp(log_width)
-        _, slope, rate, _ = path.at(x, width)
-        bordered(slope, rate)
-        right[:n], right[n] = 0.0, 1.0
+        right[:n], right[n] = miss, along
         _, _, made, status = gesv(matrix, right)
+        return made if status == 0 and np.isfinite(made).all() else None
+
+    while used < most:
+        made = newton(here, 0.0, 1.0)
         used += 1
-        if status != 0 or not np.isfinite(made).all():
+        if made is None:
             return
         turn = made / math.sqrt(made[:n] @ made[:n] / n + made[n] ** 2)
+        drift = (unit * made[:n]).reshape(-1, 3) / (made[n] or 1e-300)
+        if used > count + 1 and log_width < math.log(WIDEST):
+            yield PathPoint(x, drift, math.exp(log_width), used - count)
+            count = used
         while arc > SHORTEST:
-            step = min(arc, 1.5 / max(abs(turn[n]), 1e-9))
-            grown = math.expm1(step * turn[n]) / turn[n] if abs(turn[n]) > 1e-8 else step
-            found, log_found, tries = x + width * grown * turn[:n].reshape(-1, 3), log_width + step * turn[n], 0
-            last, done = math.inf, False
-            while tries < 8:
-                near = math.exp(log_found)
-                miss, slope, rate, off = path.at(found, near)
-                done = off <= CENTRED
-                if done or not math.isfinite(off) or (tries > 1 and off > 2.0 * last):
+            step = min(arc, LONGEST / max(abs(turn[n]), 1e-9))
+            # Along the path x is smooth in w^2, not in log w.
+            bend = 2.0 * step * turn[n]
+            way = step * (math.expm1(bend) / bend if abs(bend) > 1e-8 else 1.0)
+            found, log_found, tries = x + way * (unit * turn[:n]).reshape(-1, 3), log_width + step * turn[n], 0
+            last = math.inf
+            while True:
+                there = look(w, q, rubs, found, math.exp(log_found), power)
+                lost = not math.isfinite(there.off) or (tries > 1 and there.off > 2.0 * last)
+                if there.off <= CENTRED or tries == TRIES or lost:
                     break
-                last = off
-                bordered(slope, rate)
-                right[:n], right[n] = miss.ravel() / near, 0.0
-                _, _, made, status = gesv(matrix, right)
+                made, last = newton(there, there.miss.ravel(), 0.0), there.off
                 used, tries = used + 1, tries + 1
-                if status != 0 or not np.isfinite(made).all() or abs(made[n]) > 3.0:
+                if made is None or abs(made[n]) > LONGEST:
                     break
-                way = made[:n].reshape(-1, 3)
-                way[~rubs, 1:] = 0.0
-                found, log_found = found + near * way, log_found + float(made[n])
-            if done:
+                change = (unit * made[:n]).reshape(-1, 3)
+                change[~rubs, 1:] = 0.0
+                found, log_found = found + change, log_found + float(made[n])
+            if there.off <= CENTRED:
                 break
             arc *= 0.35
         else:
             return
-        x, log_width = found, log_found
-        arc *= (2.0, 2.0, 2.0, 1.3, 1.3, 1.0, 0.7, 0.7, 0.7)[tries]
-        yield x, math.exp(log_width), used - count
-        count = used
+        x, log_width, arc, here = found, log_found, step * PACE[tries], there
+        turn[:n] *= unit / np.repeat(here.size, 3)
+        unit = np.repeat(here.size, 3)
         if not math.log(NARROWEST) < log_width < math.log(10.0 * WIDEST):
             return
 
 
-def start(path: _Path) -> tuple[FloatArray, int]:
+def start(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: float) -> tuple[FloatArray, int]:
     """The point of the path (k, 3) at the widest width by Newton with a line search, and the matrices factorised."""
-    x = np.zeros_like(path.q)
+    x = np.zeros_like(q)
     x[:, 0] = WIDEST
-    miss, slope, _, off = path.at(x, WIDEST)
+    here = look(w, q, rubs, x, WIDEST, power)
     for count in range(60):
-        if off < 1e-2:
+        if here.off < 1e-2:
             return x, count
-        _, _, way, _ = gesv(slope, miss.ravel())
-        way, size, before = way.reshape(-1, 3), 1.0, float((miss * miss).sum())
-        way[~path.rubs, 1:] = 0.0
+        _, _, way, _ = gesv(here.slope, here.miss.ravel())
+        way, size, before = way.reshape(-1, 3), 1.0, float((here.miss**2).sum())
+        way[~rubs, 1:] = 0.0
         for _ in range(10):
-            miss, slope, _, off = path.at(x + size * way, WIDEST)
-            if float((miss * miss).sum()) < (1.0 - 1e-4 * size) * before:
+            here = look(w, q, rubs, x + size * way, WIDEST, power)
+            if float((here.miss**2).sum()) < (1.0 - 1e-4 * size) * before:
                 break
             size *= 0.5
         x = x + size * way

@@ -36,6 +36,7 @@ from typing import TYPE_CHECKING, Any, assert_never, cast
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unsupported
+from harness.batch import Batch
 from harness.scene import (
     Ball,
     Body,
@@ -351,6 +352,41 @@ class _Simulation:
         """Nothing to free: the world is arrays."""
 
 
+class _Batch:
+    """Equal worlds of the engine, advanced in one call on one thread."""
+
+    def __init__(self, batch: "engine.Batch", resolved: Settings) -> None:
+        self._batch, self._resolved = batch, resolved
+
+    @property
+    def resolved(self) -> Settings:
+        return self._resolved
+
+    @property
+    def worlds(self) -> int:
+        return len(self._batch)
+
+    def step(self, count: int = 1) -> None:
+        import engine
+
+        try:
+            self._batch.step(count)
+        except engine.Diverged as error:
+            raise Diverged(str(error)) from error
+        except engine.NotSupported as error:
+            raise Unsupported(error.what, error.why) from error
+
+    def state(self, world: int, out: State) -> None:
+        table = self._batch.world(world).state()
+        out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
+
+    def warnings(self) -> tuple[str, ...]:
+        return ()
+
+    def close(self) -> None:
+        """Nothing to free: the worlds are arrays."""
+
+
 def _world(scene: Scene, options: Any) -> Any:
     import engine
 
@@ -395,6 +431,17 @@ class _Reference(Adapter):
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         return _build(scene, settings)
+
+    def build_batch(self, scene: Scene, settings: Settings, count: int) -> Batch:
+        import engine
+
+        options = _options(scene, settings)
+        world = _world(scene, options)
+        try:
+            return _Batch(engine.Batch.replicate(world, count), _resolved(settings, options, world))
+        except (engine.NotSupported, ValueError):
+            # The exact solver, swept collision and worlds with threads of their own take turns.
+            return super().build_batch(scene, settings, count)
 
 
 F = Feature

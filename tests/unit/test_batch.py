@@ -1,6 +1,7 @@
 """Many worlds: they all advance, each is read by itself, and a world that goes its own way is seen."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,3 +74,24 @@ def test_a_batch_that_cannot_be_finished_closes_what_it_began(monkeypatch: pytes
     with pytest.raises(MemoryError):
         adapter.build_batch(SCENE, adapter.tracks["default"], 5)
     assert closed == [0, 1]
+
+
+@pytest.mark.parametrize(("options", "own"), [({}, True), ({"threads": 2}, False)])
+def test_the_reference_engine_steps_its_worlds_together_with_the_bits_of_one_alone(options: dict[str, int], own: bool) -> None:
+    """Its own batch where it has one for these settings, and turns otherwise."""
+    adapter = discover.adapter("reference")
+    settings = replace(adapter.tracks["default"], options=options)
+    together, alone = adapter.build_batch(SCENE, settings, 3), adapter.build(SCENE, settings)
+    assert isinstance(together, Turns) != own
+    assert together.worlds == 3
+    assert together.resolved == alone.resolved
+    together.step(20)
+    alone.step(20)
+    mine, theirs = State.empty(BODIES), State.empty(BODIES)
+    alone.state(mine)
+    for world in range(3):
+        together.state(world, theirs)
+        for name in ("p_WB", "q_WB", "v_WB", "w_WB"):
+            np.testing.assert_array_equal(getattr(theirs, name), getattr(mine, name))
+    together.close()
+    alone.close()

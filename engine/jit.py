@@ -87,7 +87,7 @@ def entry(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use or loaded from the cache.
     """
-    return _one_at_a_time(_compiled(function, cache=True))
+    return _one_at_a_time(_compiled(function, cache=True, pipeline_class=_closed()))
 
 
 def parallel_entry(function: Function) -> Function:
@@ -97,7 +97,38 @@ def parallel_entry(function: Function) -> Function:
     Returns: the same function, compiled on first use or loaded from the cache.
     """
     no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
-    return _one_at_a_time(_compiled(function, cache=True, parallel={"prange": True, **no_more}))
+    parallel = {"prange": True, **no_more}
+    return _one_at_a_time(_compiled(function, cache=True, parallel=parallel, pipeline_class=_closed()))
+
+
+@cache
+def _closed() -> type:
+    """Numba's compiler for functions that keep the kernels they were linked with to themselves.
+
+    Otherwise a loaded function would call those copies of a kernel that the process has met first, which are compiled in another
+    context and may round otherwise: the same step would give other bits in the process that compiled it.
+    """
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder
+
+    class Closed(CompilerBase):
+        def define_pipelines(self) -> list[Any]:
+            state: Any = self.state
+            library = state.targetctx.codegen().create_library(state.func_id.func_qualname)
+            library.enable_object_caching()
+            optimize = library._optimize_final_module
+
+            def close_and_optimize() -> None:
+                for one in library._final_module.functions:
+                    if not one.is_declaration and one.linkage.name == "linkonce_odr":
+                        one.linkage = "internal"
+                optimize()
+
+            library._optimize_final_module = close_and_optimize
+            state.library = library
+            passes: Any = DefaultPassBuilder
+            return [passes.define_nopython_pipeline(state)]
+
+    return Closed
 
 
 @cache

@@ -43,8 +43,8 @@ WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
 """First widths of the paths, and their last one, in units of the largest free velocity."""
 NARROW, CLOSER, MOST_TRACED = 1e-2, 0.3, 800
 """Width of a traced path below which Newton is tried, how much narrower each time, and the matrices it may take."""
-POWERS = (2.0, 1.0, 1.5)
-"""Of w in the width of sliding of the traced paths: where one is lost, another may lead on."""
+PATHS = tuple((power, kind) for kind in (np.float64, np.longdouble) for power in (2.0, 1.0, 1.5))
+"""Power of w in the width of sliding, and kind of numbers, of the traced paths: where one is lost, another may lead on."""
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 PATIENCE = 12
@@ -97,8 +97,8 @@ def answers(scaled: Scaled, tolerance: float, most: int, guess: FloatArray | Non
         yield found
         near = min(near, found, key=residual_of)
     yield sharpen(scaled, near[0], tolerance)
-    for power in POWERS:
-        yield trace(scaled, power, tolerance)
+    for path in PATHS:
+        yield trace(scaled, path, tolerance)
     yield relax(scaled, near[0] if near[1] < NEAR else np.zeros_like(scaled.q), tolerance, most)
 
 
@@ -116,10 +116,10 @@ def follow(scaled: Scaled, width: float, tolerance: float) -> Answer:
     return x, residual, steps + last
 
 
-def trace(scaled: Scaled, power: float, tolerance: float) -> Answer:
+def trace(scaled: Scaled, path: tuple[float, type[np.floating]], tolerance: float) -> Answer:
     """From ever narrower points of the traced path."""
     best, lowest, steps, narrow = np.zeros_like(scaled.q), np.inf, 0, NARROW
-    for point in trace_path(scaled.w, scaled.q, scaled.rubs, power, MOST_TRACED):
+    for point in trace_path(scaled.w, scaled.q, scaled.rubs, *path, MOST_TRACED):
         steps += point.steps
         if point.width < narrow:
             narrow = CLOSER * point.width

@@ -2,11 +2,17 @@
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
 2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
-3. the path traced by arc length, around its turns (`trace`), and from ever smaller widths 1 and Newton with the modes of the
+3. 1 from the best so far with velocities weighed higher, for contacts that slip slowly under large impulses;
+4. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 3 and Newton with the modes of the
    contacts that the path shows (`settle`);
-4. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
+5. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
 
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
+
+What is certified is the residual of the answer, whoever found it. A solve may miss 1e-10: of piles with masses
+from 1 to 1e4 kg between walls, 18 of 20 of four boxes had no miss (2 of 3000 solves missed, at most 2.0e-8), and two of eight
+boxes, 3 of 400 (at most 3.6e-9). A missed solve takes seconds, is counted in `World.certificate`, and a converged truth is
+refused on it.
 """
 
 from collections.abc import Iterator

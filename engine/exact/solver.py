@@ -1,4 +1,4 @@
-"""The exact solve: four methods from the quickest to the most patient, each judged by the certificate alone.
+"""The exact solve: five methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
 2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
@@ -10,8 +10,8 @@
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 
 What is certified is the residual of the answer, whoever found it. A solve may miss 1e-10: of piles with masses
-from 1 to 1e4 kg between walls, 18 of 20 of four boxes had no miss (2 of 3000 solves missed, at most 2.0e-8), and two of eight
-boxes, 3 of 400 (at most 3.6e-9). A missed solve takes seconds, is counted in `World.certificate`, and a converged truth is
+from 1 to 1e4 kg between walls, 18 of 20 of four boxes had no miss (2 of 3000 solves missed, at most 2.0e-8), and of five of
+eight boxes one (5 of 1000 solves, at most 3.6e-9). A missed solve takes seconds, is counted in `World.certificate`, and a converged truth is
 refused on it.
 """
 

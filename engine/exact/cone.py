@@ -7,6 +7,7 @@ Source: Fukushima, Luo, Tseng, Smoothing functions for second-order-cone complem
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ FloatArray = NDArray[np.float64]
 HALF = math.sqrt(0.5)
 
 
-def spectral(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def spectral(x: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Lower and upper spectral value (k,) and tangent direction (k, 2) of vectors (k, 3)."""
     size = np.hypot(x[:, 1], x[:, 2])
     tangent = np.where(size[:, None] > 0.0, x[:, 1:] / np.maximum(size, 1e-300)[:, None], (1.0, 0.0))

@@ -1,12 +1,17 @@
-"""The exact solve: four methods from the quickest to the most patient, each judged by the certificate alone.
+"""The exact solve: five methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
 2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
-3. the path traced by arc length, around its turns (`trace`), and from ever smaller widths 1 and Newton with the modes of the
+3. 1 from the best so far with velocities weighed higher, for contacts that slip slowly under large impulses;
+4. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 3 and Newton with the modes of the
    contacts that the path shows (`settle`);
-4. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
+5. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
 
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
+
+What is certified is the residual of the answer, whoever found it. A solve may miss 1e-10. Of piles with masses from 1 to 1e4 kg
+between walls, 18 of 20 of four boxes had no miss (2 of 3000 solves, at most 2.0e-8), and eight boxes missed once in 267
+solves (at most 2.3e-8). A miss takes seconds, is counted in `World.certificate`, and a converged truth is refused on it.
 """
 
 from collections.abc import Iterator
@@ -43,8 +48,8 @@ WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
 """First widths of the paths, and their last one, in units of the largest free velocity."""
 NARROW, CLOSER, MOST_TRACED = 1e-2, 0.3, 800
 """Width of a traced path below which Newton is tried, how much narrower each time, and the matrices it may take."""
-POWERS = (2.0, 1.0, 1.5)
-"""Of w in the width of sliding of the traced paths: where one is lost, another may lead on."""
+PATHS = tuple((power, kind) for kind in (np.float64, np.longdouble) for power in (2.0, 1.0, 1.5))
+"""Power of w in the width of sliding, and kind of numbers, of the traced paths: where one is lost, another may lead on."""
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 PATIENCE = 12
@@ -97,8 +102,8 @@ def answers(scaled: Scaled, tolerance: float, most: int, guess: FloatArray | Non
         yield found
         near = min(near, found, key=residual_of)
     yield sharpen(scaled, near[0], tolerance)
-    for power in POWERS:
-        yield trace(scaled, power, tolerance)
+    for path in PATHS:
+        yield trace(scaled, path, tolerance)
     yield relax(scaled, near[0] if near[1] < NEAR else np.zeros_like(scaled.q), tolerance, most)
 
 
@@ -116,10 +121,10 @@ def follow(scaled: Scaled, width: float, tolerance: float) -> Answer:
     return x, residual, steps + last
 
 
-def trace(scaled: Scaled, power: float, tolerance: float) -> Answer:
+def trace(scaled: Scaled, path: tuple[float, type[np.floating]], tolerance: float) -> Answer:
     """From ever narrower points of the traced path."""
     best, lowest, steps, narrow = np.zeros_like(scaled.q), np.inf, 0, NARROW
-    for point in trace_path(scaled.w, scaled.q, scaled.rubs, power, MOST_TRACED):
+    for point in trace_path(scaled.w, scaled.q, scaled.rubs, *path, MOST_TRACED):
         steps += point.steps
         if point.width < narrow:
             narrow = CLOSER * point.width

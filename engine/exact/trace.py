@@ -30,6 +30,7 @@ from engine.exact.cone import compose, frame_of, root, spectral
 __all__ = ["PathPoint", "trace_path"]
 
 FloatArray = NDArray[np.float64]
+FineArray = NDArray[np.floating]
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
 
@@ -70,10 +71,12 @@ class Local:
     size: FloatArray
 
 
-def look(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray, width: float, power: float) -> Local:
-    """F and its derivatives. Args: as `trace_path`; x (k, 3)."""
+def look(
+    w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
+) -> Local:
+    """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with more digits."""
     k, soft, dim = len(x), width * width, width**power
-    y = q + (w @ x.ravel()).reshape(-1, 3) + soft * x
+    y = q + (fine @ x.ravel()).reshape(-1, 3) + soft * x
     y[~rubs, 1:] = 0.0
     square = y[:, 1] ** 2 + y[:, 2] ** 2
     size = np.sqrt(square + dim * dim)
@@ -86,7 +89,9 @@ def look(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray, w
     open_ = (x[:, 0] < y[:, 0])[:, None]
     miss = np.where(open_, compose(p_low, p_high, tangent) - x, compose(c_low, c_high, tangent) - y)
 
-    p, c = np.stack([p_low, p_high, p_low + p_high], axis=1), np.stack([c_low, c_high, c_low + c_high], axis=1)
+    p = np.stack([p_low, p_high, p_low + p_high], axis=1).astype(np.float64)
+    c = np.stack([c_low, c_high, c_low + c_high], axis=1).astype(np.float64)
+    miss, lift, tangent = miss.astype(np.float64), lift.astype(np.float64), tangent.astype(np.float64)
     frame = frame_of(tangent)
     turned = np.swapaxes(frame, 1, 2)
     bears, opens = (frame * (p / (p + c))[:, None, :]) @ turned, (frame * (c / (p + c))[:, None, :]) @ turned
@@ -96,25 +101,28 @@ def look(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray, w
     each = np.arange(k)
     slope.reshape(k, 3, k, 3)[each, :, each, :] += opens
 
-    pushed = 2.0 * soft * x
-    pushed[:, 0] += np.where(rubs, (lift * pushed[:, 1:]).sum(axis=1) - power * square / size * blur, 0.0)
+    pushed = 2.0 * soft * x.astype(np.float64)
+    pushed[:, 0] += np.where(rubs, (lift * pushed[:, 1:]).sum(axis=1) - (power * square / size * blur).astype(np.float64), 0.0)
+    low, high = low.astype(np.float64), high.astype(np.float64)
     rate = compose(2.0 * soft / np.hypot(low, 2.0 * width), 2.0 * soft / np.hypot(high, 2.0 * width), tangent)
     rate -= (bears @ pushed[:, :, None])[:, :, 0]
     along, across = (miss[:, 1:] * tangent).sum(axis=1), miss[:, 2] * tangent[:, 0] - miss[:, 1] * tangent[:, 1]
     ends = np.stack([miss[:, 0] - along, miss[:, 0] + along, across], axis=1)
-    room = np.minimum(p, c) + 1e-16 + 4e-16 * float(np.abs(z).max())
-    return Local(miss, slope, rate, float(np.abs(ends / room).max()), p_high)
+    room = np.minimum(p, c) + 2.0 * float(np.finfo(fine.dtype).eps) * (0.2 + float(np.abs(z).max()))
+    return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
 
 
-def trace_path(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int) -> Iterator[PathPoint]:
+def trace_path(
+    w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, kind: type[np.floating], most: int
+) -> Iterator[PathPoint]:
     """Points of the path; ends where the path is lost.
 
     Args: w (3k, 3k) and q (k, 3) scaled to order one and to mu = 1; rubs (k,): contacts with friction; power: of w in
-        the width of sliding; most: matrices allowed.
+        the width of sliding; kind: of floating-point numbers for x and y; most: matrices allowed.
     """
-    n = len(w)
-    x, used = start(w, q, rubs, power)
-    here = look(w, q, rubs, x, WIDEST, power)
+    n, fine = len(w), w.astype(kind)
+    x, used = start(w, fine, q, rubs, power)
+    here = look(w, fine, q, rubs, x, WIDEST, power)
     unit, turn = np.repeat(here.size, 3), np.zeros(n + 1)
     log_width, arc, turn[n], count = math.log(WIDEST), 1.0, -1.0, 0
     matrix, right = np.empty((n + 1, n + 1)), np.empty(n + 1)
@@ -135,7 +143,7 @@ def trace_path(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: flo
         turn = made / math.sqrt(made[:n] @ made[:n] / n + made[n] ** 2)
         drift = (unit * made[:n]).reshape(-1, 3) / (made[n] or 1e-300)
         if used > count + 1 and log_width < math.log(WIDEST):
-            yield PathPoint(x, drift, math.exp(log_width), used - count)
+            yield PathPoint(x.astype(np.float64), drift, math.exp(log_width), used - count)
             count = used
         while arc > SHORTEST:
             step = min(arc, LONGEST / max(abs(turn[n]), 1e-9))
@@ -145,7 +153,7 @@ def trace_path(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: flo
             found, log_found, tries = x + way * (unit * turn[:n]).reshape(-1, 3), log_width + step * turn[n], 0
             last = math.inf
             while True:
-                there = look(w, q, rubs, found, math.exp(log_found), power)
+                there = look(w, fine, q, rubs, found, math.exp(log_found), power)
                 lost = not math.isfinite(there.off) or (tries > 1 and there.off > 2.0 * last)
                 if there.off <= CENTRED or tries == TRIES or lost:
                     break
@@ -168,11 +176,11 @@ def trace_path(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: flo
             return
 
 
-def start(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: float) -> tuple[FloatArray, int]:
+def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float) -> tuple[FineArray, int]:
     """The point of the path (k, 3) at the widest width by Newton with a line search, and the matrices factorised."""
-    x = np.zeros_like(q)
+    x = np.zeros(q.shape, fine.dtype)
     x[:, 0] = WIDEST
-    here = look(w, q, rubs, x, WIDEST, power)
+    here = look(w, fine, q, rubs, x, WIDEST, power)
     for count in range(60):
         if here.off < 1e-2:
             return x, count
@@ -180,7 +188,7 @@ def start(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: float) -
         way, size, before = way.reshape(-1, 3), 1.0, float((here.miss**2).sum())
         way[~rubs, 1:] = 0.0
         for _ in range(10):
-            here = look(w, q, rubs, x + size * way, WIDEST, power)
+            here = look(w, fine, q, rubs, x + size * way, WIDEST, power)
             if float((here.miss**2).sum()) < (1.0 - 1e-4 * size) * before:
                 break
             size *= 0.5

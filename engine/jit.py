@@ -105,8 +105,8 @@ def parallel_entry(function: Function) -> Function:
 def _closed() -> type:
     """Numba's compiler for functions that keep the kernels they were linked with to themselves.
 
-    Otherwise a loaded function would call those copies of a kernel that the process has met first, which are compiled in another
-    context and may round otherwise: the same step would give other bits in the process that compiled it.
+    Otherwise a loaded function would call those copies of a kernel that the process has met first, which come from another
+    context and may round otherwise: a step would give other bits in the process that compiled it.
     """
     from numba.core.compiler import CompilerBase, DefaultPassBuilder
 

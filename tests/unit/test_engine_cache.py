@@ -17,6 +17,14 @@ world.step()
 print(world.state()[0, 9], sum(world._step.stats.cache_hits.values()))
 """
 """The velocity after a step of free fall, and how many compiled functions came from the cache."""
+TUMBLE = """
+import numpy as np
+import engine
+world = engine.World([engine.Body(name="b", inertia=np.diag([1.0, 2.0, 3.0]), w_WB=(0.01, 5.0, 0.02), v_WB=(1.0, 0.5, 3.0))])
+world.step(240)
+print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
+"""
+"""The bits of a tumbling body after a second, and how many compiled functions came from the cache."""
 KICK = "g = load3(setting, 0, GRAVITY)"
 UNIT = ("test_engine_motion.py", "test_engine_door.py", "test_engine_world.py")
 """Tests of every stage of a step, that pass within a minute as plain Python."""
@@ -30,17 +38,29 @@ def copy(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def _fall(root: Path) -> tuple[float, int]:
-    """Run the copy in a process of its own. Returns: velocity [m/s], hits of the cache."""
+def _run(root: Path, script: str) -> tuple[str, int]:
+    """Run the copy in a process of its own. Returns: what it says of its state, hits of the cache."""
     said = subprocess.run(
-        [sys.executable, "-B", "-c", FALL],
+        [sys.executable, "-B", "-c", script],
         cwd=root,
         env=os.environ | {"PYTHONPATH": str(root), "PLUMBLINE_KERNEL_CACHE": str(root / "cache"), "NUMBA_DISABLE_JIT": "0"},
         check=True,
         capture_output=True,
         text=True,
     ).stdout.split()
-    return float(said[0]), int(said[1])
+    return said[0], int(said[1])
+
+
+def _fall(root: Path) -> tuple[float, int]:
+    """Velocity [m/s], hits of the cache."""
+    velocity, hits = _run(root, FALL)
+    return float(velocity), hits
+
+
+def test_the_process_that_compiles_gets_the_bits_of_those_that_load(copy: Path) -> None:
+    compiled, loaded = _run(copy, TUMBLE), _run(copy, TUMBLE)
+    assert (compiled[1], loaded[1]) == (0, 1)
+    assert compiled[0] == loaded[0]
 
 
 def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_cache(copy: Path) -> None:

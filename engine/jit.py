@@ -24,6 +24,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 FLAGS: frozenset[str] = frozenset({"contract", "nsz"})
 """Fused multiply-add and unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
+OURS = "_ZN6engine"
+"""How the symbols of this package's functions begin."""
 
 
 def cache_directory() -> Path:
@@ -97,8 +99,7 @@ def parallel_entry(function: Function) -> Function:
     Returns: the same function, compiled on first use or loaded from the cache.
     """
     no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
-    parallel = {"prange": True, **no_more}
-    return _one_at_a_time(_compiled(function, cache=True, parallel=parallel, pipeline_class=_closed()))
+    return _one_at_a_time(_compiled(function, cache=True, parallel={"prange": True, **no_more}))
 
 
 @cache
@@ -119,8 +120,9 @@ def _closed() -> type:
 
             def close_and_optimize() -> None:
                 for one in library._final_module.functions:
-                    if not one.is_declaration and one.linkage.name == "linkonce_odr":
-                        one.linkage = "internal"
+                    if one.name.startswith(OURS) and not one.is_declaration and one.linkage.name == "linkonce_odr":
+                        # Not 'internal': the loader would find those by name, for callers that do not know what became of them.
+                        one.linkage = "private"
                 optimize()
 
             library._optimize_final_module = close_and_optimize

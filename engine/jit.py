@@ -99,7 +99,8 @@ def parallel_entry(function: Function) -> Function:
     Returns: the same function, compiled on first use or loaded from the cache.
     """
     no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
-    return _one_at_a_time(_compiled(function, cache=True, parallel={"prange": True, **no_more}))
+    parallel = {"prange": True, **no_more}
+    return _one_at_a_time(_compiled(function, cache=True, parallel=parallel, pipeline_class=_closed()))
 
 
 @cache

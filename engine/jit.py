@@ -24,8 +24,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 FLAGS: frozenset[str] = frozenset({"contract", "nsz"})
 """Fused multiply-add and unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
-OURS = "_ZN6engine"
-"""How the symbols of this package's functions begin."""
+NUMBA_RUNTIME = "NRT_"
+"""How the symbols that Numba shares among all functions of a process begin."""
 
 
 def cache_directory() -> Path:
@@ -121,7 +121,8 @@ def _closed() -> type:
 
             def close_and_optimize() -> None:
                 for one in library._final_module.functions:
-                    if one.name.startswith(OURS) and not one.is_declaration and one.linkage.name == "linkonce_odr":
+                    if one.linkage.name in {"linkonce_odr", "weak_odr"} and not one.name.startswith(NUMBA_RUNTIME):
+                        # The bodies of parallel loops are among them: the process that compiles has those in a library apart.
                         # Not 'internal': the loader would find those by name, for callers that do not know what became of them.
                         one.linkage = "private"
                 optimize()
@@ -170,8 +171,7 @@ def _once_for_all_values(function: Function) -> Function:
     unliteral: Any = numba.types.unliteral
 
     def by_type(args: Any, kws: Any) -> Any:
-        plain: Any = unliteral
-        return template(tuple(plain(one) for one in args), {name: plain(one) for name, one in kws.items()})
+        return template(tuple(unliteral(one) for one in args), {name: unliteral(one) for name, one in kws.items()})
 
     cast(Any, function).get_call_template = by_type
     return function

@@ -14,12 +14,7 @@ def test_a_world_ends_in_the_state_it_always_ended_in(name: str) -> None:
     assert last_state(name, 1) == hashes[name]
 
 
-UNEXPLAINED = pytest.mark.xfail(
-    strict=False, reason="the pile's bits depend on what else the process has compiled; cause unknown"
-)
-
-
-@pytest.mark.parametrize("name", [pytest.param(name, marks=UNEXPLAINED) if name == "pile" else name for name in WORLDS])
+@pytest.mark.parametrize("name", WORLDS)
 def test_a_world_ends_in_the_same_state_on_any_number_of_threads(name: str) -> None:
     """On every machine."""
     assert len({last_state(name, threads) for threads in (1, 2, 4)}) == 1

@@ -25,6 +25,24 @@ world.step(240)
 print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
 """
 """The bits of a tumbling body after a second, and how many compiled functions came from the cache."""
+ROLL = """
+import numpy as np
+import engine
+rng = np.random.default_rng(5)
+ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
+shapes = (engine.Box((0.1, 0.08, 0.12)), engine.Capsule(0.06, 0.1), engine.Cylinder(0.08, 0.1))
+bodies = [
+    engine.Body(
+        name=f"b{k}", inertia=np.diag([0.01, 0.012, 0.014]), shapes=[engine.Placed(shapes[k % 3])], q_WB=rng.normal(size=4),
+        p_WB=(3.0 * (k % 2), 0.1 * rng.uniform(), 0.2 + 0.12 * k),
+    )
+    for k in range(6)
+]
+world = engine.World([ground, *bodies], options=engine.Options(threads=2))
+world.step(240)
+print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
+"""
+"""As TUMBLE, of two heaps, each on a thread."""
 KICK = "g = load3(setting, 0, GRAVITY)"
 UNIT = ("test_engine_motion.py", "test_engine_door.py", "test_engine_world.py")
 """Tests of every stage of a step, that pass within a minute as plain Python."""
@@ -57,8 +75,9 @@ def _fall(root: Path) -> tuple[float, int]:
     return float(velocity), hits
 
 
-def test_the_process_that_compiles_gets_the_bits_of_those_that_load(copy: Path) -> None:
-    compiled, loaded = _run(copy, TUMBLE), _run(copy, TUMBLE)
+@pytest.mark.parametrize("script", [TUMBLE, ROLL])
+def test_the_process_that_compiles_gets_the_bits_of_those_that_load(copy: Path, script: str) -> None:
+    compiled, loaded = _run(copy, script), _run(copy, script)
     assert (compiled[1], loaded[1]) == (0, 1)
     assert compiled[0] == loaded[0]
 

@@ -7,15 +7,17 @@ With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
 """
 
 import fcntl
+import gc
 import hashlib
 import os
-from collections.abc import Callable
-from functools import cache
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import platformdirs
 
+from engine.compilers import entry_compiler, kernel_compiler, stream_compiler
 from engine.sources import source_digest
 
 __all__ = ["FLAGS", "cache_directory", "entry", "inlined", "jit_is_off", "kernel", "parallel_entry", "stream"]
@@ -24,8 +26,6 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 FLAGS: frozenset[str] = frozenset({"contract", "nsz"})
 """Fused multiply-add and unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
-NUMBA_RUNTIME = "NRT_"
-"""How the symbols that Numba shares among all functions of a process begin."""
 
 
 def cache_directory() -> Path:
@@ -64,7 +64,9 @@ def kernel(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _once_for_all_values(_compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True))
+    return _once_for_all_values(
+        _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=kernel_compiler())
+    )
 
 
 def stream(function: Function) -> Function:
@@ -73,12 +75,14 @@ def stream(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_apart())
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=stream_compiler())
 
 
 def inlined(function: Function) -> Function:
     """As `kernel`, put in place of every call: for what costs less than handing over its arrays."""
-    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
+    return _compiled(
+        function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True, pipeline_class=kernel_compiler()
+    )
 
 
 def entry(function: Function) -> Function:
@@ -89,7 +93,7 @@ def entry(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use or loaded from the cache.
     """
-    return _one_at_a_time(_compiled(function, cache=True, pipeline_class=_closed()))
+    return _loaded_lightly(_one_at_a_time(_compiled(function, cache=True, pipeline_class=entry_compiler())))
 
 
 def parallel_entry(function: Function) -> Function:
@@ -100,53 +104,7 @@ def parallel_entry(function: Function) -> Function:
     """
     no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
     parallel = {"prange": True, **no_more}
-    return _one_at_a_time(_compiled(function, cache=True, parallel=parallel, pipeline_class=_closed()))
-
-
-@cache
-def _closed() -> type:
-    """Numba's compiler for functions that keep the kernels they were linked with to themselves.
-
-    Otherwise a loaded function would call those copies of a kernel that the process has met first, which come from another
-    context and may round otherwise: a step would give other bits in the process that compiled it.
-    """
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
-
-    class Closed(CompilerBase):
-        def define_pipelines(self) -> list[Any]:
-            state: Any = self.state
-            library = state.targetctx.codegen().create_library(state.func_id.func_qualname)
-            library.enable_object_caching()
-            optimize = library._optimize_final_module
-
-            def close_and_optimize() -> None:
-                for one in library._final_module.functions:
-                    if one.linkage.name in {"linkonce_odr", "weak_odr"} and not one.name.startswith(NUMBA_RUNTIME):
-                        # The bodies of parallel loops are among them: the process that compiles has those in a library apart.
-                        # Not 'internal': the loader would find those by name, for callers that do not know what became of them.
-                        one.linkage = "private"
-                optimize()
-
-            library._optimize_final_module = close_and_optimize
-            state.library = library
-            passes: Any = DefaultPassBuilder
-            return [passes.define_nopython_pipeline(state)]
-
-    return Closed
-
-
-@cache
-def _apart() -> type:
-    """Numba's compiler with the promise that arrays do not overlap, which it knows as a flag but not as an option."""
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
-
-    class Apart(CompilerBase):
-        def define_pipelines(self) -> list[Any]:
-            self.state.flags.noalias = True
-            passes: Any = DefaultPassBuilder
-            return [passes.define_nopython_pipeline(self.state)]
-
-    return Apart
+    return _loaded_lightly(_one_at_a_time(_compiled(function, cache=True, parallel=parallel, pipeline_class=entry_compiler())))
 
 
 def _compiled(function: Function, **options: bool | type | dict[str, bool]) -> Function:
@@ -188,7 +146,43 @@ def _one_at_a_time(function: Function) -> Function:
         directory.mkdir(parents=True, exist_ok=True)
         with (directory / f"{function.__name__}.lock").open("w") as stream:
             fcntl.flock(stream, fcntl.LOCK_EX)
-            return compiler(signature)
+            with _nothing_collected():
+                return compiler(signature)
 
     cast(Any, function).compile = locked
+    return function
+
+
+@contextmanager
+def _nothing_collected() -> Iterator[None]:
+    """Python's search for cyclic garbage held back: a seventh of the time of a compilation, for 140 MB while it lasts."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
+
+
+def _loaded_lightly(function: Function) -> Function:
+    """The compiled function that comes from the cache without the compiler's own preparations.
+
+    Before it looks into the cache, Numba imports all that it may compile, SciPy's linear algebra among it, for the length of a
+    thousand steps. What is compiled needs none of it, and the compiler itself prepares again.
+    """
+    cache = getattr(function, "_cache", None)
+    if cache is None:
+        return function
+
+    from numba.core.runtime.nrt import rtsys
+
+    runtime: Any = rtsys
+
+    def load(signature: Any, context: Any) -> Any:
+        runtime.initialize(context)
+        with cache._guard_against_spurious_io_errors():
+            return cache._load_overload(signature, context)
+
+    cache.load_overload = load
     return function

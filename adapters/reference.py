@@ -27,6 +27,8 @@ Deviations:
       beside contacts, nor static above kinetic friction, nor rolling and torsional friction: `build` raises `Unsupported`.
     * The solver 'sequential_impulses' (one sub-step of ten sweeps, unless set) works depths off apart from the velocities.
       Beside joints `build` raises `Unsupported`.
+    * On the track 'tuned' the scene decides ('suited', see `_suited`): contacts are exact where few bodies of very unlike masses
+      have weight (some 20 times the cost of a soft step), sequential impulses where bodies start inside each other.
 """
 
 from collections.abc import Mapping
@@ -54,6 +56,7 @@ from harness.scene import (
     Prismatic,
     Revolute,
     Scene,
+    Shape,
     Sphere,
     Surface,
     TriangleMesh,
@@ -68,6 +71,13 @@ __all__ = ["ADAPTER"]
 SOLVER = "tgs_soft"
 EXACT = "exact"
 SEQUENTIAL = "sequential_impulses"
+SUITED = "suited"
+"""Not a solver but the choice of one by the scene: exact contacts for few bodies of very unlike masses, sequential impulses for
+bodies that start inside each other, else soft contacts."""
+DEEP = 0.05
+"""Share of the half width of the thinner body [1] beyond which an overlap at the start is worked off by `SEQUENTIAL`."""
+FEW = 16
+"""Movable bodies up to which `SUITED` takes exact contacts: their cost grows with the cube of the number of contacts."""
 OPTIONS: Mapping[str, type] = {
     "relaxations": int,
     "step_tolerance": float,
@@ -89,19 +99,95 @@ CONTINUOUS = ("speculative", "swept")
 """What the effect of continuous collision may mean; the first unless set."""
 SOFT = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time")
 """Options of the soft solver alone."""
+UNSUBSTEPPED = 4
+"""Sub-steps of the soft solver where the settings leave them open."""
 UNSET: Mapping[str, Mapping[str, Any]] = {SOLVER: {}, EXACT: {"substeps": 1}, SEQUENTIAL: {"substeps": 1, "iterations": 10}}
 """What a solver takes where the settings leave it open; ten sweeps are Bullet's default as well."""
 
 # --- settings -------------------------------------------------------------------------------------
 
 
+def _mass_ratio(scene: Scene) -> float:
+    """The greatest ratio of the masses of two movable bodies that can touch; 1 where none can."""
+    bodies = [body for body in scene.bodies if body.movable]
+    pairs = ((a.mass, b.mass) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if scene.collides(a, b))
+    return max((max(pair) / min(pair) for pair in pairs), default=1.0)
+
+
+def _suited(scene: Scene, settings: Settings) -> Settings:
+    """The settings with the solver that suits the scene.
+
+    Unlike masses: a soft contact of a body of mass m is a spring of stiffness m w^2, w h = pi/2 in each of n sub-steps h of
+    dt. Under a body r times heavier it gives by r g/w^2 = 4 r/(pi n)^2 g dt^2, and Gauss-Seidel sweeps need the more steps to
+    load it the larger r is. Up to r = n^2 that is less than half of g dt^2, one step of falling; above, contacts are exact.
+
+    Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
+    Sequential impulses correct positions apart from velocities; they leave a tenth of the margin as it is, which is made
+    g dt^2 here.
+    """
+    effects = scene.effects
+    springs = replace(settings, solver=SOLVER)
+    kept = {name: value for name, value in settings.options.items() if name not in SOFT}
+    if Effect.CONTACT not in effects or Effect.GRAVITY not in effects or Effect.JOINTS in effects:
+        return springs
+    if _exact_knows(scene) and (ratio := _mass_ratio(scene)) > (settings.substeps or UNSUBSTEPPED) ** 2:
+        # Impulses are known to rounding of the heaviest load; the residual is relative to the light body's.
+        tolerance = settings.tolerance or max(1e-11, 1e-15 * ratio)
+        return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept)
+    if _overlaps(scene, springs):
+        margin = min(1e-3, float(np.linalg.norm(scene.gravity)) * settings.dt**2)
+        unset = UNSET[SEQUENTIAL]
+        return replace(settings, solver=SEQUENTIAL, **unset, options={"margin": margin, **kept})
+    return springs
+
+
+def _exact_knows(scene: Scene) -> bool:
+    """Whether the exact solver has all of the scene's laws, for few bodies."""
+    return sum(body.movable for body in scene.bodies) <= FEW and not any(
+        law.static_friction > law.kinetic_friction or law.rolling_friction or law.torsional_friction for law in scene.surfaces
+    )
+
+
+def _half_width(shape: Shape) -> float:
+    """Half of the least width of a shape along its own axes [m]; infinite for what bounds no solid."""
+    match shape:
+        case Sphere() | Capsule():
+            return shape.radius
+        case Box():
+            return min(shape.half_extents)
+        case Cylinder():
+            return min(shape.radius, shape.half_length)
+        case ConvexHull():
+            return float(np.ptp(np.array(shape.vertices), axis=0).min()) / 2
+        case Plane() | TriangleMesh():
+            return float("inf")
+        case _:
+            assert_never(shape)
+
+
+def _overlaps(scene: Scene, settings: Settings) -> bool:
+    """Whether two bodies start deeper in each other than `DEEP`, as the first step of a world to be thrown away finds them."""
+    import engine
+
+    world = _world(scene, _options(scene, settings))
+    try:
+        world.step(1)
+    except (engine.Diverged, engine.NotSupported):
+        return False
+    thin = [min((_half_width(part.shape) for part in body.collision), default=float("inf")) for body in scene.bodies]
+    found = world.contacts()
+    return any(-gap > DEEP * min(thin[a], thin[b]) for gap, (a, b) in zip(found.gap, found.bodies, strict=True))
+
+
 def _options(scene: Scene, settings: Settings) -> "engine.Options":
     """The engine's options under the effects of the scene. Raises: SettingsError."""
     import engine
 
+    if settings.solver == SUITED:
+        settings = _suited(scene, settings)
     solver = settings.solver or SOLVER
     if solver not in UNSET:
-        raise SettingsError(f"settings: solver '{solver}', expected one of {', '.join(UNSET)}")
+        raise SettingsError(f"settings: solver '{solver}', expected one of {', '.join((*UNSET, SUITED))}")
     exact = solver == EXACT
     if settings.tolerance is not None and not exact:
         raise SettingsError(f"settings: tolerance {settings.tolerance}, but the solver sweeps a fixed number of times")
@@ -465,8 +551,10 @@ ADAPTER = _Reference(
             substeps=8,
             iterations=2,
             integrator="rk4",
+            solver=SUITED,
             source="Hairer, Norsett, Wanner I, section II.1 (order four for smooth motion); Catto, Solver2D, 2024 (more "
-            "sub-steps rather than more iterations)",
+            "sub-steps rather than more iterations); exact contacts where few bodies of unlike masses stand on each other, "
+            "split impulses (Catto, GDC 2006) where bodies start inside each other",
         ),
     },
     knobs={

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
+from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
 from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.slide import LIFT_OFF, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
@@ -72,6 +73,7 @@ CASE = Case(
     parameters={"frictions": FRICTIONS, "speed": SPEED},
     duration=1.5,
     sample_interval=1 / 240,
+    with_contacts=True,
     checks=(
         Check(
             metric=STOP_DISTANCE_ERROR,
@@ -98,5 +100,6 @@ CASE = Case(
             start=1.25,
         ),
     ),
+    observe=(SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL),
     headline="stop_distance_error",
 )

@@ -2,6 +2,7 @@
 
 from harness.case import Case, Check
 from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
 from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
 from harness.metrics.penetration import PENETRATION
 from harness.scene import (
@@ -95,7 +96,7 @@ CASE = Case(
             start=SETTLED,
         ),
     ),
-    observe=(REST_DRIFT,),
+    observe=(REST_DRIFT, SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL),
     headline="penetration",
     scale=HALF,
 )

@@ -2,6 +2,7 @@
 
 from harness.case import Axis, Case, Check
 from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
 from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY, STACK_HEIGHT_ERROR, STANDING_HEIGHT
@@ -83,6 +84,6 @@ CASE = Case(
             start=SETTLED,
         ),
     ),
-    observe=(LEAN, PENETRATION),
+    observe=(LEAN, PENETRATION, SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL),
     headline="stack_height_error",
 )

@@ -69,3 +69,69 @@ def test_sequential_impulses_are_a_solver_of_their_own() -> None:
     ):
         with pytest.raises(SettingsError):
             ADAPTER.build(scene, wrong)
+
+
+GROUND = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+CUBE = (PlacedShape(shape=Box(half_extents=(0.1, 0.1, 0.1))),)
+RUBS = Surface(static_friction=0.5, kinetic_friction=0.5)
+SPLIT = "sequential_impulses"
+
+
+def _pair(ratio: float = 1.0, overlap: float = 0.0, **changes: Any) -> Scene:
+    """A cube of `ratio` kg on one of 1 kg, `overlap` [m] inside of it."""
+    upper = Body(name="upper", mass=ratio, collision=CUBE, p_WB=(0.0, 0.0, 0.3 - overlap))
+    lower = Body(name="lower", collision=CUBE, p_WB=(0.0, 0.0, 0.1))
+    return replace(Scene(bodies=(GROUND, lower, upper), surfaces=(RUBS,)), **changes)
+
+
+def _many(ratio: float) -> Scene:
+    row = [Body(name=f"b{i}", mass=1.0 if i else ratio, collision=CUBE, p_WB=(0.3 * i, 0.0, 0.1)) for i in range(17)]
+    return Scene(bodies=(GROUND, *row), surfaces=(RUBS,))
+
+
+STICKS = Surface(static_friction=0.6, kinetic_friction=0.5)
+TIE = Ball(name="tie", parent=WORLD, child="upper", anchor_W=(0.0, 0.0, 1.0))
+UNLIKE = {
+    "at the limit of eight sub-steps": (_pair(64.0), "tgs_soft"),
+    "above it": (_pair(65.0), "exact"),
+    "heavy below light": (_pair(1 / 65), "exact"),
+    "without weight": (_pair(65.0, gravity=(0.0, 0.0, 0.0)), "tgs_soft"),
+    "that never touch": (_pair(65.0, apart=(("default", "default"),), surfaces=(), bodies=_pair(65.0).bodies[1:]), "tgs_soft"),
+    "with a law that the exact solver lacks": (_pair(65.0, surfaces=(STICKS,)), "tgs_soft"),
+    "with joints": (_pair(65.0, joints=(TIE,)), "tgs_soft"),
+    "of many bodies": (_many(65.0), "tgs_soft"),
+}
+
+
+@pytest.mark.parametrize("scene", UNLIKE)
+def test_tuned_contacts_are_exact_where_few_bodies_of_unlike_masses_have_weight(scene: str) -> None:
+    stage, solver = UNLIKE[scene]
+    used = ADAPTER.build(stage, TUNED).resolved
+    assert used.solver == solver
+    assert (used.substeps, used.iterations) == ((1, None) if solver == "exact" else (8, 2))
+    assert ADAPTER.build(stage, used).resolved == used
+
+
+def test_the_tolerance_of_exact_contacts_leaves_room_for_the_rounding_of_the_load() -> None:
+    assert ADAPTER.build(_pair(1e3), TUNED).resolved.tolerance == 1e-11
+    assert ADAPTER.build(_pair(1e6), TUNED).resolved.tolerance == 1e-9
+
+
+@pytest.mark.parametrize(("overlap", "solver"), [(0.0, "tgs_soft"), (0.0049, "tgs_soft"), (0.0051, SPLIT)])
+def test_tuned_contacts_are_split_impulses_where_bodies_start_inside_each_other(overlap: float, solver: str) -> None:
+    """From a twentieth of the half width on; what they leave of a depth, a tenth of the margin, shrinks with the step."""
+    for dt in (1 / 60, 1 / 960):
+        stage = _pair(overlap=overlap)
+        used = ADAPTER.build(stage, TUNED.with_dt(dt)).resolved
+        assert used.solver == solver
+        if solver == SPLIT:
+            assert used.options["margin"] == pytest.approx(min(1e-3, 9.81 * dt**2))
+        assert ADAPTER.build(stage, used).resolved == used
+
+
+def test_what_is_asked_for_by_name_is_what_is_used() -> None:
+    asked = replace(TUNED, solver="tgs_soft")
+    assert ADAPTER.build(_pair(1e3), asked).resolved.solver == "tgs_soft"
+    assert ADAPTER.build(_pair(overlap=0.05), asked).resolved.solver == "tgs_soft"
+    with pytest.raises(SettingsError, match="suited"):
+        ADAPTER.build(_pair(), replace(TUNED, solver="best"))

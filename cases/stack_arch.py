@@ -1,0 +1,131 @@
+"""A semicircular arch of voussoirs, without mortar: does it stand?
+
+Blocks that cannot pull stand iff a line of thrust fits inside of the ring. For a semicircle of centre-line radius R under its
+own weight the thinnest ring of many blocks is t = 0.1075 R thick (Milankovitch, 1907: 0.1075; Heyman, 1969: 0.106); one of few
+blocks, whose joints alone can open, may be a little thinner.
+Source: Milankovitch, Theorie der Druckkurven, Z. Math. Phys. 55 (1907) 1; Heyman, The safety of masonry arches, Int. J. Mech.
+Sci. 11 (1969) 363; Cocchetti, Colasante, Rizzi, Appl. Mech. Rev. 64 (2011) 050802 (the three solutions compared).
+"""
+
+import math
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.metrics.collapse import COLLAPSE_TIME
+from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.metrics.penetration import PENETRATION
+from harness.metrics.stack import STACK_HEIGHT_ERROR
+from harness.scene import EARTH_GRAVITY, Body, ConvexHull, PlacedShape, Plane, Scene, Surface, axis_angle, principal_inertia
+from harness.scene.values import Matrix3
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+THICKNESS, BLOCKS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 9, 1.0, 0.4, 2000.0, 0.8
+SETTLED, DURATION = 1.0, 2.0
+
+
+def voussoir(thickness: float, blocks: int) -> tuple[Floats, float]:
+    """The cross-section of a block, corners (4, 2) m about its centroid along the chord and outwards, and that centroid's
+    distance [m] from the centre of the arch.
+
+    Args: thickness [m], in units of RADIUS = 1 m as well; blocks: of the semicircle.
+    """
+    half = math.pi / (2 * blocks)
+    inner, outer = RADIUS - thickness / 2, RADIUS + thickness / 2
+    low, high = inner * math.cos(half), outer * math.cos(half)
+    a, b = inner * math.sin(half), outer * math.sin(half)
+    away = low + (high - low) * (a + 2 * b) / (3 * (a + b))
+    return np.array([(-a, low - away), (a, low - away), (b, high - away), (-b, high - away)]), away
+
+
+def _moments(corners: Floats) -> tuple[float, float, float]:
+    """Area [m2] and second moments [m4] of x and of z of a polygon about the origin (Green's theorem)."""
+    x, z = corners[:, 0], corners[:, 1]
+    u, w = np.roll(x, -1), np.roll(z, -1)
+    turn = x * w - u * z
+    return (
+        float(np.sum(turn) / 2),
+        float(np.sum(turn * (x * x + x * u + u * u)) / 12),
+        float(np.sum(turn * (z * z + z * w + w * w)) / 12),
+    )
+
+
+def _inertia(corners: Floats) -> tuple[float, Matrix3]:
+    """Mass [kg] and inertia [kg m2] of the prism of depth DEPTH along y."""
+    area, xx, zz = _moments(corners)
+    mass = DENSITY * DEPTH * area
+    along = mass * DEPTH**2 / 12
+    x, z = DENSITY * DEPTH * xx, DENSITY * DEPTH * zz
+    return mass, principal_inertia(z + along, x + z, x + along)
+
+
+def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Scene:
+    """A semicircle of equal blocks on level ground, in the plane y = 0, exactly touching; `thickness` in units of RADIUS."""
+    count = round(blocks)
+    corners, away = voussoir(thickness * RADIUS, count)
+    mass, inertia = _inertia(corners)
+    hull = ConvexHull(vertices=tuple((float(x), y, float(z)) for x, z in corners for y in (-DEPTH / 2, DEPTH / 2)))
+    bodies = [Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))]
+    for i in range(count):
+        # From the springing at -x over the crown to that at +x; a turn about y by t takes z to (sin t, 0, cos t).
+        turn = math.pi * ((i + 0.5) / count - 0.5)
+        bodies.append(
+            Body(
+                name=f"voussoir_{i}",
+                mass=mass,
+                inertia=inertia,
+                collision=(PlacedShape(shape=hull),),
+                p_WB=(away * math.sin(turn), 0.0, away * math.cos(turn)),
+                q_WB=axis_angle((0.0, 1.0, 0.0), turn),
+            )
+        )
+    return Scene(bodies=tuple(bodies), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+
+
+def expected(time: Floats, thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Trajectory:
+    """Rest, as it is above the least thickness."""
+    stage = scene(thickness, blocks, friction)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    truth.q_WB[:] = [body.q_WB for body in stage.bodies]
+    return truth
+
+
+CASE = Case(
+    name="stack_arch",
+    title="An arch of voussoirs",
+    question="Does a semicircular arch of loose blocks stand, whose ring is twice as thick as the least that statics allows?",
+    source="Milankovitch, Z. Math. Phys. 55 (1907) 1; Heyman, Int. J. Mech. Sci. 11 (1969) 363",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"thickness": THICKNESS, "blocks": BLOCKS, "friction": FRICTION},
+    duration=DURATION,
+    with_contacts=True,
+    steady=SETTLED,
+    hard=Axis(parameter="thickness", unit="1", easy=0.3, extreme=0.1),
+    checks=(
+        Check(
+            metric=COLLAPSE_TIME,
+            at_most=lambda dt: DURATION - dt,
+            because="the arch stands for the whole run, which ends within a step of its nominal length",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a block before its supports take it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=SUPPORT_FORCE_ERROR,
+            at_most=lambda dt: dt / (DURATION - SETTLED),
+            because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
+            "stay under one step of gravity",
+            start=SETTLED,
+        ),
+    ),
+    observe=(STACK_HEIGHT_ERROR, PENETRATION, REST_DRIFT),
+    headline="stack_height_error",
+)

@@ -1,0 +1,89 @@
+"""Two houses of two cards each: one with a little more friction at its feet than it needs, one with a little less.
+
+Cards of half length l and half thickness c at the angle a to the vertical, edge to edge at the top, stand iff the friction of
+their feet is at least (tan a - c/l)/2, which is tan(a)/2 for thin cards.
+Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.1.
+"""
+
+import math
+
+from harness.case import Axis, Case, Check
+from harness.metrics.frames import FRAME_FRICTION_ERROR, FRAME_STANDING_TIME, critical_friction
+from harness.metrics.penetration import PENETRATION
+from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, box_inertia
+
+MARGIN, ANGLE, GRIP, MASS = 0.1, 20.0, 1.0, 0.1
+"""Share of the critical friction by which one house has more and the other less; angle of a card to the vertical [deg];
+friction of card on card."""
+HALF = (0.01, 0.15, 0.2)
+PLATE = (0.5, 0.3, 0.05)
+SPACING, DURATION = 2.0, 2.0
+
+
+def scene(margin: float = MARGIN, angle: float = ANGLE) -> Scene:
+    """Both houses, each on a plate of its own, exactly touching; their gables point along y."""
+    a = math.radians(angle)
+    critical = critical_friction(a, HALF[2], HALF[0])
+    card = (PlacedShape(shape=Box(half_extents=HALF)),)
+    bodies, laws = [], []
+    # A card leans by its inner edge on the foot, and by the upper inner edge of its face on the other card.
+    across = HALF[2] * math.sin(a) + HALF[0] * math.cos(a)
+    high = HALF[2] * math.cos(a) + HALF[0] * math.sin(a)
+    for k, (name, friction) in enumerate((("firm", (1 + margin) * critical), ("loose", (1 - margin) * critical))):
+        x = SPACING * k
+        bodies.append(
+            Body(
+                name=f"plate_{name}",
+                motion="static",
+                material=f"plate_{name}",
+                collision=(PlacedShape(shape=Box(half_extents=PLATE)),),
+                p_WB=(x, 0.0, -PLATE[2]),
+            )
+        )
+        bodies += [
+            Body(
+                name=f"{side}_{name}",
+                mass=MASS,
+                inertia=box_inertia(MASS, HALF),
+                material=name,
+                collision=card,
+                p_WB=(x - way * across, 0.0, high),
+                q_WB=axis_angle((0.0, 1.0, 0.0), way * a),
+            )
+            for side, way in (("left", 1.0), ("right", -1.0))
+        ]
+        laws += [
+            Surface(between=(name, f"plate_{name}"), static_friction=friction, kinetic_friction=friction),
+            Surface(between=(name, name), static_friction=GRIP, kinetic_friction=GRIP),
+        ]
+    apart = (("firm", "loose"), ("firm", "plate_loose"), ("loose", "plate_firm"))
+    return Scene(bodies=tuple(bodies), surfaces=tuple(laws), apart=apart)
+
+
+CASE = Case(
+    name="stack_card_house",
+    title="Houses of two cards",
+    question="Does a house of two cards stand with a tenth more friction than it needs, and fall with a tenth less?",
+    source="Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.1",
+    truth="closed form",
+    scene=scene,
+    parameters={"margin": MARGIN, "angle": ANGLE},
+    duration=DURATION,
+    with_contacts=True,
+    hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01),
+    checks=(
+        Check(
+            metric=FRAME_FRICTION_ERROR,
+            at_most=MARGIN / 2,
+            because="the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
+            "critical one, and if not, it lies more than half of it off",
+        ),
+        Check(
+            metric=FRAME_STANDING_TIME,
+            at_most=lambda dt: DURATION - dt,
+            because="the firm house stands for the whole run, which ends within a step of its nominal length",
+        ),
+    ),
+    observe=(PENETRATION,),
+    headline="frame_standing_time",
+)

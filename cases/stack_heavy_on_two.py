@@ -1,0 +1,96 @@
+"""A heavy box dropped on two small ones: do they bear it, half the load each?"""
+
+import math
+
+from harness.case import Axis, Case, Check
+from harness.metrics.collapse import COLLAPSE_TIME
+from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.metrics.load_split import LOAD_SPLIT_ERROR
+from harness.metrics.penetration import PENETRATION
+from harness.metrics.stack import STACK_HEIGHT_ERROR
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+RATIO, FRICTION, DROP, MASS = 400.0, 0.5, 0.02, 1.0
+SMALL, APART = 0.1, 0.4
+"""Half edge of the small cubes, and their centres' distance from the middle [m]."""
+LARGE = (0.5, 0.25, 0.25)
+SETTLED, DURATION = 1.0, 2.0
+
+
+def scene(ratio: float = RATIO, friction: float = FRICTION, drop: float = DROP) -> Scene:
+    """Two cubes of MASS on the ground; a box `ratio` times as heavy starts at rest, `drop` [m] above both."""
+    cube = (PlacedShape(shape=Box(half_extents=(SMALL, SMALL, SMALL))),)
+    small = [
+        Body(name=name, mass=MASS, inertia=box_inertia(MASS, (SMALL, SMALL, SMALL)), collision=cube, p_WB=(x, 0.0, SMALL))
+        for name, x in (("left", -APART), ("right", APART))
+    ]
+    heavy = Body(
+        name="heavy",
+        mass=ratio * MASS,
+        inertia=box_inertia(ratio * MASS, LARGE),
+        collision=(PlacedShape(shape=Box(half_extents=LARGE)),),
+        p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + drop),
+    )
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    return Scene(bodies=(ground, *small, heavy), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+
+
+def expected(time: Floats, ratio: float = RATIO, friction: float = FRICTION, drop: float = DROP) -> Trajectory:
+    """Free fall, then rest: a blow of plastic bodies that stands on three levels takes all speed away."""
+    stage = scene(ratio, friction, drop)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    fall = math.sqrt(2 * drop / G)
+    falls = truth.time < fall
+    truth.p_WB[:, 3, 2] -= (G * truth.time**2 / 2) * falls + drop * ~falls
+    truth.v_WB[:, 3, 2] = -G * truth.time * falls
+    return truth
+
+
+CASE = Case(
+    name="stack_heavy_on_two",
+    title="A heavy box dropped on two small ones",
+    question="Do two small boxes stop a box of four hundred times their mass, and then bear one half of it each?",
+    source="statics: each support bears half of the load where pressures act at mid-face; plastic impact",
+    truth="closed form",
+    scene=scene,
+    expected=expected,
+    parameters={"ratio": RATIO, "friction": FRICTION, "drop": DROP},
+    duration=DURATION,
+    with_contacts=True,
+    steady=SETTLED,
+    hard=Axis(parameter="ratio", unit="1", easy=1, extreme=1e6),
+    checks=(
+        Check(
+            metric=COLLAPSE_TIME,
+            at_most=lambda dt: DURATION - dt,
+            because="the stack stands for the whole run, which ends within a step of its nominal length",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a box before its support takes it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=SUPPORT_FORCE_ERROR,
+            at_most=lambda dt: dt / (DURATION - SETTLED),
+            because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
+            "stay under one step of gravity",
+            start=SETTLED,
+        ),
+        Check(
+            metric=LOAD_SPLIT_ERROR,
+            at_most=lambda dt: SMALL / (2 * APART) + dt / (DURATION - SETTLED) * (0.5 + LARGE[0] / (2 * APART)),
+            because="statics leaves open where on a face its pressure acts: moved by the half edge s of a support at the "
+            "distance d, it changes the shares by s/(2 d); and the mean forces of the window miss those of rest by the change "
+            "of the load's momentum, m g dt, and of its angular momentum, m g dt times the half length",
+            start=SETTLED,
+        ),
+    ),
+    observe=(PENETRATION, REST_DRIFT, STACK_HEIGHT_ERROR),
+    headline="load_split_error",
+)

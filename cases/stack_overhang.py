@@ -1,0 +1,82 @@
+"""Bricks laid on each other over the edge of a table: how far do they reach before they fall?
+
+Laid so that the common centre of mass of the k highest lies over the edge below, brick k stands 1/(2 k) of its length beyond
+brick k + 1, and n bricks reach (1 + 1/2 + ... + 1/n)/2 lengths: the harmonic stack. Scaled by a factor, all its edges fail
+together: the centre of mass of all bricks above any edge lies (factor - 1)/2 lengths beyond it.
+Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
+"""
+
+from collections.abc import Sequence
+
+from harness.case import Axis, Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.overhang import OVERHANG_LIMIT_ERROR
+from harness.metrics.penetration import PENETRATION
+from harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
+
+BRICKS, FRICTION, MASS = 4, 0.5, 1.0
+FACTORS = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
+"""Overhang over the limit: densest there, and never at it."""
+HALF = (0.2, 0.1, 0.05)
+TABLE = (0.3, 0.15, 0.2)
+SPACING, DURATION = 1.0, 1.5
+
+
+def scene(n: float = BRICKS, factors: Sequence[float] = FACTORS, friction: float = FRICTION) -> Scene:
+    """One table with n bricks for each factor, side by side along y; the tables end at x = 0, and the bricks lean to +x."""
+    bodies = []
+    count = round(n)
+    for i, factor in enumerate(factors):
+        y = SPACING * i
+        bodies.append(
+            Body(
+                name=f"table_{i}",
+                motion="static",
+                material="table",
+                collision=(PlacedShape(shape=Box(half_extents=TABLE)),),
+                p_WB=(-TABLE[0], y, TABLE[2]),
+            )
+        )
+        end = 0.0
+        for level in range(count):
+            end += factor * HALF[0] / (count - level)
+            bodies.append(
+                Body(
+                    name=f"brick_{i}_{level}",
+                    mass=MASS,
+                    inertia=box_inertia(MASS, HALF),
+                    material="brick",
+                    collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+                    p_WB=(end - HALF[0], y, 2 * TABLE[2] + HALF[2] * (2 * level + 1)),
+                )
+            )
+    laws = tuple(
+        Surface(between=pair, static_friction=friction, kinetic_friction=friction)
+        for pair in (("brick", "brick"), ("brick", "table"))
+    )
+    return Scene(bodies=tuple(bodies), surfaces=laws)
+
+
+CASE = Case(
+    name="stack_overhang",
+    title="Bricks over an edge",
+    question="How far beyond the edge of a table can n bricks reach before they fall?",
+    source="Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107",
+    truth="closed form",
+    scene=scene,
+    parameters={"n": BRICKS, "factors": FACTORS, "friction": FRICTION},
+    duration=DURATION,
+    with_contacts=True,
+    hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
+    checks=(
+        Check(
+            metric=OVERHANG_LIMIT_ERROR,
+            at_most=0.01,
+            because="the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
+            "if not, the next bracket's lies 1.5 % off",
+        ),
+        Check(metric=DIVERGENCE, at_most=0.0, because="every number of every sampled state has to be finite"),
+    ),
+    observe=(PENETRATION,),
+    headline="overhang_limit_error",
+)

@@ -1,0 +1,85 @@
+"""Two boxes that start a quarter of an edge inside each other: do they part quietly?
+
+No mechanics begins like this, but designers do. What a rigid body can do is to leave the other on the shortest way and to be at
+rest where they touch: an overlap is an error of position, and holds no energy.
+"""
+
+from harness.case import Axis, Case, Check
+from harness.metrics.ejection import EJECTION_SPEED
+from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.metrics.penetration import PENETRATION
+from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+OVERLAP, FRICTION, MASS, HALF = 0.25, 0.5, 1.0, 0.1
+SETTLED, DURATION = 2.0, 3.0
+
+
+def _boxes(overlap: float) -> tuple[Body, Body]:
+    return tuple(  # type: ignore[return-value]
+        Body(
+            name=name,
+            mass=MASS,
+            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
+            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
+            p_WB=(0.0, 0.0, height),
+        )
+        for name, height in (("lower", HALF), ("upper", HALF * (3 - 2 * overlap)))
+    )
+
+
+def scene(overlap: float = OVERLAP, friction: float = FRICTION) -> Scene:
+    """Two equal cubes, the lower on the ground, the upper inside of it by the share `overlap` of an edge."""
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    return Scene(bodies=(ground, *_boxes(overlap)), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+
+
+def expected(time: Floats, overlap: float = OVERLAP, friction: float = FRICTION) -> Trajectory:  # noqa: ARG001
+    """At rest, one on the other, from the start."""
+    truth = Trajectory.of(time, 3)
+    truth.p_WB[:] = [(0.0, 0.0, 0.0), *(body.p_WB for body in _boxes(0.0))]
+    return truth
+
+
+CASE = Case(
+    name="stack_overlap_recovery",
+    title="Starting inside each other",
+    question="Do two boxes that start a quarter inside each other part quietly, and come to rest one on the other?",
+    source="definition: an overlap holds no energy, so that none is left when it is gone",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"overlap": OVERLAP, "friction": FRICTION},
+    duration=DURATION,
+    with_contacts=True,
+    hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45),
+    checks=(
+        Check(
+            metric=EJECTION_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
+        ),
+        Check(
+            metric=RESIDUAL_KINETIC_ENERGY,
+            at_most=lambda dt: (G * dt) ** 2 / 2,
+            because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a box before its support takes it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=PENETRATION,
+            at_most=lambda dt: G * dt**2,
+            because="g dt^2, the way that a box falls in the one step before its contact can push: no overlap is left",
+            start=SETTLED,
+        ),
+    ),
+    observe=(LEAN, REST_DRIFT),
+    headline="ejection_speed",
+)

@@ -1,0 +1,149 @@
+"""Two pyramids of n rows: bricks upright on the ground, and balls upside down in a cone.
+
+The bricks stand row on row, each across the joint of the two below; the balls are layers of 1, 4, 9, ... in a hollow of four
+planes, each ball in the hollow of four below or against the walls. Both just touch, and both rest. Ten rows are what the axis
+is for: an engine whose solver takes the cube of the number of contacts needs a second for a step of them.
+"""
+
+import math
+from collections.abc import Iterator
+
+from harness.case import Axis, Case, Check
+from harness.metrics.collapse import COLLAPSE_TIME
+from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.metrics.penetration import PENETRATION
+from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY
+from harness.scene import (
+    EARTH_GRAVITY,
+    Body,
+    Box,
+    PlacedShape,
+    Plane,
+    Scene,
+    Sphere,
+    Surface,
+    box_inertia,
+    sphere_inertia,
+)
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+ROWS, FRICTION, MASS = 3, 0.5, 1.0
+SETTLED, DURATION = 0.5, 1.0
+HALF = (0.1, 0.1, 0.05)
+PITCH = 2.2 * HALF[0]
+"""Distance of the bricks of a row [m]: a tenth of a brick is free between them, so that no force goes along a row."""
+RADIUS = 0.1
+WALLS = {"west": (1, 0), "east": (-1, 0), "south": (0, 1), "north": (0, -1)}
+SLOPE = math.atan(math.sqrt(2.0))
+"""Of the walls against the ground [rad]: that of the densest planes through such a packing, which touch all balls at the edge
+of their layers."""
+PLACE = 10.0
+"""The tip of the hollow stands at this x [m], beyond the ground on which the bricks stand."""
+
+
+def bricks(rows: int) -> Iterator[Body]:
+    """n bricks on the ground, n - 1 above them, and so on, in the plane y = 0."""
+    for row in range(rows):
+        for i in range(rows - row):
+            yield Body(
+                name=f"brick_{row}_{i}",
+                mass=MASS,
+                inertia=box_inertia(MASS, HALF),
+                collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+                material="brick",
+                p_WB=(PITCH * (i - (rows - row - 1) / 2), 0.0, HALF[2] * (2 * row + 1)),
+            )
+
+
+def balls(rows: int) -> Iterator[Body]:
+    """1, 4, ..., n^2 balls in square layers, the lowest in the tip of the hollow, which stands at the origin of its planes."""
+    lowest = RADIUS / math.cos(SLOPE)
+    for row in range(rows):
+        for i in range(row + 1):
+            for j in range(row + 1):
+                yield Body(
+                    name=f"ball_{row}_{i}_{j}",
+                    mass=MASS,
+                    inertia=sphere_inertia(MASS, RADIUS),
+                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+                    material="ball",
+                    p_WB=(RADIUS * (2 * i - row) + PLACE, RADIUS * (2 * j - row), lowest + math.sqrt(2.0) * RADIUS * row),
+                )
+
+
+def scene(rows: float = ROWS, friction: float = FRICTION) -> Scene:
+    """Both pyramids, beside each other, exactly touching."""
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    walls = [
+        Body(
+            name=name,
+            motion="static",
+            material="wall",
+            collision=(PlacedShape(shape=Plane(normal=(x * math.sin(SLOPE), y * math.sin(SLOPE), math.cos(SLOPE)))),),
+            p_WB=(PLACE, 0.0, 0.0),
+        )
+        for name, (x, y) in WALLS.items()
+    ]
+    touching = (("brick", "ground"), ("brick", "brick"), ("ball", "wall"), ("ball", "ball"))
+    # Planes have no end: without this the bricks would stand inside of a wall of the hollow.
+    apart = (("brick", "wall"), ("brick", "ball"), ("ball", "ground"))
+    return Scene(
+        bodies=(ground, *walls, *bricks(round(rows)), *balls(round(rows))),
+        surfaces=tuple(Surface(between=pair, static_friction=friction, kinetic_friction=friction) for pair in touching),
+        apart=apart,
+    )
+
+
+def expected(time: Floats, rows: float = ROWS, friction: float = FRICTION) -> Trajectory:
+    """Rest."""
+    stage = scene(rows, friction)
+    truth = Trajectory.of(time, len(stage.bodies))
+    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    return truth
+
+
+CASE = Case(
+    name="stack_pyramid",
+    title="Pyramids of bricks and of balls",
+    question="Do a pyramid of bricks and one of balls, upside down in a hollow, stay as they are built?",
+    source="statics: each brick on the two below, each ball in the hollow of four others or of the walls, in equilibrium",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"rows": ROWS, "friction": FRICTION},
+    duration=DURATION,
+    with_contacts=True,
+    steady=SETTLED,
+    hard=Axis(parameter="rows", unit="1", easy=1, extreme=10),
+    checks=(
+        Check(
+            metric=COLLAPSE_TIME,
+            at_most=lambda dt: DURATION - dt,
+            because="the pyramids stand for the whole run, which ends within a step of its nominal length",
+        ),
+        Check(
+            metric=REST_DRIFT,
+            at_most=lambda dt: math.sqrt(3.0) * ROWS * G * dt**2,
+            because="before a contact can push, a body falls for one step, g dt^2; if the contacts of each row gave as much, "
+            "the top would sink by that for each row, and sqrt(3) times as deep between walls of 54.7 degrees",
+        ),
+        Check(
+            metric=RMS_SPEED,
+            at_most=lambda dt: G * dt,
+            because="g dt, what one step of gravity gives a body before its supports take it away",
+            start=SETTLED,
+        ),
+        Check(
+            metric=SUPPORT_FORCE_ERROR,
+            at_most=lambda dt: dt / (DURATION - SETTLED),
+            because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
+            "stay under one step of gravity",
+            start=SETTLED,
+        ),
+    ),
+    observe=(PENETRATION, LEAN, RESIDUAL_KINETIC_ENERGY),
+    headline="rest_drift",
+    scale=RADIUS,
+)

@@ -1,0 +1,109 @@
+"""Collapse: when a scene that should stand first breaks, by any of the signs of a broken run that a trajectory can show.
+
+The signs, each with its name:
+
+    energy        kinetic energy above a thousand times what is available: that of the start, and the fall of every body to the
+                  lowest place of the scene
+    penetration   a point of contact deeper than half of the thinnest movable body
+    height        a body of those that start highest below half of its height over z = 0
+    drive         a drive more than half a radian off its target
+
+A state that is not finite is no time at all but NaN, as for every metric.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.kinematics import joint_coordinate, movable, rotate_back
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Revolute, Scene, Shape, Sphere
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["COLLAPSE_TIME", "METRIC", "first_break"]
+
+ENERGY_FACTOR = 1e3
+OFF_TARGET = 0.5
+"""Of a drive [rad]."""
+
+
+def _width(shape: Shape) -> float:
+    """The least of a shape's widths along its own axes [m]; infinite for what bounds no solid."""
+    match shape:
+        case Sphere():
+            return 2 * shape.radius
+        case Box():
+            return 2 * min(shape.half_extents)
+        case Capsule():
+            return 2 * shape.radius
+        case Cylinder():
+            return 2 * min(shape.radius, shape.half_length)
+        case ConvexHull():
+            return float(np.ptp(np.array(shape.vertices), axis=0).min())
+        case _:
+            return math.inf
+
+
+def _kinetic(scene: Scene, actual: Trajectory) -> Floats:
+    """Kinetic energy of the movable bodies (t,) J."""
+    total = np.zeros(len(actual))
+    for place in movable(scene).tolist():
+        body = scene.bodies[place]
+        w_B = rotate_back(actual.q_WB[:, place], actual.w_WB[:, place])
+        total += 0.5 * body.mass * np.sum(actual.v_WB[:, place] ** 2, axis=1)
+        total += 0.5 * np.einsum("ti,ij,tj->t", w_B, np.array(body.inertia), w_B)
+    return total
+
+
+def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+    """Each sign's name and where it shows, (t,) of bool."""
+    bodies = [body for body in scene.bodies if body.movable]
+    pull = np.array(scene.gravity)
+    lowest = max(float(np.array(body.p_WB) @ pull) for body in scene.bodies)
+    start = Trajectory.of(np.zeros(1), len(scene.bodies))
+    for place, body in enumerate(scene.bodies):
+        start.q_WB[0, place], start.v_WB[0, place], start.w_WB[0, place] = body.q_WB, body.v_WB, body.w_WB
+    falls = sum(body.mass * (lowest - float(np.array(body.p_WB) @ pull)) for body in bodies)
+    available = float(_kinetic(scene, start)[0]) + falls
+    yield "energy", _kinetic(scene, actual) > ENERGY_FACTOR * available
+    if actual.contacts is not None:
+        thin = min((_width(placed.shape) for body in bodies for placed in body.collision), default=math.inf)
+        depth = np.array([-c.gap.min(initial=0.0) for c in actual.contacts])
+        yield "penetration", ~(depth <= thin / 2)
+    top = max(body.p_WB[2] for body in bodies)
+    highest = [place for place in movable(scene).tolist() if math.isclose(scene.bodies[place].p_WB[2], top, rel_tol=1e-9)]
+    if top > 0 and any(pull):
+        yield "height", np.any(actual.p_WB[:, highest, 2] < top / 2, axis=1)
+    for joint in scene.joints:
+        if isinstance(joint, Revolute) and joint.drive is not None:
+            yield "drive", np.abs(joint_coordinate(scene, joint, actual) - joint.drive.target) > OFF_TARGET
+
+
+def first_break(scene: Scene, actual: Trajectory) -> tuple[float, str]:
+    """When [s] the first sign shows, and its name; the end of the run and '' where none does.
+
+    Raises: NotMeasurable.
+    """
+    if len(actual) == 0 or len(movable(scene)) == 0:
+        raise NotMeasurable("no movable body or no samples")
+    found = [(float(actual.time[np.argmax(shows)]), name) for name, shows in _signs(scene, actual) if shows.any()]
+    return min(found, default=(float(actual.time[-1]), ""))
+
+
+def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    time, _ = first_break(scene, actual)
+    return time if actual.finite else math.nan
+
+
+COLLAPSE_TIME = Metric(
+    name="collapse_time",
+    unit="s",
+    source="definition: the first time at which a sign of a broken run shows (energy, penetration, height, drive); the end of "
+    "the run where none does",
+    measure=_measure,
+    better="higher",
+)
+
+METRIC = COLLAPSE_TIME

@@ -1,0 +1,99 @@
+"""A-frames of two cards that lean against each other: at which friction of their feet do they stand, and for how long?
+
+Two equal cards of half length l and half thickness c stand at the angle a to the vertical on their lower edges and lean edge to
+edge. Each bears its own weight W at its foot; the moments about it ask for a thrust H = W (tan a - c/l)/2 at the top, which
+friction at the foot has to balance: the frame stands iff
+
+    mu >= (tan a - c/l)/2
+
+if the cards hold on to each other. A frame is two movable boxes, one after the other in the scene.
+Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.1 (frames; dry friction).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Body, Box, Scene, rotate
+from harness.trajectory import Trajectory
+
+__all__ = ["FRAME_FRICTION_ERROR", "FRAME_STANDING_TIME", "METRIC", "critical_friction"]
+
+SOURCE = "statics of an A-frame: stands iff mu >= (tan a - c/l)/2"
+
+
+def critical_friction(angle: float, half_length: float, half_thickness: float) -> float:
+    """The least friction [1] at the feet of cards at `angle` [rad] to the vertical; half extents [m]."""
+    return (math.tan(angle) - half_thickness / half_length) / 2
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """Friction at the feet over the critical one [1], and the time [s] for which no card sank to half of its height."""
+
+    friction: float
+    stood: float
+
+
+def _friction(scene: Scene, card: Body) -> float:
+    for other in scene.bodies:
+        if not other.movable and scene.collides(card, other):
+            return scene.surface(card, other).static_friction
+    raise NotMeasurable(f"body '{card.name}' has nothing to stand on")
+
+
+def _frames(scene: Scene, actual: Trajectory) -> list[_Frame]:
+    """All frames; a card stands along the z axis of its body, its thickness along x."""
+    cards = [place for place, body in enumerate(scene.bodies) if body.movable]
+    if len(cards) < 2 or len(cards) % 2 or len(actual) == 0:
+        raise NotMeasurable(f"{len(cards)} cards and {len(actual)} samples, expected pairs and at least one")
+    found = []
+    for pair in zip(cards[::2], cards[1::2], strict=True):
+        card = scene.bodies[pair[0]]
+        shape = card.collision[0].shape if len(card.collision) == 1 else None
+        if not isinstance(shape, Box):
+            raise NotMeasurable(f"body '{card.name}' is no single box")
+        angle = math.acos(rotate(card.q_WB, (0.0, 0.0, 1.0))[2])
+        critical = critical_friction(angle, shape.half_extents[2], shape.half_extents[0])
+        start = np.array([scene.bodies[i].p_WB[2] for i in pair])
+        sunk = np.any(actual.p_WB[:, pair, 2] < start / 2, axis=1)
+        stood = float(actual.time[np.argmax(sunk)] if sunk.any() else math.inf)
+        found.append(_Frame(_friction(scene, card) / critical, stood))
+    return found
+
+
+def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    frames = _frames(scene, actual)
+    if not actual.finite:
+        return math.nan
+    # Where all stand the threshold is taken for half of the least friction's; where all fall, for twice the greatest.
+    falls = max([0.0, *(frame.friction for frame in frames if math.isfinite(frame.stood))])
+    most = 2 * max(frame.friction for frame in frames)
+    stands = min([most, *(frame.friction for frame in frames if math.isinf(frame.stood))])
+    return abs((falls + stands) / 2 - 1)
+
+
+def _standing(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    times = [min(frame.stood, float(actual.time[-1])) for frame in _frames(scene, actual) if frame.friction >= 1]
+    if not times:
+        raise NotMeasurable("no frame has the friction to stand")
+    return min(times) if actual.finite else math.nan
+
+
+FRAME_FRICTION_ERROR = Metric(
+    name="frame_friction_error",
+    unit="1",
+    source=f"{SOURCE}; middle between the greatest friction that falls and the least that stands, over the critical, less 1",
+    measure=_threshold,
+)
+FRAME_STANDING_TIME = Metric(
+    name="frame_standing_time",
+    unit="s",
+    source=f"{SOURCE}; the least time for which a frame stands that should; the run's length where all do",
+    measure=_standing,
+    better="higher",
+)
+
+METRIC = (FRAME_FRICTION_ERROR, FRAME_STANDING_TIME)

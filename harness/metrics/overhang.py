@@ -1,0 +1,75 @@
+"""Overhang: how far bricks laid on each other reach beyond the edge of a table before they fall.
+
+A stack is a static box, the table, and the movable boxes that follow it in the scene, from the lowest to the highest. Bricks
+of length l, each with its end beyond the one below, stand iff the common centre of mass of those above each edge lies inside
+of it; n bricks reach at most
+
+    l/2 (1 + 1/2 + ... + 1/n).
+
+Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107; Paterson, Zwick, Overhang, Am. Math. Monthly 116 (2009) 19.
+"""
+
+import math
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Body, Box, Scene
+from harness.trajectory import Trajectory
+
+__all__ = ["METRIC", "OVERHANG_LIMIT_ERROR", "harmonic_overhang"]
+
+
+def harmonic_overhang(n: int) -> float:
+    """The greatest overhang of n bricks, one on the other, in lengths of a brick."""
+    return sum(1 / k for k in range(1, n + 1)) / 2
+
+
+def _half_extents(body: Body) -> tuple[float, float, float]:
+    if len(body.collision) != 1 or not isinstance(body.collision[0].shape, Box):
+        raise NotMeasurable(f"body '{body.name}' is no single box")
+    return body.collision[0].shape.half_extents
+
+
+def _stacks(scene: Scene) -> list[tuple[float, list[int]]]:
+    """Overhang over the limit [1] and the places of the bricks of each stack."""
+    starts = [place for place, body in enumerate(scene.bodies) if not body.movable]
+    found = []
+    for table, end in zip(starts, [*starts[1:], len(scene.bodies)], strict=True):
+        bricks = list(range(table + 1, end))
+        if not bricks:
+            continue
+        edge = scene.bodies[table].p_WB[0] + _half_extents(scene.bodies[table])[0]
+        reach = max(scene.bodies[i].p_WB[0] + _half_extents(scene.bodies[i])[0] for i in bricks) - edge
+        length = 2 * _half_extents(scene.bodies[bricks[0]])[0]
+        found.append((reach / length / harmonic_overhang(len(bricks)), bricks))
+    if not found:
+        raise NotMeasurable("no bricks on a table")
+    return found
+
+
+def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    stacks = _stacks(scene)
+    if len(actual) == 0:
+        raise NotMeasurable("no samples")
+    if not actual.finite:
+        return math.nan
+    # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest.
+    standing, falling = 0.0, 2 * max(overhang for overhang, _ in stacks)
+    for overhang, bricks in stacks:
+        start = np.array([scene.bodies[i].p_WB[2] for i in bricks])
+        # A brick has fallen when it has sunk by its own half thickness: what tips over the edge below does.
+        thick = np.array([_half_extents(scene.bodies[i])[2] for i in bricks])
+        if np.any(start - actual.p_WB[-1, bricks, 2] > thick):
+            falling = min(falling, overhang)
+        else:
+            standing = max(standing, overhang)
+    return abs((standing + falling) / 2 - 1)
+
+
+METRIC = OVERHANG_LIMIT_ERROR = Metric(
+    name="overhang_limit_error",
+    unit="1",
+    source="Hall 2005; middle between the longest overhang that stands and the shortest that falls, over the limit, less 1",
+    measure=_measure,
+)

@@ -1,0 +1,101 @@
+"""Boxes on inclines that hold, slide or tip over: is the fate of each what statics says, and at which angle do they tip?
+
+A box of half length b along the fall line and half height h tips about its lower edge iff tan(angle) > b/h, if friction holds
+it until then, mu >= b/h; else it slides iff tan(angle) > mu, without tipping.
+Source: Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from harness.kinematics import angle_between
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Box, Scene, rotate
+from harness.trajectory import Trajectory
+
+__all__ = ["METRIC", "TIPPING_ANGLE_ERROR", "WRONG_FATES"]
+
+SOURCE = "Meriam, Kraige, Statics, section 6/3: tips iff tan(angle) > b/h before it slides at tan(angle) = mu"
+TIPPED = 0.5
+"""Turn from the start [rad] from which a box has tipped: more than b/h of a tall box."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Fate:
+    """What became of a box, what should have, tan(angle) of its incline and of where it tips [1]."""
+
+    found: Literal["holds", "slides", "tips"]
+    true: Literal["holds", "slides", "tips"]
+    slope: float
+    tips_at: float
+
+
+def _fates(scene: Scene, actual: Trajectory) -> list[_Fate]:
+    g = np.array(scene.gravity)
+    if not g.any() or len(actual) == 0 or actual.time[-1] <= 0:
+        raise NotMeasurable("no gravity or no time to move")
+    found = []
+    for place, body in enumerate(scene.bodies):
+        if not body.movable:
+            continue
+        shape = body.collision[0].shape if len(body.collision) == 1 else None
+        ground = next((b for b in scene.bodies if not b.movable and scene.collides(body, b)), None)
+        if not isinstance(shape, Box) or ground is None:
+            raise NotMeasurable(f"body '{body.name}' is no single box on an incline")
+        along, normal = (np.array(rotate(body.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+        pull, load = float(g @ along), float(-g @ normal)
+        slope, tips_at = pull / load, shape.half_extents[0] / shape.half_extents[2]
+        mu = scene.surface(body, ground).kinetic_friction
+        true: Literal["holds", "slides", "tips"] = "holds"
+        if slope > min(mu, tips_at):
+            true = "tips" if tips_at <= mu else "slides"
+        turned = float(np.max(angle_between(np.broadcast_to(np.array(body.q_WB), (len(actual), 4)), actual.q_WB[:, place])))
+        way = float((actual.p_WB[-1, place] - np.array(body.p_WB)) @ along)
+        # Half of the way that it would make in truth, and a tenth of its length where it should not slide at all.
+        least = (pull - mu * load) * float(actual.time[-1]) ** 2 / 4 if true == "slides" else shape.half_extents[0] / 5
+        became: Literal["holds", "slides", "tips"] = "tips" if turned > TIPPED else "slides" if way > least else "holds"
+        found.append(_Fate(became, true, slope, tips_at))
+    if not found:
+        raise NotMeasurable("no box stands on an incline")
+    return found
+
+
+def _wrong(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    return float(sum(fate.found != fate.true for fate in _fates(scene, actual)))
+
+
+def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if not actual.finite:
+        return math.nan
+    fates = _fates(scene, actual)
+    # The boxes that tip in truth at a steeper incline, if not at their own; they have one shape.
+    tall = [fate for fate in fates if fate.true == "tips"]
+    if not tall:
+        raise NotMeasurable("no incline is steep enough to tip a box")
+    tips_at = tall[0].tips_at
+    alike = [fate for fate in fates if fate.tips_at == tips_at and fate.true != "slides"]
+    upright = max([0.0, *(math.atan(fate.slope) for fate in alike if fate.found != "tips")])
+    tipped = min([math.pi / 2, *(math.atan(fate.slope) for fate in alike if fate.found == "tips")])
+    return abs((upright + tipped) / 2 / math.atan(tips_at) - 1)
+
+
+WRONG_FATES = Metric(
+    name="wrong_fates",
+    unit="1",
+    source=f"{SOURCE}; number of boxes that hold, slide or tip (by 0.5 rad) where they should not",
+    measure=_wrong,
+)
+TIPPING_ANGLE_ERROR = Metric(
+    name="tipping_angle_error",
+    unit="1",
+    source=f"{SOURCE}; middle between the steepest incline on which a box stays upright and the flattest on which it tips, "
+    "over atan(b/h), less 1",
+    measure=_threshold,
+)
+
+METRIC = (WRONG_FATES, TIPPING_ANGLE_ERROR)

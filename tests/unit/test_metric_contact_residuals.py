@@ -1,0 +1,145 @@
+"""The contact residuals on forces made by hand: a clean slide has none, and each planted fault shows in its own law alone."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.metric import Metric, NotMeasurable
+from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, METRIC, SIGNORINI_RESIDUAL
+from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface
+from harness.trajectory import Contacts, Trajectory
+
+G, MASS, STATIC, KINETIC, DT = 9.81, 2.0, 0.5, 0.4, 0.01
+ROUNDING = 1e-15  # of forces over the weight, both of order one
+STAGE = Scene(
+    bodies=(
+        Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),)),
+        Body(name="box", mass=MASS, collision=(PlacedShape(shape=Box(half_extents=(0.1, 0.1, 0.1))),), p_WB=(0.0, 0.0, 0.1)),
+    ),
+    surfaces=(Surface(static_friction=STATIC, kinetic_friction=KINETIC),),
+)
+
+
+def slide(
+    speed: float = 1.0, gap: float = 0.0, force: tuple[float, float, float] | None = None, turned: bool = False
+) -> Trajectory:
+    """Three samples of a box that slides along x on one point, borne and rubbed as Coulomb says, or by `force` [N].
+
+    Args: speed [m/s]; gap [m] of the point; turned: the record names the box as body A, its normal down.
+    """
+    run = replace(Trajectory.of(np.arange(3) * DT, 2), dt=DT)
+    run.p_WB[:, 1, 2] = 0.1
+    run.v_WB[:, 1, 0] = speed
+    on_box = (-KINETIC * MASS * G, 0.0, MASS * G) if force is None else force
+    sign = -1.0 if turned else 1.0
+    contact = Contacts(
+        np.array([1 if turned else 0]),
+        np.array([0 if turned else 1]),
+        np.zeros((1, 3)),
+        np.array([[0.0, 0.0, sign]]),
+        np.array([gap]),
+        sign * np.array([on_box]),
+    )
+    return replace(run, contacts=(contact,) * 3)
+
+
+def residuals(run: Trajectory) -> list[float]:
+    return [metric(STAGE, run) for metric in (SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL)]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_slide_under_coulombs_law_has_no_residual_whichever_body_comes_first(turned: bool) -> None:
+    assert residuals(slide(turned=turned)) == pytest.approx([0.0, 0.0, 0.0], abs=ROUNDING)
+
+
+def test_what_sticks_inside_its_cone_has_no_residual_whatever_the_direction() -> None:
+    for angle in np.linspace(0, 2 * np.pi, 7):
+        force = (0.49 * MASS * G * np.cos(angle), 0.49 * MASS * G * np.sin(angle), MASS * G)
+        assert residuals(slide(speed=0.0, force=force)) == pytest.approx([0.0, 0.0, 0.0], abs=ROUNDING)
+
+
+def test_a_force_outside_of_the_cone_is_seen() -> None:
+    # The corner of a pyramid of friction 0.5: sqrt(2) times too long, by (sqrt(2) - 1) 0.5 weights.
+    force = (STATIC * MASS * G, STATIC * MASS * G, MASS * G)
+    found = residuals(slide(speed=0.0, force=force))
+    assert found == pytest.approx([0.0, (math.sqrt(2) - 1) * STATIC, 0.0], abs=ROUNDING)
+
+
+def test_a_force_that_pulls_is_seen_and_bears_no_friction() -> None:
+    found = residuals(slide(speed=0.0, force=(0.1 * MASS * G, 0.0, -0.3 * MASS * G)))
+    assert found == pytest.approx([0.3, 0.1, 0.0], abs=ROUNDING)
+
+
+def test_a_force_across_a_gap_that_the_step_cannot_close_is_seen() -> None:
+    # At rest a box falls by g dt^2 = 1 mm in a step of 10 ms; half of that may close, a centimetre may not.
+    assert SIGNORINI_RESIDUAL(STAGE, slide(gap=5e-4)) == 0.0
+    assert SIGNORINI_RESIDUAL(STAGE, slide(gap=1e-2)) == pytest.approx(1.0)
+    falling = slide(gap=1e-2)
+    falling.v_WB[:, 1, 2] = -2.0
+    assert SIGNORINI_RESIDUAL(STAGE, falling) == 0.0
+
+
+def test_an_open_contact_without_force_is_none() -> None:
+    assert residuals(slide(gap=1.0, force=(0.0, 0.0, 0.0))) == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("along", "across", "error"),
+    [
+        (KINETIC, 0.0, 2 * KINETIC),
+        (0.0, KINETIC, math.sqrt(2) * KINETIC),
+        (-KINETIC / 2, 0.0, KINETIC / 2),
+        (0.0, 0.0, KINETIC),
+    ],
+)
+def test_friction_along_the_slip_aside_of_it_or_too_weak_dissipates_too_little(
+    along: float, across: float, error: float
+) -> None:
+    found = residuals(slide(force=(along * MASS * G, across * MASS * G, MASS * G)))
+    assert found == pytest.approx([0.0, 0.0, error], abs=ROUNDING)
+
+
+def test_a_slip_that_one_step_of_gravity_can_stop_has_no_direction_yet() -> None:
+    assert DISSIPATION_RESIDUAL(STAGE, slide(speed=0.9 * G * DT, force=(0.0, 0.0, MASS * G))) == 0.0
+    assert DISSIPATION_RESIDUAL(STAGE, slide(speed=1.1 * G * DT, force=(0.0, 0.0, MASS * G))) == pytest.approx(KINETIC)
+
+
+def test_the_slip_is_that_of_the_point_not_of_the_centre() -> None:
+    # A box that turns about y at v/r as a wheel would: its lowest point stands still, so that nothing rubs.
+    rolling = slide(force=(0.0, 0.0, MASS * G))
+    rolling.w_WB[:, 1, 1] = 10.0
+    assert DISSIPATION_RESIDUAL(STAGE, rolling) == 0.0
+
+
+def test_without_the_effect_of_friction_any_tangential_force_is_too_much() -> None:
+    bare = replace(STAGE, narrow=Effect.FRICTION)
+    assert CONE_RESIDUAL(bare, slide()) == pytest.approx(KINETIC)
+
+
+def test_the_worst_instant_counts() -> None:
+    run = slide()
+    assert run.contacts is not None
+    bad = replace(run.contacts[1], force_W=np.array([[0.0, 0.0, -0.25 * MASS * G]]))
+    assert SIGNORINI_RESIDUAL(STAGE, replace(run, contacts=(run.contacts[0], bad, run.contacts[2]))) == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("metric", METRIC)
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_what_is_not_finite_is_never_swallowed(metric: Metric, bad: float) -> None:
+    assert math.isnan(metric(STAGE, slide(force=(0.0, 0.0, bad))))
+    assert math.isnan(metric(STAGE, slide(gap=bad)))
+    broken = slide()
+    broken.v_WB[1, 1, 0] = bad
+    assert math.isnan(metric(STAGE, broken))
+
+
+@pytest.mark.parametrize("metric", METRIC)
+def test_missing_contacts_samples_and_weight_are_not_measurable(metric: Metric) -> None:
+    with pytest.raises(NotMeasurable, match="contacts"):
+        metric(STAGE, replace(slide(), contacts=None))
+    with pytest.raises(NotMeasurable, match="samples"):
+        metric(STAGE, slide().between(5.0, 6.0))
+    with pytest.raises(NotMeasurable, match="weight"):
+        metric(replace(STAGE, gravity=(0.0, 0.0, 0.0)), slide())

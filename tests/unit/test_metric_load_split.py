@@ -1,0 +1,65 @@
+"""The split of a load on forces made by hand."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.metric import NotMeasurable
+from harness.metrics.load_split import LOAD_SPLIT_ERROR, load_shares
+from harness.scene import Body, Scene
+from harness.trajectory import Contacts, Trajectory
+
+G = 9.81
+# The load stands between its supports, so that it is body A of one contact and body B of the other.
+STAGE = Scene(
+    bodies=(
+        Body(name="ground", motion="static"),
+        Body(name="left", mass=1.0),
+        Body(name="load", mass=40.0),
+        Body(name="right", mass=1.0),
+    )
+)
+
+
+def run(left: float, right: float, *, ground: float = 0.0) -> Trajectory:
+    """Shares of the load on the left, on the right and, past both, on the ground; the load pushes back on each support."""
+    contacts = Contacts.of(
+        [1, 3, 0, 0, 0],
+        [2, 2, 2, 1, 3],
+        [[0.0] * 3] * 5,
+        [[0.0, 0.0, 1.0]] * 5,
+        [0.0] * 5,
+        [[0.0, 0.0, f * G] for f in (left * 40, right * 40, ground * 40, left * 40 + 1, right * 40 + 1)],
+    )
+    return replace(Trajectory.of(np.arange(3) * 0.1, 4), contacts=(contacts,) * 3)
+
+
+def test_half_each_has_no_error() -> None:
+    assert load_shares(STAGE, run(0.5, 0.5)) == pytest.approx([0.5, 0.5])
+    assert LOAD_SPLIT_ERROR(STAGE, run(0.5, 0.5)) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(("left", "right", "error"), [(0.6, 0.4, 0.1), (0.0, 1.0, 0.5), (0.45, 0.45, 0.05), (-0.1, 1.1, 0.6)])
+def test_what_one_bears_more_or_less_than_its_share_is_the_error(left: float, right: float, error: float) -> None:
+    assert LOAD_SPLIT_ERROR(STAGE, run(left, right)) == pytest.approx(error)
+
+
+def test_a_load_that_lies_on_the_ground_is_borne_by_no_support() -> None:
+    assert LOAD_SPLIT_ERROR(STAGE, run(0.0, 0.0, ground=1.0)) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
+    assert not math.isfinite(LOAD_SPLIT_ERROR(STAGE, run(bad, 0.5)))
+    broken = run(0.5, 0.5)
+    broken.p_WB[1, 2, 0] = bad
+    assert math.isnan(LOAD_SPLIT_ERROR(STAGE, broken))
+
+
+def test_missing_contacts_and_supports_are_not_measurable() -> None:
+    with pytest.raises(NotMeasurable, match="contacts"):
+        LOAD_SPLIT_ERROR(STAGE, Trajectory.of(np.arange(3.0), 4))
+    with pytest.raises(NotMeasurable, match="supports"):
+        LOAD_SPLIT_ERROR(Scene(bodies=STAGE.bodies[:2]), run(0.5, 0.5))

@@ -99,4 +99,5 @@ CASE = Case(
         ),
     ),
     headline="stop_distance_error",
+    converges="once",
 )

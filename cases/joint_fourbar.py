@@ -122,6 +122,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"amplitude": AMPLITUDE},
     headline=POSITION_MAX.name,
+    converges="smoothly",
     scale=CRANK,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a linkage never diverges"),

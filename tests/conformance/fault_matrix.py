@@ -14,11 +14,11 @@ from functools import cache
 from pathlib import Path
 
 from harness import discover
-from harness.adapter import Adapter, Feature
+from harness.adapter import Adapter
 from harness.case import Case
 from harness.conformance import CONTROLS, Control
-from harness.run import judge, simulate, truth_of
 from harness.trajectory import Trajectory
+from tests.conformance.put import put
 
 __all__ = ["FILE", "NAMED", "Catch", "applied", "broken_checks", "caught", "known", "steps", "sound_failures"]
 
@@ -61,33 +61,14 @@ class Catch:
     checks: Mapping[str, str]
 
 
-def _same(trajectory: Trajectory) -> Trajectory:
-    return trajectory
-
-
-def broken_checks(case: Case, adapter: Adapter, dt: float, spoil: Callable[[Trajectory], Trajectory] = _same) -> dict[str, str]:
+def broken_checks(
+    case: Case, adapter: Adapter, dt: float, spoil: Callable[[Trajectory], Trajectory] = lambda trajectory: trajectory
+) -> dict[str, str]:
     """The case's checks that an engine fails on the tuned track at a time step dt [s], each with what was found."""
-    parameters = dict(case.parameters) | ({"seed": 0} if case.ensemble > 1 else {})
-    scene = case.scene(**parameters)
-    simulation = adapter.build(scene, adapter.tracks["tuned"].with_dt(dt))
-    try:
-        actual, broke = simulate(
-            simulation,
-            scene,
-            dt=dt,
-            duration=case.duration,
-            sample_interval=case.sample_interval,
-            with_contacts=case.with_contacts and Feature.CONTACTS in adapter.features,
-            seed=0,
-        )
-    finally:
-        simulation.close()
-    if broke is not None:
+    answer = put(case, adapter, adapter.tracks["tuned"].with_dt(dt), spoil)
+    if answer.broke is not None:
         return {"divergence": "1 / 0"}
-    actual = spoil(actual)
-    truth = truth_of(case, scene, actual.time, parameters, None)
-    found = judge(case, scene, actual, truth)
-    return {m.metric: f"{m.value:.2g} / {m.at_most:.2g}" for m in found if m.passed is False}
+    return {name: f"{m.value:.2g} / {m.at_most:.2g}" for name, m in answer.broken.items()}
 
 
 def applied(control: Control) -> Iterator[Case]:

@@ -1587,6 +1587,7 @@ ADAPTER = BulletAdapter(
         "default/rays_match_closed_forms": _GRAZING,
         "tuned/rays_match_closed_forms": _GRAZING,
     },
+    orders={"semi_implicit_euler": 1},
     deviations=(
         "springs and drives are explicit torques, evaluated by the adapter at the start of each (sub)step",
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",

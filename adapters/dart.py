@@ -1166,6 +1166,7 @@ ADAPTER = DartAdapter(
         "options.deactivation": (True, False),
         "options.split_impulse": (True, False),
     },
+    orders={INTEGRATOR: 1},
     deviations=(
         "a cut joint of a loop is a velocity constraint with slow error reduction: it drifts",
         "springs, dampers and drives are implicit and damp by themselves",

@@ -1315,6 +1315,7 @@ ADAPTER = MujocoAdapter(
             "the vendor's default time constant of constraints is .02 s: a rod that is let fall gives way by .7 %"
         ),
     },
+    orders={"euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1, "rk4": 4},
     deviations=(
         "contacts, limits and loop joints are soft: they sink, creep and gap",
         "restitution is a spring and damper calibrated to the mean rebound; single rebounds scatter with the phase of the step",

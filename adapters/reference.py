@@ -575,5 +575,9 @@ ADAPTER = _Reference(
         "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
         "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",
     ),
+    orders={
+        "explicit_euler": 1, "semi_implicit_euler": 1, "velocity_verlet": 2, "implicit_midpoint": 2, "rk4": 4, "splitting_4": 4,
+        "splitting_8": 8,
+    },
     compile_allowance=900.0,
 )  # fmt: skip

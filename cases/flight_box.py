@@ -59,6 +59,7 @@ CASE = Case(
     parameters={"speed": SPEED, "spin": SPIN},
     duration=DURATION,
     headline=POSITION_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a parabola never diverges"),
         Check(

@@ -88,6 +88,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"velocity": VELOCITY, "spin": SPIN, "linear_damping": LINEAR, "angular_damping": ANGULAR},
     headline=POSITION_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="damping calms"),
         Check(

@@ -69,6 +69,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"velocity": VELOCITY, "mass": 1.0, "radius": 0.1},
     headline=POSITION_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a parabola never diverges"),
         Check(

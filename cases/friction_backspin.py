@@ -68,6 +68,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"speed": SPEED, "spin": SPIN, "friction": FRICTION},
     headline=VELOCITY_MAX.name,
+    converges="once",
     scale=SPEED,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),

@@ -78,6 +78,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"angle": ANGLE, "friction": FRICTION, "factors": FACTORS},
     headline=VELOCITY_MAX.name,
+    converges="once",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
         Check(

@@ -88,6 +88,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"speed": SPEED, "coefficients": COEFFICIENTS},
     headline=POSITION_MAX.name,
+    converges="once",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a ball that slows down never diverges"),
         Check(

@@ -74,6 +74,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"speed": SPEED, "friction": FRICTION, "factors": FACTORS},
     headline=VELOCITY_MAX.name,
+    converges="once",
     scale=SPEED,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),

@@ -78,6 +78,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"spin": SPIN, "friction": FRICTION},
     headline=ANGULAR_VELOCITY_MAX.name,
+    converges="once",
     scale=SPIN,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a spin that is braked never diverges"),

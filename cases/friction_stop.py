@@ -102,4 +102,5 @@ CASE = Case(
     ),
     observe=(SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL),
     headline="stop_distance_error",
+    converges="once",
 )

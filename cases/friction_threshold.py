@@ -114,4 +114,5 @@ CASE = Case(
         ),
     ),
     headline="incline_acceleration_error",
+    converges="once",
 )

@@ -91,6 +91,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"rate": RATE, "start": START},
     headline=POSITION_MAX.name,
+    converges="once",
     scale=START,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a circle never diverges"),

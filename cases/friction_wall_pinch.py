@@ -90,6 +90,7 @@ CASE = Case(
     parameters={"push": PUSH, "frictions": FRICTIONS},
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4),
     headline=POSITION_MAX.name,
+    converges="once",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a sliding box never diverges"),
         Check(

@@ -131,4 +131,5 @@ CASE = Case(
     ),
     observe=(RESTITUTION_ERROR, LATER_RESTITUTION_ERROR),
     headline="bounce_height_error",
+    converges="once",
 )

@@ -158,6 +158,7 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=64),
     headline=POSITION_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a hanging chain never diverges"),
         Check(metric=POSITION_MAX, at_most=lambda dt: 2 * first_order()[0] * dt, because=WHY),

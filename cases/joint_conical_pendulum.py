@@ -87,6 +87,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"tilt": TILT, "length": LENGTH},
     headline=RADIUS_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a circle never diverges"),
         Check(

@@ -168,6 +168,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"upper": UPPER, "lower": LOWER},
     headline=POSITION_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a double pendulum never diverges"),
         Check(metric=POSITION_MAX, at_most=lambda dt: 2 * _first_order()[0] * dt, because=WHY),

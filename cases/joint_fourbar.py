@@ -14,14 +14,15 @@ from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
 from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.phase import PERIOD
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
 G = -EARTH_GRAVITY[2]
-DURATION = 5.0
+DURATION = 2.5
+"""Five times through the line [s]. A first-order method's error grows with the square of the time, and its bound would soon
+exceed the linkage."""
 AMPLITUDE = 120.0
 """Degrees from hanging; the linkage lies in one line at 90."""
 CRANK, COUPLER, MASS, THICKNESS = 0.5, 1.0, 1.0, 0.02
@@ -121,6 +122,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"amplitude": AMPLITUDE},
     headline=POSITION_MAX.name,
+    converges="smoothly",
     scale=CRANK,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a linkage never diverges"),
@@ -139,5 +141,5 @@ CASE = Case(
             "step keeps five; 1e-6 m for single precision",
         ),
     ),
-    observe=(PERIOD, POSITION_FINAL, ENERGY_STAGGERED),
+    observe=(POSITION_FINAL, ENERGY_STAGGERED),
 )

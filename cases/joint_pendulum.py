@@ -131,6 +131,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"amplitude": AMPLITUDE, "kind": "rod", "length": LENGTH, "mass": MASS},
     headline=POSITION_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a pendulum never diverges"),
         Check(

@@ -109,6 +109,7 @@ CASE = Case(
     parameters={"ratios": RATIOS, "rate": RATE, "stretch": STRETCH},
     hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4),
     headline=POSITION_MAX.name,
+    converges="smoothly",
     scale=STRETCH,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a damped mass comes to rest"),

@@ -102,7 +102,7 @@ CASE = Case(
     parameters={"spin": SPIN, "lever": LEVER},
     sample_interval=0.1,
     dt=1 / 120,
-    ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
+    ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),
     headline=ACCELEROMETER_ERROR.name,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a free ball never diverges"),

@@ -60,6 +60,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"moments": MOMENTS, "spin": SPIN},
     headline=ATTITUDE_MAX.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a free top never diverges"),
         Check(metric=ATTITUDE_MAX, at_most=_first_order(0), because=FIRST_ORDER),

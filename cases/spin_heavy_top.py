@@ -108,6 +108,7 @@ CASE = Case(
     # The disc turns 0.83 rad in a step of 1/240; in a longer one no method could follow it.
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
     headline=POSITION_MAX.name,
+    converges="smoothly",
     scale=LENGTH,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a steady precession is stable"),

@@ -83,6 +83,7 @@ CASE = Case(
     parameters={"moments": MOMENTS, "spin": SPIN},
     sample_interval=1 / 60,
     headline=FLIP_PERIOD_ERROR.name,
+    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a free body never diverges"),
         Check(

@@ -68,6 +68,7 @@ CASE = Case(
     duration=DURATION,
     parameters={"spin": SPIN, "half_extents": HALF, "mass": 1.0},
     headline=ATTITUDE_MAX.name,
+    converges="smoothly",
     scale=SPIN * DURATION,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a constant spin never diverges"),

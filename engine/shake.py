@@ -7,9 +7,14 @@ Kick all velocities; solve limits, springs and drives with the joints; then repe
 with the Jacobian of the start until the gap C of the end is closed. The scheme is symplectic and does not lose energy, unlike a
 projection of the velocities after the drift.
 
+Where a closed loop passes through a singular pose, the Jacobian of the start may be as good as dependent and that of the end not:
+the rounds diverge then. A round that widens the gap is taken back, and the little that is left closes with the next steps.
+
 Source: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977; Hairer, Lubich, Wanner, Geometric Numerical Integration,
 section VII.1.4.
 """
+
+import math
 
 from engine.arena import GAP, IMPULSE, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
 from engine.coordinate import bounded_rows
@@ -81,6 +86,7 @@ def shake(
         vector[PIVOT, r] = 0.0
     factor(matrix, low, count, vector)
     spare = row.shape[0] // 2
+    before = math.inf
     for _ in range(MAX_ROUNDS):
         for b in range(bodies):
             if kind[b, MOTION] != 0:
@@ -89,6 +95,11 @@ def shake(
         widest = joint_gaps(state, joint, joint_kind, joints, row, row_body, vector, h, spare)
         if widest <= ROUND_OFF or not widest < 1e6:
             break
+        if widest > before:
+            for r in range(count):
+                apply(state, row_body, reach, r, -vector[WORK, r])
+            break
+        before = widest
         solve(low, count, vector, RIGHT, WORK)
         for r in range(count):
             apply(state, row_body, reach, r, vector[WORK, r])

@@ -192,7 +192,8 @@ class Adapter(ABC):
         name: as on the command line. distribution: the package that is installed. title: as in the report.
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
         users would try. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures.
-        deviations: what every answer of this engine carries, whatever the track. compile_allowance [s]: what an engine that
+        deviations: what every answer of this engine carries, whatever the track. orders: what each integrator, by the name that
+        `Simulation.resolved` gives it, promises for smooth motion. compile_allowance [s]: what an engine that
         compiles itself on first use may take for that, once, beyond a trial's deadline.
     """
 
@@ -204,6 +205,7 @@ class Adapter(ABC):
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
     deviations: tuple[str, ...] = ()
+    orders: Mapping[str, int] = field(default_factory=dict)
     compile_allowance: float = 0.0
 
     def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled

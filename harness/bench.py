@@ -49,6 +49,7 @@ class Bench:
 
     Terms:
         whole: clocked steps of a full run. units: what one step or cast counts for. steady: may a run go on over samples?
+        starting: CPU seconds that it last took to build and to go to where the clock starts.
     """
 
     def __init__(self, case: Case, adapter: Adapter, trial: Trial) -> None:
@@ -64,10 +65,12 @@ class Bench:
         self._simulation: Any = None
         self._cast: Callable[[], object] | None = None
         self._here = 0
+        self.starting = 0.0
 
     def start(self) -> None:
         """Build and go to where the clock starts."""
         self.stop()
+        begun = time.process_time()
         scene, settings = self._scene, self._trial.settings
         if self._worlds > 1:
             self._simulation = self._adapter.build_batch(scene, settings, self._worlds)
@@ -78,6 +81,7 @@ class Bench:
         elif self._before:
             self._simulation.step(self._before)
         self._here = 0
+        self.starting = time.process_time() - begun
 
     def stop(self) -> None:
         """Free what was built."""

@@ -82,6 +82,9 @@ class Case:
         sample_interval [s]: distance of recorded samples, 0 for every step. dt [s]: the step of a quick look; ladder: the
         steps of an accuracy run. with_contacts: record contacts at each sample.
         headline: the metric drawn against time step and cost. scale: the size of that metric's value that counts as 1.
+        converges: 'smoothly' where nothing breaks the motion, so that the headline shrinks with the integrator's own order;
+        'once' where contacts begin, end or go from slip to roll within a step, which leaves the first order; '' where the
+        headline is no error that has to shrink with the step.
         ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
         steady [s]: from there on every step costs alike, so the clock starts there; None clocks whole runs.
         rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
@@ -108,6 +111,7 @@ class Case:
     with_contacts: bool = False
     headline: str = ""
     scale: float = 1.0
+    converges: Literal["smoothly", "once", ""] = ""
     steady: float | None = None
     rays: Callable[..., Rays] | None = None
     worlds: str = ""

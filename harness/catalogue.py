@@ -27,6 +27,7 @@ def describe_case(case: Case) -> dict[str, Any]:
         "ladder": list(case.ladder),
         "headline": case.headline,
         "scale": case.scale,
+        "converges": case.converges,
         "ensemble": case.ensemble,
         "hard": None
         if case.hard is None
@@ -69,4 +70,5 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
         "knobs": {name: list(values) for name, values in engine.knobs.items()},
         "known_failures": dict(engine.known_failures),
         "deviations": list(engine.deviations),
+        "orders": dict(engine.orders),
     }

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _GATE, _USAGE, _MACHINE, _INTERRUPTED = 1, 2, 3, 130
-_TABLES = ("trials", "measurements", "samples", "scaling")
+_TABLES = ("trials", "measurements", "samples", "scaling", "orders")
 
 
 def _stop(code: int, message: str) -> NoReturn:
@@ -221,6 +221,13 @@ def _rows(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[s
         from harness.scaling import COLUMNS, Scaling
 
         return Scaling(store).rows(), COLUMNS
+    if table == "orders":
+        from dataclasses import asdict
+
+        from harness.orders import COLUMNS as ORDERS
+        from harness.orders import convergences
+
+        return [asdict(row) for row in convergences(store)], ORDERS
     frame = getattr(store, table)
     rows = [
         {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
@@ -249,6 +256,15 @@ def show(folder: Path, table: str, form: str) -> None:
         from harness.scaling import brief as in_brief
 
         print_table(table, BRIEF, [in_brief(row) for row in rows])
+    elif table == "orders":
+        from harness.orders import BRIEF as ORDERS
+        from harness.orders import Convergence
+        from harness.orders import brief as order_in_brief
+
+        print_table(table, ORDERS, [order_in_brief(Convergence(**row)) for row in rows])
+        for row in rows:
+            if row["finding"]:
+                click.echo(row["finding"])
     else:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns

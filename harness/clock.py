@@ -32,6 +32,8 @@ __all__ = ["Clocked", "calibrate", "clock_group", "summarise"]
 
 _LONGEST = 10.0
 """A single run of a scene is cut off after this many times the sample's length."""
+_PATIENCE = 3.0
+"""A sample is made shorter where building anew for each of its runs would make it take more than this many times its length."""
 _NOISY = 0.1
 """Half width of the interval, or spread of the canary, relative to its middle, from which a timing counts as unstable."""
 
@@ -73,7 +75,10 @@ def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
 
 
 def calibrate(bench: Bench, seconds: float) -> int:
-    """Warm up and find how many steps or casts last `seconds` of CPU time: whole runs of a scene, unless one is too long."""
+    """Warm up and find how many steps or casts last `seconds` of CPU time: whole runs of a scene, unless one is too long.
+
+    They last less where most of a sample would go by outside the clock, in building short runs anew.
+    """
     bench.start()
     bench.clock(1)
     if bench.steady:
@@ -81,13 +86,17 @@ def calibrate(bench: Bench, seconds: float) -> int:
         while spent < seconds / 4:
             count *= 4
             spent = bench.clock(count)[0]
-        return max(1, math.ceil(count * seconds / spent))
+        outside = bench.starting / bench.whole
+        return max(1, min(math.ceil(count * seconds / spent), int(_PATIENCE * seconds / (spent / count + outside))))
     done, spent = 1, 0.0
     while done < bench.whole and spent < _LONGEST * seconds:
         count = min(max(1, bench.whole // 20), bench.whole - done)
         spent += bench.clock(count)[0]
         done += count
-    return done if done < bench.whole else bench.whole * max(1, math.ceil(seconds / max(spent, 1e-7)))
+    if done < bench.whole:
+        return done
+    runs = min(math.ceil(seconds / max(spent, 1e-7)), int(_PATIENCE * seconds / max(spent + bench.starting, 1e-7)))
+    return bench.whole * max(1, runs)
 
 
 @dataclass(slots=True)

@@ -1,4 +1,4 @@
-"""The order of convergence of an error that shrinks with the time step, with its interval and its floor."""
+"""The order of convergence of an error that shrinks with the time step, with its interval and its floor; promises of one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-__all__ = ["Order", "fit_order"]
+__all__ = ["Order", "falls_short", "fit_order"]
 
 FEWEST = 3
 """Points on the slope: two give a line without an interval."""
@@ -19,6 +19,7 @@ class Order:
     Terms:
         order [1], with its 95 % interval low..high. used: points on the slope. floor: the error below which smaller steps no
         longer help, in the error's unit; None where the ladder did not reach it. coarse, fine [s]: the steps of the slope.
+        at_fine_end: the slope over its three finest points alone. left: the floor over the largest error, 0 without a floor.
     """
 
     order: float
@@ -28,6 +29,22 @@ class Order:
     floor: float | None
     coarse: float
     fine: float
+    at_fine_end: float
+    left: float
+
+
+def falls_short(fit: Order, promised: float) -> bool:
+    """Is a promise of an order broken?
+
+    Orders of smooth motion are whole numbers. The promise is broken where the whole interval lies nearer to a lower one, under
+    promised - 1/2, and the slope over the three finest points does too. An order above the promise never breaks it. Nor does a
+    ladder that only begins coarsely, where higher powers of the step still count, nor one on which the error passes through
+    zero: there the scatter widens the interval, or the fine end recovers. Where noise alone decides, the interval lies under
+    the promise in one of forty ladders; the half order and the fine end make that fewer.
+
+    A floor is no broken promise, unless it is so high that more than half of the largest error is left.
+    """
+    return (fit.high < promised - 0.5 and fit.at_fine_end < promised - 0.5) or fit.left > 0.5
 
 
 def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
@@ -59,7 +76,8 @@ def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
         return None
     best = min(splits, key=lambda k: criterion(x, y, k))
     fit = stats.linregress(x[:best], y[:best])
-    half = float(fit.stderr) * float(stats.t.ppf(0.975, best - 2))
+    spread = float(fit.stderr) if np.ptp(y[:best]) > 0 else 0.0  # equal errors have a slope of zero, exactly
+    half = spread * float(stats.t.ppf(0.975, best - 2))
     slope = float(fit.slope)
     return Order(
         order=slope,
@@ -69,6 +87,8 @@ def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
         floor=float(np.exp(np.mean(y[best:]))) if best < n else None,
         coarse=float(np.exp(x[0])),
         fine=float(np.exp(x[best - 1])),
+        at_fine_end=float(stats.linregress(x[best - FEWEST : best], y[best - FEWEST : best]).slope),
+        left=float(np.exp(np.mean(y[best:]) - y.max())) if best < n else 0.0,
     )
 
 

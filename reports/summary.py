@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from harness.orders import convergences
 from reports.contents import cases, engines, tracks
 from reports.glance import Glance, glances
 from reports.status import STATUSES
@@ -19,7 +20,7 @@ def sentences(store: "Store") -> list[str]:
     if store.trials.empty:
         return ["The store holds no trial."]
     seen, cells = glances(store), verdicts(store)
-    written = [*leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells)]
+    written = [*leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells), *promises(store)]
     return [*written, *ours(store, cells), *silence(store), size(store)]
 
 
@@ -109,6 +110,28 @@ def extremes(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list
             f"Every engine that answers passes {join_words(f'“{title}”' for title in everybody[:4])}{more(everybody)}."
         )
     return written
+
+
+def promises(store: "Store") -> list[str]:
+    """Whose errors do not shrink with the step as the integrator promises; each has a sentence on its case's page."""
+    told = [row for row in convergences(store) if row.promised is not None and row.verdict != "open"]
+    broken: dict[tuple[str, str], list[str]] = {}
+    for row in told:
+        if row.verdict == "broken":
+            broken.setdefault((row.engine, row.track), []).append(cases(store)[row.case]["title"])
+    if not told:
+        return []
+    if not broken:
+        return [f"The order of convergence that an integrator promises is kept on all {plural(len(told), 'ladder')} that tell."]
+    parts = [
+        f"{engines(store)[engine]['title']} ({track}) in {join_words(f'“{title}”' for title in titles[:4])}{more(titles)}"
+        for (engine, track), titles in broken.items()
+    ]
+    count = sum(map(len, broken.values()))
+    return [
+        f"Errors shrink less with the time step than the integrator promises on {count} of {plural(len(told), 'ladder')}: "
+        f"{'; '.join(parts)}."
+    ]
 
 
 def more(titles: list[str]) -> str:

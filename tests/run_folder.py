@@ -65,6 +65,7 @@ def catalogue(hostile: bool) -> dict[str, Any]:
             "ladder": LADDER,
             "headline": metric,
             "scale": scale,
+            "converges": "smoothly" if name.split("_")[0] in ("flight", "spin", "joint") else "",
             "hard": {"parameter": "speed", "unit": "m/s", "easy": 1.0, "extreme": 100.0} if k % 3 == 0 else None,
             "checks": [
                 {"metric": metric, "unit": unit, "at_most": None, "because": f"g dt t / 2 and {scale} % of room for rounding",
@@ -90,6 +91,7 @@ def catalogue(hostile: bool) -> dict[str, Any]:
                 "tuned": {"dt": 1 / 240, "iterations": 50, "options": {"cone": "elliptic", "warm_start": True},
                           "source": "User guide, sec. 4, https://example.org/guide"},
             },
+            "orders": {"made": 1 if name == "bullet" else 2},
             "known_failures": {} if ours else {"default/hidden_damping": "linear damping 0.04 unless set to 0"},
             "deviations": ["planes are boxes of 100 m"] if name == "dart" else [],
         }
@@ -132,7 +134,7 @@ def row(case: str, engine: str, track: str, dt: float, **changes: Any) -> dict[s
         "trial": name, "study": "quick", "experiment": "ladder", "case": case,
         "parameters": json.dumps({"mass": 1.0}), "engine": engine, "engine_version": "1.2.3", "track": track, "dt": dt,
         "settings": json.dumps({"dt": dt, **({"iterations": 50} if track == "tuned" else {})}),
-        "resolved": json.dumps({"dt": dt, "iterations": 50, "solver": "pgs"}), "seed": 0,
+        "resolved": json.dumps({"dt": dt, "iterations": 50, "integrator": "made", "solver": "pgs"}), "seed": 0,
         "status": "passed", "reason": "every check holds", "sim_seconds": 2.0, "steps": round(2 / dt),
         "cpu_per_sim_s": cost, "cpu_low": 0.93 * cost, "cpu_high": 1.09 * cost, "wall_per_sim_s": 1.01 * cost,
         "realtime_factor": 1 / (1.01 * cost), "unstable_timing": False, "trajectory_hash": name,

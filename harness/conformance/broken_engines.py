@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Settings, Simulation, Unsupported
+from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
 from harness.conformance.exact import rotation
 from harness.conformance.faults import Repaired, Rewritten, Wrapped, plant
 from harness.scene import (
     Body,
     Box,
+    Effect,
     Matrix3,
     PlacedShape,
     Prismatic,
@@ -52,6 +53,7 @@ __all__ = [
     "entangled",
     "gravity",
     "joints",
+    "losing_speed",
     "repairing",
     "rougher",
     "rounded",
@@ -383,6 +385,24 @@ def deaf_to_methods(adapter: Adapter) -> Adapter:
     return plant(adapter, settings=drop)
 
 
+def losing_speed(adapter: Adapter) -> Adapter:
+    """Velocities lose 4 % a second: by the engine's own damping where it has one, else in the state behind its back."""
+    damping = Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING
+    if damping not in adapter.features:
+        return plant(adapter, simulation=damped)
+
+    def slowed(body: Body) -> Body:
+        if not body.movable:
+            return body
+        return replace(body, linear_damping=body.linear_damping + 0.04, angular_damping=body.angular_damping + 0.04)
+
+    def change(scene: Scene) -> Scene:
+        hidden = Effect.LINEAR_DAMPING | Effect.ANGULAR_DAMPING
+        return replace(scene, bodies=tuple(slowed(body) for body in scene.bodies), narrow=scene.narrow & ~hidden)
+
+    return plant(adapter, scene=change)
+
+
 def damped(inner: Simulation, adapter: Adapter, scene: Scene, settings: Settings) -> Simulation:
     """Velocities lose 4 % a second."""
 
@@ -493,10 +513,16 @@ def approximating(adapter: Adapter) -> Adapter:
 
 
 def share_seed(trajectory: Trajectory) -> Trajectory:
-    """Every channel of a stream (k, c) gets the noise of the first one about its own mean, as one seed for all axes gives."""
+    """One seed for all that should differ: every axis of a stream (k, c) gets the noise of the first axis, about its own mean,
+    and every scan of a stream (k, channels, columns) that of the first scan."""
     streams = dict(trajectory.streams)
     for name, signal in trajectory.streams.items():
+        ideal = trajectory.streams.get(f"{name}_ideal")
         if not name.endswith("/time") and signal.ndim == 2 and len(signal) > 2:
             noise = signal[:, :1] - signal[:, :1].mean(axis=0)
             streams[name] = signal.mean(axis=0) + np.repeat(noise, signal.shape[1], axis=1)
+        elif signal.ndim == 3 and ideal is not None:
+            heard = np.isfinite(ideal[0])
+            noise = np.where(heard, signal[0] - np.where(heard, ideal[0], 0.0), 0.0)
+            streams[name] = ideal + noise
     return replace(trajectory, streams=streams)

@@ -25,13 +25,13 @@ from harness.conformance.broken_engines import (
     bodies,
     capsule_to_sphere,
     clamped,
-    damped,
     deaf_to_methods,
     deaf_to_options,
     double_extents,
     entangled,
     gravity,
     joints,
+    losing_speed,
     repairing,
     rougher,
     share_seed,
@@ -79,6 +79,16 @@ class Control:
         return not self.caught_by or self.caught_by == ("noise_axes_are_independent",)
 
 
+_TOPS = ("spin_asymmetric_top", "spin_intermediate_axis", "spin_symmetric_top")
+_SWINGS = (
+    "joint_chain", "joint_conical_pendulum", "joint_double_pendulum", "joint_fourbar", "joint_limits", "joint_pendulum"
+)  # fmt: skip
+_SLIDES = (
+    "friction_backspin", "friction_roll_incline", "friction_slip_to_roll", "friction_spinning", "friction_static_kinetic",
+    "friction_stop", "friction_threshold", "friction_wall_pinch",
+)  # fmt: skip
+"""Cases by what moves in them, as far as they notice the same faults."""
+
 _C, _W = Feature.BOX | Feature.CONTACTS, Feature.WRENCH
 _FALL = "free_fall_has_the_size_and_sign_of_g"
 
@@ -88,14 +98,23 @@ CONTROLS: tuple[Control, ...] = (
         fault="gravity with the wrong sign",
         plant=gravity(-1.0),
         caught_by=(_FALL, "gravity_is_a_vector"),
-        applies_to_cases=("flight_*", "rest_*", "joint_*"),
+        applies_to_cases=(
+            "flight_*",
+            "friction_*",
+            "rest_*",
+            "stack_tower",
+            "impact_bounce",
+            "spin_heavy_top",
+            "tunnel_thin_mesh",
+            *_SWINGS,
+        ),
     ),
     Control(
         name="gravity_two_percent_strong",
         fault="gravity times 1.02",
         plant=gravity(1.02),
         caught_by=(_FALL, "gravity_is_a_vector"),
-        applies_to_cases=("flight_*", "joint_*"),
+        applies_to_cases=("flight_*", "friction_threshold", "impact_bounce", *_SWINGS),
     ),
     Control(
         name="friction_five_percent_strong",
@@ -103,14 +122,28 @@ CONTROLS: tuple[Control, ...] = (
         plant=surfaces(rougher),
         caught_by=("friction_has_its_size",),
         needs=Feature.BOX,
-        applies_to_cases=("friction_*",),
+        applies_to_cases=("friction_isotropy", "impact_oblique", *_SLIDES),
     ),
     Control(
         name="twice_the_time_step",
         fault="each step advances 2 dt",
         plant=twice_the_step,
         caught_by=("step_advances_exactly_dt", _FALL),
-        applies_to_cases=("flight_*", "spin_*", "joint_*"),
+        applies_to_cases=(
+            "flight_*",
+            "spin_heavy_top",
+            "spin_principal",
+            "joint_spring",
+            "impact_bounce",
+            "impact_oblique",
+            "impact_pairs",
+            "sensor_imu_noise",
+            *_TOPS,
+            *_SWINGS,
+            *_SLIDES,
+            "friction_rolling_resistance",
+            "friction_turntable",
+        ),
     ),
     Control(
         name="no_gyroscopic_torque",
@@ -118,56 +151,76 @@ CONTROLS: tuple[Control, ...] = (
         plant=wrapped(NoGyroscopicTorque),
         caught_by=("gyroscopic_term_is_present",),
         needs=_W,
-        applies_to_cases=("spin_*",),
+        applies_to_cases=("spin_heavy_top", *_TOPS),
     ),
     Control(
         name="angular_velocity_in_the_body_frame",
         fault="w is handed out in B",
         plant=wrapped(BodyAngularVelocity),
         caught_by=("angular_velocity_is_in_W", "initial_state_comes_back"),
-        applies_to_cases=("spin_*",),
+        applies_to_cases=("spin_fast", "impact_gas", "impact_momentum", "impact_oblique", *_TOPS),
     ),
     Control(
         name="quaternion_scalar_last",
         fault="quaternions are handed out as (x, y, z, w)",
         plant=wrapped(ScalarLast),
         caught_by=("quaternion_is_wxyz", "initial_state_comes_back"),
-        applies_to_cases=("spin_*",),
+        applies_to_cases=("spin_principal", *_TOPS),
     ),
     Control(
         name="inertia_axes_exchanged",
         fault="the first two rows and columns of the inertia are exchanged",
         plant=bodies(swap_inertia),
         caught_by=("inertia_is_in_B",),
-        applies_to_cases=("spin_*",),
+        applies_to_cases=("spin_asymmetric_top", "spin_intermediate_axis"),
     ),
     Control(
         name="hidden_damping",
         fault="velocities lose 4 % a second",
-        plant=simulated(damped),
+        plant=losing_speed,
         caught_by=("hidden_damping_is_off",),
-        applies_to_cases=("flight_*", "spin_*"),
+        applies_to_cases=(
+            "flight_*",
+            "spin_principal",
+            "joint_spring",
+            "friction_backspin",
+            "friction_roll_incline",
+            "friction_slip_to_roll",
+            "impact_cradle",
+            "impact_gas",
+            "impact_momentum",
+            "impact_oblique",
+            "impact_pairs",
+            "sensor_imu_noise",
+            *_TOPS,
+            "joint_chain",
+            "joint_conical_pendulum",
+            "joint_double_pendulum",
+            "joint_fourbar",
+            "joint_pendulum",
+            "friction_rolling_resistance",
+        ),
     ),
     Control(
         name="sleeping",
         fault="bodies slower than .1 m/s for .1 s are put to sleep",
         plant=simulated(sleepy),
         caught_by=("sleeping_is_off",),
-        applies_to_cases=("flight_*",),
+        applies_to_cases=("friction_threshold", "friction_wall_pinch"),
     ),
     Control(
         name="state_one_step_behind",
         fault="the state is that of one step ago",
         plant=wrapped(OneStepBehind),
         caught_by=("step_advances_exactly_dt",),
-        applies_to_cases=("flight_*", "joint_*"),
+        applies_to_cases=("flight_*", "spin_principal", "sensor_imu_noise"),
     ),
     Control(
         name="noise_from_one_seed",
         fault="all axes of a sensor draw the same noise",
         spoil=share_seed,
         caught_by=("noise_axes_are_independent",),
-        applies_to_cases=("sensor_*",),
+        applies_to_cases=("sensor_imu_noise", "sensor_lidar_noise"),
     ),
     Control(
         name="extents_taken_as_full",
@@ -175,14 +228,13 @@ CONTROLS: tuple[Control, ...] = (
         plant=bodies(double_extents),
         caught_by=("box_extents_are_half",),
         needs=Feature.BOX,
-        applies_to_cases=("rest_*", "stack_*"),
+        applies_to_cases=("rest_penetration", "stack_tower"),
     ),
     Control(
         name="velocity_clamped",
         fault="100 m/s and 100 rad/s are the most",
         plant=simulated(clamped),
         caught_by=("velocity_is_not_clamped",),
-        applies_to_cases=("tunnel_*",),
     ),
     Control(
         name="nan_repaired_in_silence",
@@ -223,7 +275,7 @@ CONTROLS: tuple[Control, ...] = (
         plant=surfaces(lambda law: replace(law, restitution=law.restitution**2)),
         caught_by=("restitution_of_a_pair",),
         needs=Feature.SPHERE | Feature.RESTITUTION,
-        applies_to_cases=("impact_*",),
+        applies_to_cases=("impact_bounce", "impact_oblique", "impact_pairs"),
     ),
     Control(
         name="capsule_replaced_by_a_sphere",
@@ -252,7 +304,6 @@ CONTROLS: tuple[Control, ...] = (
         plant=wrapped(EndlessRays),
         caught_by=("ray_beyond_max_range_misses",),
         needs=Feature.RAYS,
-        applies_to_cases=("sensor_*",),
     ),
     Control(
         name="save_keeps_nothing",
@@ -274,14 +325,14 @@ CONTROLS: tuple[Control, ...] = (
         plant=joints(stiffer),
         caught_by=("spring_frequency",),
         needs=Feature.PRISMATIC | Feature.SPRINGS,
-        applies_to_cases=("joint_*",),
+        applies_to_cases=("joint_spring",),
     ),
     Control(
         name="initial_velocity_dropped",
         fault="every body starts from rest",
         plant=bodies(lambda body: replace(body, v_WB=(0.0, 0.0, 0.0), w_WB=(0.0, 0.0, 0.0))),
         caught_by=("initial_state_comes_back",),
-        applies_to_cases=("flight_*", "spin_*"),
+        applies_to_cases=("flight_*", "spin_heavy_top", "spin_principal", *_TOPS),
     ),
     Control(
         name="unknown_options_dropped",
@@ -325,7 +376,7 @@ CONTROLS: tuple[Control, ...] = (
         plant=wrapped(NanWithoutAWord),
         caught_by=("heavy_on_light_is_finite_or_diverged",),
         needs=Feature.BOX,
-        applies_to_cases=("*",),
+        applies_to_cases=("flight_*", "rest_*"),
     ),
     Control(
         name="surplus_by_no_name",
@@ -372,7 +423,7 @@ CONTROLS: tuple[Control, ...] = (
         plant=surfaces(lambda law: replace(law, static_friction=law.kinetic_friction)),
         caught_by=("static_friction_above_kinetic",),
         needs=Feature.BOX | Feature.STATIC_FRICTION,
-        applies_to_cases=("friction_*",),
+        applies_to_cases=("friction_static_kinetic",),
     ),
     Control(
         name="approximates_in_silence",

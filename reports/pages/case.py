@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from harness.trend import Order, fit_order
+from harness.orders import Convergence, convergences
 from reports.answers import answers
 from reports.charts import error_by_cost, error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
@@ -27,7 +27,7 @@ __all__ = ["PAGE"]
 def render(store: "Store") -> Mapping[str, str]:
     """For each case its page, its charts and its trials as CSV."""
     files: dict[str, str] = {}
-    rows, cells, known = answers(store), verdicts(store), cases(store)
+    rows, cells, known, ladders = answers(store), verdicts(store), cases(store), convergences(store)
     names = list(known)
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
     for place, name in enumerate(names):
@@ -55,7 +55,7 @@ def render(store: "Store") -> Mapping[str, str]:
             before=known[names[place - 1]] if place else None,
             after=known[names[place + 1]] if place + 1 < len(names) else None,
             figures=figures,
-            orders=orders(mine, sides),
+            orders=orders([row for row in ladders if row.case == name], sides),
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
             trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],
@@ -91,18 +91,10 @@ def is_file(path: Any) -> bool:
         return False
 
 
-def orders(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> list[tuple[str, str, Order]]:
-    """Fitted orders of convergence by engine and track, of the series that holds most steps."""
-    found = []
-    parts = dict(list(rows[rows["error"] > 0].groupby(["engine", "track"], sort=False)))
-    for engine, track in (side for side in sides if side in parts):
-        part = parts[engine, track]
-        longest = max((group for _, group in part.groupby("series")), key=lambda group: group["dt"].nunique())
-        by_step = longest.groupby("dt")["error"].median()
-        fit = fit_order(by_step.index.to_list(), by_step.to_list())
-        if fit is not None:
-            found.append((engine, track, fit))
-    return found
+def orders(ladders: list[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:
+    """The ladders that have a fit or need none, engine by engine and track by track."""
+    told = [row for row in ladders if row.order is not None or row.verdict == "exact"]
+    return sorted(told, key=lambda row: sides.index((row.engine, row.track)))
 
 
 def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:

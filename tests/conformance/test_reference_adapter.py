@@ -7,9 +7,11 @@ from typing import Any
 import pytest
 
 from adapters.reference import ADAPTER
+from harness import discover
 from harness.adapter import Settings, SettingsError, Simulation, Unsupported
 from harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface
 from harness.trajectory import State
+from tests.conformance.put import put
 
 TUNED = ADAPTER.tracks["tuned"]
 SHOT = Body(name="shot", collision=(PlacedShape(shape=Sphere(radius=0.05)),), p_WB=(-0.6, 0.0, 0.1501), v_WB=(90.0, 0.0, 0.0))
@@ -135,3 +137,16 @@ def test_what_is_asked_for_by_name_is_what_is_used() -> None:
     assert ADAPTER.build(_pair(overlap=0.05), asked).resolved.solver == "tgs_soft"
     with pytest.raises(SettingsError, match="suited"):
         ADAPTER.build(_pair(), replace(TUNED, solver="best"))
+
+
+@pytest.mark.parametrize("substeps", [1, 2, 4, 8])
+def test_a_linkage_goes_through_its_singular_pose_wherever_the_steps_fall(substeps: int) -> None:
+    """Joints that are closed by rounds with the Jacobian of the start may find it dependent there: the linkage must neither fly
+    apart nor go on as an anti-parallelogram. Six steps and four numbers of sub-steps put starts close to the pose."""
+    case = discover.case("joint_fourbar")
+    for dt in case.ladder:
+        answer = put(case, ADAPTER, replace(ADAPTER.tracks["default"], substeps=substeps, dt=dt))
+        assert answer.broke is None
+        assert not answer.broken, (dt, answer.broken)
+        # What a round leaves that was taken back is of the second order in the way of a step.
+        assert answer["joint_gap_max"] < 1e-9

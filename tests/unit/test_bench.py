@@ -119,6 +119,21 @@ def test_calibration_takes_whole_runs_of_a_short_case_and_part_of_a_long_steady_
     assert calibrate(steady, 0.01) == 1
 
 
+def test_runs_that_cost_more_to_build_than_to_clock_make_shorter_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run of 240 microseconds that takes 10 ms to build: 0.1 s of clock would be 4.2 s of building, 0.3 s are granted."""
+    short, _ = bench(discover.case("flight_box"))
+    start = Bench.start
+
+    def slow(self: Bench) -> None:
+        start(self)
+        self.starting = 0.01
+
+    monkeypatch.setattr(Bench, "start", slow)
+    monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
+    assert calibrate(short, 0.1) == int(3 * 0.1 / (0.01 + short.whole * 1e-6)) * short.whole
+    assert calibrate(short, 1e-4) == short.whole
+
+
 def test_a_price_is_that_of_one_ray_or_one_world() -> None:
     trial = Trial(
         trial="t", study="s", experiment=Experiment(name="e"), case="c", parameters={}, engine="x", engine_version="1",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.trend import fit_order
+from harness.trend import falls_short, fit_order
 
 LADDER = [1 / 60 / 2**k for k in range(8)]
 
@@ -64,3 +64,61 @@ def test_zeros_and_nan_are_left_out_of_the_fit() -> None:
     assert fit is not None
     assert fit.used == len(LADDER) - 2
     assert fit.order == pytest.approx(2.0, abs=1e-9)
+
+
+def _broken(errors: list[float], promised: float, ladder: list[float] = LADDER[:6]) -> bool:
+    fit = fit_order(ladder, errors)
+    return fit is not None and falls_short(fit, promised)
+
+
+@pytest.mark.parametrize(("promised", "kept"), [(1, 0.0), (2, 1.0), (4, 1.0), (4, 2.0), (4, 3.0), (8, 4.0)])
+def test_a_lost_order_is_a_broken_promise(promised: int, kept: float) -> None:
+    assert _broken([dt**kept for dt in LADDER[:6]], promised)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_an_order_as_promised_or_above_is_none(order: int) -> None:
+    for promised in range(1, order + 1):
+        assert not _broken([dt**order for dt in LADDER[:6]], promised)
+
+
+@pytest.mark.parametrize("noise", [0.01, 0.1, 0.3, 0.7])
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_noise_makes_hardly_a_false_finding_in_a_thousand_ladders(order: int, noise: float) -> None:
+    """Student's interval lies below the true order in 2.5 %; half an order lower yet it lies less often.
+
+    At a noise of sigma = 0.7, a factor of two, the slope of six halvings scatters by sigma / (ln 2 sqrt(17.5)) = 0.24, so that
+    half an order is two of its standard deviations and the interval still has to miss it: under the 2.5 % by far. The bound of
+    25 + 3 sqrt(25) is what 2.5 % of a thousand may reach by chance.
+    """
+    random = np.random.default_rng(order)
+    errors = [[dt**order * np.exp(noise * random.standard_normal()) for dt in LADDER[:6]] for _ in range(1000)]
+    assert sum(_broken(one, order) for one in errors) <= (0 if noise <= 0.1 else 25 + 3 * 5)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_an_error_that_passes_through_zero_breaks_no_promise(order: int) -> None:
+    """C1 dt^p - C2 dt^(p+1) with its zero anywhere on the ladder, on a step or between two."""
+    for zero in np.geomspace(LADDER[5] / 2, LADDER[0] * 2, 400):
+        errors = [max(abs(dt**order - dt ** (order + 1) / zero), 1e-3 * dt**order) for dt in LADDER[:6]]
+        assert not _broken(errors, order), zero
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_a_coarse_beginning_breaks_no_promise(order: int) -> None:
+    """The next power of the step as large as the first at the coarsest step, with either sign."""
+    for share in (1.0, 0.9, -0.9, -0.5):
+        assert not _broken([dt**order * (1 + share * dt / LADDER[0]) for dt in LADDER[:6]], order), share
+
+
+def test_a_floor_breaks_no_promise_unless_next_to_nothing_was_gained() -> None:
+    assert not _broken([max(dt, 3e-3) for dt in LADDER[:6]], 1)
+    assert not _broken([max(dt**4, 1e-10) for dt in LADDER[:6]], 4)
+    assert _broken([0.26, 0.21, 0.19, 0.18, 0.17, 0.17], 1)
+
+
+def test_equal_errors_have_order_zero_with_an_interval_of_nothing() -> None:
+    fit = fit_order(LADDER, [0.4] * len(LADDER))
+    assert fit is not None
+    assert (fit.order, fit.low, fit.high) == (0.0, 0.0, 0.0)
+    assert falls_short(fit, 1)

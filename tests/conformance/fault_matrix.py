@@ -1,0 +1,124 @@
+"""Which check of which case catches which planted fault: every negative control on every case that it applies to.
+
+The reference engine answers each case soundly, then once with each fault. The page `docs/planted_faults.md` is the answer;
+
+    python -m tests.conformance.fault_matrix
+
+writes it anew, after a case or a control has changed.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import cache
+from pathlib import Path
+
+from harness import discover
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.conformance import CONTROLS, Control
+from harness.trajectory import Trajectory
+from tests.conformance.put import put
+
+__all__ = ["FILE", "NAMED", "Catch", "applied", "broken_checks", "caught", "known", "steps", "sound_failures"]
+
+FILE = Path(__file__).parents[2] / "docs" / "planted_faults.md"
+
+NAMED = (
+    "gravity_upside_down",
+    "friction_five_percent_strong",
+    "twice_the_time_step",
+    "no_gyroscopic_torque",
+    "angular_velocity_in_the_body_frame",
+    "inertia_axes_exchanged",
+    "hidden_damping",
+    "sleeping",
+    "state_one_step_behind",
+    "noise_from_one_seed",
+)
+"""The faults that at least two cases have to catch, each by its own checks."""
+
+
+HEAD = """# Planted faults
+
+An engine is broken in one way and put to the cases that should notice it by their nature. Conformance has to name each of
+these faults as well; here it is the checks of the cases alone that have to see them. The engine is the reference engine on the
+`tuned` track, which passes every check of these cases when it is sound. A fault is looked for at the case's own time step and,
+where that says nothing, at the finest of its ladder. Behind each check that failed stand the value found and its bound.
+
+`python -m tests.conformance.fault_matrix` writes this page, `make test` runs two cases for each of the ten faults that an
+engine is most likely to have, and `make test-all` every row.
+
+| fault | case | steps per second | checks that failed: value / bound |
+|---|---|---|---|"""
+
+
+@dataclass(frozen=True, slots=True)
+class Catch:
+    """How a case noticed a fault: at the time step dt [s], by the checks that failed, with value over bound in words."""
+
+    dt: float
+    checks: Mapping[str, str]
+
+
+def broken_checks(
+    case: Case, adapter: Adapter, dt: float, spoil: Callable[[Trajectory], Trajectory] = lambda trajectory: trajectory
+) -> dict[str, str]:
+    """The case's checks that an engine fails on the tuned track at a time step dt [s], each with what was found."""
+    answer = put(case, adapter, adapter.tracks["tuned"].with_dt(dt), spoil)
+    if answer.broke is not None:
+        return {"divergence": "1 / 0"}
+    return {name: f"{m.value:.2g} / {m.at_most:.2g}" for name, m in answer.broken.items()}
+
+
+def applied(control: Control) -> Iterator[Case]:
+    """The cases that should notice a fault."""
+    for case in discover.cases().values():
+        if any(fnmatchcase(case.name, pattern) for pattern in control.applies_to_cases):
+            yield case
+
+
+def steps(case: Case) -> tuple[float, float]:
+    """Where a fault is looked for: at the case's own step, then at the finest of its ladder, where bounds are tightest."""
+    return case.dt, min(case.ladder)
+
+
+@cache
+def sound_failures(case: str, dt: float) -> Mapping[str, str]:
+    """The checks that the sound engine fails: what it fails, a fault cannot be caught by."""
+    return broken_checks(discover.case(case), discover.adapter("reference"), dt)
+
+
+def caught(control: Control, case: Case, only: float | None = None) -> Catch | None:
+    """How a case notices a fault, at the first step where it does; None where it does not, or where a sound engine fails."""
+    for dt in steps(case) if only is None else (only,):
+        if sound_failures(case.name, dt):
+            return None
+        if found := broken_checks(case, control.plant(discover.adapter("reference")), dt, control.spoil):
+            return Catch(dt, found)
+    return None
+
+
+def known() -> dict[tuple[str, str], tuple[float, frozenset[str]]]:
+    """The page read back: (fault, case) to the step [s] and the names of the checks that failed there."""
+    rows = (line.strip("| \n").split(" | ") for line in FILE.read_text(encoding="utf-8").splitlines() if line.startswith("| `"))
+    return {
+        (fault.strip("`"), case.strip("`")): (1 / float(rate), frozenset(check.split()[0] for check in checks.split("; ")))
+        for fault, case, rate, checks in rows
+    }
+
+
+def page() -> Iterator[str]:
+    """The lines of the page."""
+    yield from HEAD.splitlines()
+    for control in CONTROLS:
+        for case in applied(control):
+            found = caught(control, case)
+            told = "nothing" if found is None else "; ".join(f"{name} {what}" for name, what in found.checks.items())
+            print(f"{control.name:40} {case.name:30} {told}")
+            if found is not None:
+                yield f"| `{control.name}` | `{case.name}` | {1 / found.dt:g} | {told} |"
+
+
+if __name__ == "__main__":
+    FILE.write_text("\n".join(page()) + "\n", encoding="utf-8")

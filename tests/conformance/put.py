@@ -1,0 +1,66 @@
+"""A case put to an engine in this process: what the engine said, and what the case's own metrics say of it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.adapter import Adapter, Feature, Settings
+from harness.case import Case
+from harness.record import Measurement
+from harness.run import judge, simulate, truth_of
+from harness.scene import Scene
+from harness.trajectory import Trajectory
+
+__all__ = ["Answer", "put"]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The scene, the engine's trajectory, its measurements, and why it broke off, if it did."""
+
+    scene: Scene
+    actual: Trajectory
+    measurements: tuple[Measurement, ...]
+    broke: str | None
+
+    @property
+    def broken(self) -> dict[str, Measurement]:
+        """The checks that fail."""
+        return {m.metric: m for m in self.measurements if m.passed is False}
+
+    def __getitem__(self, metric: str) -> float:
+        """The value of a metric; of one that is checked twice the first."""
+        return next(m.value for m in self.measurements if m.metric == metric)
+
+
+def _same(trajectory: Trajectory) -> Trajectory:
+    return trajectory
+
+
+def put(
+    case: Case,
+    adapter: Adapter,
+    settings: Settings,
+    spoil: Callable[[Trajectory], Trajectory] = _same,
+    parameters: Mapping[str, Any] | None = None,
+) -> Answer:
+    """Run a case on an engine; `spoil` changes what was recorded before it is judged."""
+    chosen = dict(case.parameters) | ({"seed": 0} if case.ensemble > 1 else {}) | dict(parameters or {})
+    scene = case.scene(**chosen)
+    simulation = adapter.build(scene, settings)
+    try:
+        actual, broke = simulate(
+            simulation,
+            scene,
+            dt=settings.dt,
+            duration=case.duration,
+            sample_interval=case.sample_interval,
+            with_contacts=case.with_contacts and Feature.CONTACTS in adapter.features,
+            seed=0,
+        )
+    finally:
+        simulation.close()
+    if broke is not None:
+        return Answer(scene, actual, (), broke)
+    actual = spoil(actual)
+    return Answer(scene, actual, judge(case, scene, actual, truth_of(case, scene, actual.time, chosen, None)), None)

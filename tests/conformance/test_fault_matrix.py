@@ -1,0 +1,88 @@
+"""Every planted fault is noticed by the checks of the cases themselves, and a sound engine fails none of them."""
+
+from fnmatch import fnmatchcase
+
+import pytest
+
+from harness import discover
+from harness.conformance import CONTROLS, Control
+from harness.conformance.faults import Rewritten, plant
+from tests.conformance.fault_matrix import NAMED, applied, broken_checks, caught, known, sound_failures, steps
+
+CONTROL = {control.name: control for control in CONTROLS}
+QUICK = (
+    ("gravity_upside_down", "flight_projectile"),
+    ("gravity_upside_down", "rest_penetration"),
+    ("friction_five_percent_strong", "friction_stop"),
+    ("friction_five_percent_strong", "friction_threshold"),
+    ("twice_the_time_step", "flight_projectile"),
+    ("twice_the_time_step", "joint_pendulum"),
+    ("no_gyroscopic_torque", "spin_asymmetric_top"),
+    ("no_gyroscopic_torque", "spin_symmetric_top"),
+    ("angular_velocity_in_the_body_frame", "spin_asymmetric_top"),
+    ("angular_velocity_in_the_body_frame", "spin_symmetric_top"),
+    ("inertia_axes_exchanged", "spin_asymmetric_top"),
+    ("inertia_axes_exchanged", "spin_intermediate_axis"),
+    ("hidden_damping", "flight_projectile"),
+    ("hidden_damping", "joint_pendulum"),
+    ("sleeping", "friction_threshold"),
+    ("sleeping", "friction_wall_pinch"),
+    ("state_one_step_behind", "flight_projectile"),
+    ("state_one_step_behind", "spin_principal"),
+    ("noise_from_one_seed", "sensor_imu_noise"),
+    ("noise_from_one_seed", "sensor_lidar_noise"),
+)
+"""Two cases for each of the ten faults, the cheapest that notice at their own step."""
+
+
+def _look(control: Control, case: str) -> None:
+    dt, checks = known()[control.name, case]
+    rung = next(step for step in steps(discover.case(case)) if step == pytest.approx(dt, rel=1e-5))
+    assert not sound_failures(case, rung), f"the sound engine fails {sound_failures(case, rung)}"
+    found = caught(control, discover.case(case), rung)
+    assert found is not None, f"{case} no longer notices {control.fault}"
+    assert checks & set(found.checks), f"{sorted(found.checks)} noticed instead of {sorted(checks)}"
+
+
+@pytest.mark.parametrize(("fault", "case"), QUICK)
+def test_two_cases_notice_each_of_the_ten_faults(fault: str, case: str) -> None:
+    _look(CONTROL[fault], case)
+
+
+def test_the_ten_faults_are_looked_for_twice_each() -> None:
+    assert sorted(fault for fault, _ in QUICK) == sorted(2 * NAMED)
+    assert len(set(QUICK)) == len(QUICK)
+
+
+def test_the_page_holds_every_fault_twice_and_knows_its_controls_and_cases() -> None:
+    rows = known()
+    for fault in NAMED:
+        assert sum(row[0] == fault for row in rows) >= 2, fault
+    assert {fault for fault, _ in rows} <= set(CONTROL)
+    assert {case for _, case in rows} <= set(discover.cases())
+
+
+def test_patterns_name_cases_that_exist() -> None:
+    for control in CONTROLS:
+        for pattern in control.applies_to_cases:
+            assert any(fnmatchcase(case, pattern) for case in discover.cases()), (control.name, pattern)
+
+
+@pytest.mark.parametrize("case", ["friction_threshold", "friction_wall_pinch"])
+def test_an_engine_that_is_built_anew_in_each_step_without_a_fault_fails_nothing(case: str) -> None:
+    """Sleep is planted by building anew: what the cases notice has to be the sleep, not the planting."""
+    question = discover.case(case)
+    rebuilt = plant(
+        discover.adapter("reference"),
+        simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, lambda *_: True),
+    )
+    assert not broken_checks(question, rebuilt, question.dt)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("control", [c for c in CONTROLS if c.applies_to_cases], ids=lambda control: control.name)
+def test_every_case_notices_the_faults_that_it_should(control: Control) -> None:
+    missed = [case.name for case in applied(control) if (control.name, case.name) not in known()]
+    assert not missed, f"{control.fault} is not on the page for {missed}"
+    for case in applied(control):
+        _look(control, case.name)

@@ -1,0 +1,127 @@
+"""The orders table on run folders made by formula and on a real engine that loses its order: promises kept and broken."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness import discover
+from harness.adapter import Adapter, Settings, Simulation
+from harness.catalogue import describe_case, describe_engine
+from harness.conformance.faults import Wrapped, plant
+from harness.journal import Journal
+from harness.orders import COLUMNS, Convergence, brief, convergences, verdict
+from harness.record import Measurement, Record
+from harness.run import run_trial
+from harness.scene import Scene
+from harness.store import Store
+from harness.study import Experiment, Study
+
+LADDER = [1 / 60 / 2**k for k in range(6)]
+
+
+def folder(path: Path, errors: dict[str, list[float]], case: dict[str, Any], orders: dict[str, int], **more: Any) -> Store:
+    """A run folder with a ladder for each engine."""
+    path.mkdir(exist_ok=True)
+    journal = Journal(path)
+    for engine, ladder in errors.items():
+        for k, (dt, error) in enumerate(zip(LADDER, ladder, strict=False)):
+            journal.append(
+                Record(
+                    trial=f"{engine}-{k}", study="s", experiment="a" if k < 2 else "b", case="flight_x", parameters={"n": 1},
+                    engine=engine, engine_version="1", track="tuned", dt=dt, settings={"dt": dt},
+                    resolved={"integrator": "rk4", "dt": dt},
+                    measurements=(Measurement(metric="e", value=error, unit="m"),), **{"status": "passed", "reason": ""} | more,
+                )
+            )  # fmt: skip
+    journal.close()
+    case = {"headline": "e", "title": "X", "scale": 1.0, "duration": 1.0, "parameters": {"n": 1}} | case
+    engines = {name: {"name": name, "title": name.upper(), "orders": orders} for name in errors}
+    (path / "catalogue.json").write_text(json.dumps({"cases": {"flight_x": case}, "engines": engines}))
+    return Store(path)
+
+
+def test_promises_are_read_off_the_engine_and_the_case_and_broken_ones_are_sentences(tmp_path: Path) -> None:
+    errors = {"sound": [dt**4 for dt in LADDER], "slow": list(LADDER)}
+    rows = {row.engine: row for row in convergences(folder(tmp_path, errors, {"converges": "smoothly"}, {"rk4": 4}))}
+    assert (rows["sound"].verdict, rows["sound"].promised, rows["sound"].finding) == ("kept", 4, "")
+    assert rows["slow"].verdict == "broken"
+    for word in ("X", "SLOW", "tuned", "rk4", "order 1.00 (1.00 to 1.00)", "promised is 4"):
+        assert word in rows["slow"].finding
+    assert tuple(vars_of(rows["slow"])) == COLUMNS
+    assert brief(rows["slow"])[:4] == ["flight_x", "slow", "tuned", "rk4"]
+
+
+def vars_of(row: Convergence) -> dict[str, Any]:
+    return {name: getattr(row, name) for name in row.__slots__}
+
+
+@pytest.mark.parametrize(
+    ("converges", "orders", "promised"),
+    [("smoothly", {"rk4": 4}, 4), ("once", {"rk4": 4}, 1), ("", {"rk4": 4}, None), ("smoothly", {"euler": 1}, None)],
+)
+def test_contacts_leave_the_first_order_and_what_is_not_declared_is_not_promised(
+    tmp_path: Path, converges: str, orders: dict[str, int], promised: int | None
+) -> None:
+    (row,) = convergences(folder(tmp_path, {"one": list(LADDER)}, {"converges": converges}, orders))
+    assert row.promised == promised
+    assert row.verdict == ("none" if promised is None else "broken" if promised == 4 else "kept")
+
+
+def test_runs_without_an_answer_and_ladders_of_two_steps_have_no_row(tmp_path: Path) -> None:
+    smooth = {"converges": "smoothly"}
+    failed = folder(tmp_path / "a", {"one": list(LADDER)}, smooth, {"rk4": 4}, status="diverged", reason="NaN")
+    assert convergences(failed) == []
+    assert convergences(folder(tmp_path / "b", {"one": [1.0, 0.5]}, smooth, {"rk4": 4})) == []
+
+
+def test_rounding_alone_is_exact_and_two_steps_above_it_leave_the_question_open() -> None:
+    assert verdict(LADDER, [1e-15] * 6, 4, 1.0, 1.0) == (None, "exact")
+    assert verdict(LADDER, [1e-5, 1e-9, *[1e-15] * 4], 4, 1.0, 1.0) == (None, "open")
+    assert verdict(LADDER, [1e-9] * 6, 4, 1e3, 1.0)[1] == "exact"
+
+
+class _Claims(Wrapped):
+    """An engine that says rk4, whatever it does."""
+
+    @property
+    def resolved(self) -> Settings:
+        """The integrator that was asked for."""
+        return replace(self.inner.resolved, integrator="rk4")
+
+
+def _slower(adapter: Adapter) -> Adapter:
+    """Runge and Kutta are asked for, Euler answers."""
+
+    def claims(inner: Simulation, _: Adapter, scene: Scene, settings: Settings) -> Simulation:
+        return _Claims(inner, scene, settings)
+
+    return plant(adapter, settings=lambda one: replace(one, integrator="semi_implicit_euler"), simulation=claims)
+
+
+@pytest.mark.parametrize(("kind", "told"), [(lambda adapter: adapter, "kept"), (_slower, "broken")])
+@pytest.mark.parametrize("name", ["spin_symmetric_top", "joint_pendulum"])
+def test_a_real_engine_that_loses_its_order_is_found_out(tmp_path: Path, name: str, kind: Any, told: str) -> None:
+    case, sound = discover.case(name), discover.adapter("reference")
+    adapter = kind(sound)
+    study = Study(name="s", experiments=(Experiment(name="e", tracks=("tuned",), dt="ladder"),))
+    journal = Journal(tmp_path)
+    for trial in study.trials({name: case}, {"reference": sound}, {"reference": "1"}):
+        journal.append(run_trial(trial, case, adapter, None))
+    journal.close()
+    catalogue = {"cases": {name: describe_case(case)}, "engines": {"reference": describe_engine(sound)}}
+    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    (row,) = convergences(Store(tmp_path))
+    assert (row.promised, row.verdict) == (4, told)
+
+
+def test_every_track_of_a_built_in_engine_has_a_promise_for_the_integrator_that_it_resolves_to() -> None:
+    case = discover.case("spin_symmetric_top")
+    for adapter in discover.adapters().values():
+        if discover.version_of(adapter)[1] is None:
+            for settings in adapter.tracks.values():
+                simulation = adapter.build(case.scene(**case.parameters), settings)
+                assert simulation.resolved.integrator in adapter.orders, adapter.name
+                simulation.close()

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from harness.control import Control
 from harness.metric import Metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
@@ -84,6 +85,7 @@ class Case:
         headline: the metric drawn against time step and cost. scale: the size of that metric's value that counts as 1.
         ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
         steady [s]: from there on every step costs alike, so the clock starts there; None clocks whole runs.
+        control(**parameters): the forces that act from outside, told anew before the steps.
         rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
         worlds: the parameter that says how many equal worlds are stepped together, '' for none.
     """
@@ -109,6 +111,7 @@ class Case:
     headline: str = ""
     scale: float = 1.0
     steady: float | None = None
+    control: Callable[..., Control] | None = None
     rays: Callable[..., Rays] | None = None
     worlds: str = ""
 

@@ -10,6 +10,7 @@ import numpy as np
 from harness.adapter import Adapter, Diverged, Feature, SettingsError, Simulation, Unavailable, Unsupported
 from harness.batch import WorldOf, spread
 from harness.case import Case, Converged, Rays
+from harness.control import Controlled
 from harness.metric import Metric, NotMeasurable
 from harness.record import Measurement, Record, Status
 from harness.scene import Scene
@@ -190,6 +191,9 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
             simulation = cast(Simulation, WorldOf(batch, worlds - 1))
         else:
             simulation = adapter.build(scene, trial.settings)
+            if case.control is not None:
+                acting = case.control(**trial.parameters)
+                simulation = cast(Simulation, Controlled(simulation, acting, trial.settings.dt, len(scene.bodies)))
     except Unsupported as error:
         return outcome(trial, "unsupported", str(error))
     except Unavailable as error:

@@ -143,13 +143,18 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
 
 
 def _question(case: Case, parameters: Mapping[str, Any]) -> str:
-    """A digest of what is asked: the scene, how long it runs, what is sampled, what acts on it and which rays are cast."""
+    """A digest of what is asked: the scene, how long it runs, what is sampled, what acts on it, its retellings, its rays."""
     scene = case.scene(**parameters)
     told = hashlib.sha256(dump_json(scene).encode()).hexdigest()
     asked = [told, case.duration, case.sample_interval, case.with_contacts]
     if case.control is not None:
         control = case.control(**parameters)
         asked += [control.interval, hashlib.sha256(wrench_after(control, State.initial(scene))).hexdigest()]
+    if case.retellings is not None:
+        asked += [
+            [told.name, told.clock, told.restored_at, hashlib.sha256(dump_json(told.scene).encode()).hexdigest()]
+            for told in case.retellings(**parameters)
+        ]
     if case.rays is not None:
         rays = case.rays(**parameters)
         asked.append(hashlib.sha256(rays.origins.tobytes() + rays.directions.tobytes()).hexdigest())

@@ -40,7 +40,8 @@ class Controlled:
         self.simulation = simulation
         self._law, self._dt, self._reading = control.wrench, dt, State.empty(bodies)
         self._every = max(1, round(control.interval / dt))
-        self._lead = float(getattr(simulation, "force_lead", 0.0)) * dt
+        # What is held for longer than a step is a law of time: it is asked at the start of its interval.
+        self._lead = 0.0 if control.interval > 0.0 else float(getattr(simulation, "force_lead", 0.0)) * dt
         self._here = 0
 
     def renew(self, most: int) -> int:

@@ -74,6 +74,12 @@ def test_a_law_is_shown_the_state_as_it_is_or_where_the_engine_wants_its_force()
     assert seen[1] == pytest.approx((DT / 2, 1.0 + 3.0 * DT / 2, 2.0 * DT / 2), rel=1e-12)
 
 
+def test_a_law_of_time_is_asked_at_the_start_of_its_interval_whatever_the_engine() -> None:
+    held = Noted(lead=0.5)
+    _controlled(held, Control(wrench=_of_time, interval=DT)).step(2)
+    assert held.told == [("wrench", 0.0), ("step", 1), ("wrench", DT), ("step", 1)]
+
+
 def _engines() -> Iterator[tuple[Adapter, str, Settings]]:
     for name in ("reference", "mujoco", "bullet", "dart"):
         adapter = discover.adapter(name)

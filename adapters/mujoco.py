@@ -234,6 +234,13 @@ class MujocoSimulation:
         """The settings read back from the compiled model."""
         return self._resolved
 
+    @property
+    def force_lead(self) -> float:
+        """RK4 moves exactly under a force that it holds; the others go x + v dt + (k + 1)/(2 k) f dt^2 in k sub-steps."""
+        if self._m.opt.integrator == _flag(self._mj, "mjtIntegrator", "mjINT_RK4"):
+            return 0.5
+        return (self._substeps - 1) / (2 * self._substeps)
+
     def step(self, count: int = 1) -> None:
         """Advance by count * dt in one native call. Raises: Diverged."""
         self._advance(self._m, self._d, count * self._substeps)

@@ -13,31 +13,20 @@ from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX, POSITION_RMS
 from harness.metrics.velocity import VELOCITY_MAX
 from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
-from harness.trajectory import Floats, Trajectory
+from harness.trajectory import Floats
+from harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 
 G = -EARTH_GRAVITY[2]
 DURATION = 5.0
 UPPER, LOWER = 20.0, 30.0
 """Degrees from the downward vertical: a regular swing, mostly in the slow mode. Above about 90 the motion becomes chaotic; then
 the reference still carries its own error bar, and only the energy is worth comparing late in the run."""
-LENGTH, MASS, THICKNESS = 0.5, 1.0, 0.025
-D = LENGTH / 2
-INERTIA = box_inertia(MASS, (THICKNESS, THICKNESS, LENGTH / 2))[1][1]
-
-
-def _poses(theta: Floats) -> tuple[Floats, Floats]:
-    """Centres of mass (..., 2, 3) m and attitudes (..., 2, 4) at the rods' angles (..., 2) rad from the downward vertical."""
-    zero = np.zeros_like(theta)
-    along = np.stack([np.sin(theta), zero, -np.cos(theta)], axis=-1)
-    p_WB = D * along
-    p_WB[..., 1, :] += LENGTH * along[..., 0, :]
-    return p_WB, np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
 
 
 def _scene(upper: float = UPPER, lower: float = LOWER) -> Scene:
     """Two equal rods, the upper on a hinge at the origin, at rest at the given angles [degrees]; all axes along y."""
     theta = np.radians([upper, lower])
-    p_WB, q_WB = _poses(theta)
+    p_WB, q_WB = poses(theta)
     half = (THICKNESS, THICKNESS, LENGTH / 2)
     rods = tuple(
         Body(
@@ -61,23 +50,6 @@ def _scene(upper: float = UPPER, lower: float = LOWER) -> Scene:
     )
 
 
-def acceleration(theta: Floats, rate: Floats) -> Floats:
-    """theta'' (2,) rad/s2 of Lagrange's equations for two equal rods with angles counted from the vertical.
-
-    (I + m d^2 + m L^2) a1 + m L d cos(D) a2 = -m L d sin(D) w2^2 - (m d + m L) g sin(theta1), D = theta1 - theta2
-    m L d cos(D) a1 + (I + m d^2) a2 = +m L d sin(D) w1^2 - m d g sin(theta2)
-    """
-    difference = theta[0] - theta[1]
-    coupling = MASS * LENGTH * D
-    own = INERTIA + MASS * D * D
-    a, b, c = own + MASS * LENGTH**2, coupling * np.cos(difference), own
-    turn = coupling * np.sin(difference)
-    first = -turn * rate[1] ** 2 - MASS * (D + LENGTH) * G * np.sin(theta[0])
-    second = turn * rate[0] ** 2 - MASS * D * G * np.sin(theta[1])
-    found: Floats = np.array([c * first - b * second, a * second - b * first]) / (a * c - b * b)
-    return found
-
-
 def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
     """Angles and rates, (t, 4), by Dormand and Prince's method of order 8."""
 
@@ -95,21 +67,10 @@ def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
     return angles
 
 
-def _placed(time: Floats, y: Floats) -> Trajectory:
-    truth = Trajectory.of(time, 2)
-    theta, rate = y[:, :2], y[:, 2:]
-    truth.p_WB[:], truth.q_WB[:] = _poses(theta)
-    truth.w_WB[:, :, 1] = -rate
-    around = np.stack([np.cos(theta), np.zeros_like(theta), np.sin(theta)], axis=-1)
-    truth.v_WB[:] = D * rate[..., None] * around
-    truth.v_WB[:, 1] += LENGTH * rate[:, :1] * around[:, 0]
-    return truth
-
-
 def _expected(time: Floats, upper: float = UPPER, lower: float = LOWER) -> Converged:
     """Lagrange's equations integrated at a relative tolerance of 1e-13; the error bar is the distance to 1e-11, a hundred times
     the tolerance and so far above the error of the finer one."""
-    fine, coarse = (_placed(time, _solve(time, upper, lower, rtol)) for rtol in (1e-13, 1e-11))
+    fine, coarse = (placed(time, _solve(time, upper, lower, rtol)) for rtol in (1e-13, 1e-11))
     return Converged(
         trajectory=fine,
         position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
@@ -119,9 +80,9 @@ def _expected(time: Floats, upper: float = UPPER, lower: float = LOWER) -> Conve
 
 def _energy_of(y: Floats) -> Floats:
     """Kinetic and potential energy in joint angles, (t,) and (t,) J."""
-    placed = _placed(np.zeros(len(y)), y)
-    kinetic = 0.5 * MASS * np.sum(np.square(placed.v_WB), axis=(1, 2)) + 0.5 * INERTIA * np.sum(np.square(y[:, 2:]), axis=1)
-    potential: Floats = MASS * G * placed.p_WB[:, :, 2].sum(axis=1)
+    run = placed(np.zeros(len(y)), y)
+    kinetic = 0.5 * MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + 0.5 * INERTIA * np.sum(np.square(y[:, 2:]), axis=1)
+    potential: Floats = MASS * G * run.p_WB[:, :, 2].sum(axis=1)
     return np.stack([kinetic, potential], axis=1)
 
 
@@ -145,8 +106,8 @@ def _first_order() -> tuple[float, float, float]:
     start = [*np.radians([UPPER, LOWER]), 0.0, 0.0]
     other = solve_ivp(change, (0.0, DURATION), start, "DOP853", t_eval=times, rtol=1e-11, atol=1e-12).y.T
     true = _solve(times, UPPER, LOWER, 1e-12)
-    truth = _placed(times, true)
-    moved = np.linalg.norm(_placed(times, other).p_WB - truth.p_WB, axis=-1).max() / small
+    truth = placed(times, true)
+    moved = np.linalg.norm(placed(times, other).p_WB - truth.p_WB, axis=-1).max() / small
     energy = _energy_of(other).sum(axis=1)
     drift = np.abs(energy - energy[0]).max() / _energy_of(true)[:, 0].max() / small
     return float(moved), float(drift), float(np.linalg.norm(truth.v_WB, axis=-1).max())

@@ -21,8 +21,10 @@ The contract, proven by `harness.conformance`:
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
-* Two things may be offered beyond the protocol, for the clock: `build_batch`, many worlds of one scene on one thread, and
+* Three things may be offered beyond the protocol. For the clock: `build_batch`, many worlds of one scene on one thread, and
   `Simulation.caster(origins, directions, max_range)`, a function that casts the same rays again into arrays made beforehand.
+  For forces told anew before each step: `Simulation.force_lead`, the share of a step after whose start a force held over it is
+  to be evaluated (see `harness.control`); 0 unless said.
 """
 
 from abc import ABC, abstractmethod

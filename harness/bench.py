@@ -1,7 +1,8 @@
 """What the clock runs in a trial: steps of a scene, rays cast into it, or steps of many worlds of it.
 
-Building, and the time before a case is steady, are outside the clock. A steady case goes on with one run until its end and then
-starts anew; any other starts anew for each sample, so that all samples have the same part of the motion.
+Building, the time before a case is steady, and the law of forces that act from outside are outside the clock. A steady case
+goes on with one run until its end and then starts anew; any other starts anew for each sample, so that all samples have the
+same part of the motion.
 """
 
 import time
@@ -12,6 +13,7 @@ from typing import Any
 from harness.adapter import Adapter, Simulation
 from harness.batch import Batch
 from harness.case import Case, Rays
+from harness.control import Controlled
 from harness.study import Trial
 
 __all__ = ["TOGETHER", "Bench", "caster", "clock_steps"]
@@ -56,6 +58,7 @@ class Bench:
         self._adapter, self._trial = adapter, trial
         self._scene = case.scene(**trial.parameters)
         self._rays = None if case.rays is None else case.rays(**trial.parameters)
+        self._control = None if case.control is None else case.control(**trial.parameters)
         self._worlds = case.count_of_worlds(trial.parameters)
         self.steady = case.steady is not None or self._rays is not None
         dt = trial.settings.dt
@@ -76,6 +79,8 @@ class Bench:
             self._simulation = self._adapter.build_batch(scene, settings, self._worlds)
         else:
             self._simulation = self._adapter.build(scene, settings)
+            if self._control is not None:
+                self._simulation = Controlled(self._simulation, self._control, settings.dt, len(scene.bodies))
         if self._rays is not None:
             self._cast = caster(self._simulation, self._rays)
         elif self._before:
@@ -105,9 +110,20 @@ class Bench:
         return cpu, wall
 
     def _step(self, count: int) -> tuple[float, float]:
+        if self._control is not None:
+            return self._controlled(count)
         if self._worlds == 1:
             return clock_steps(self._simulation, count)
         calls, rest = divmod(count, TOGETHER)
         cpu, wall = clock_calls(partial(self._simulation.step, TOGETHER), calls)
         last = clock_steps(self._simulation, rest) if rest else (0.0, 0.0)
         return cpu + last[0], wall + last[1]
+
+    def _controlled(self, count: int) -> tuple[float, float]:
+        """Steps under forces from outside: the clock stands still while these are found and told."""
+        cpu = wall = 0.0
+        while count > 0:
+            part = self._simulation.renew(count)
+            one_cpu, one_wall = clock_steps(self._simulation.simulation, part)
+            cpu, wall, count = cpu + one_cpu, wall + one_wall, count - part
+        return cpu, wall

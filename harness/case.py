@@ -6,7 +6,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from harness.control import Control
 from harness.metric import Metric
+from harness.retelling import Retelling
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
@@ -87,6 +89,8 @@ class Case:
         headline is no error that has to shrink with the step.
         ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
         steady [s]: from there on every step costs alike, so the clock starts there; None clocks whole runs.
+        control(**parameters): the forces that act from outside, told anew before the steps.
+        retellings(**parameters): the scene told in other ways, each run beside it into streams '<name>/...'.
         rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
         worlds: the parameter that says how many equal worlds are stepped together, '' for none.
     """
@@ -113,6 +117,8 @@ class Case:
     scale: float = 1.0
     converges: Literal["smoothly", "once", ""] = ""
     steady: float | None = None
+    control: Callable[..., Control] | None = None
+    retellings: Callable[..., tuple[Retelling, ...]] | None = None
     rays: Callable[..., Rays] | None = None
     worlds: str = ""
 

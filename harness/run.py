@@ -7,19 +7,21 @@ from typing import cast
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Feature, SettingsError, Simulation, Unavailable, Unsupported
+from harness.adapter import Adapter, Feature, SettingsError, Simulation, Unavailable, Unsupported
 from harness.batch import WorldOf, spread
 from harness.case import Case, Converged, Rays
+from harness.control import Controlled
 from harness.metric import Metric, NotMeasurable
 from harness.record import Measurement, Record, Status
+from harness.retell import retell
 from harness.scene import Scene
-from harness.sensors.recorder import SensorRecorder
+from harness.simulate import simulate
 from harness.study import Trial
-from harness.trajectory import Contacts, Floats, State, Trajectory
+from harness.trajectory import Floats, Trajectory
 from harness.trajectory_file import save_trajectory
 from harness.truth_keeper import truth_of
 
-__all__ = ["judge", "outcome", "run_trial", "simulate", "steps_between_samples", "truth_of"]
+__all__ = ["judge", "outcome", "run_trial"]
 
 
 def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:
@@ -40,76 +42,6 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         reason=reason,
         detail=detail,
     )
-
-
-def steps_between_samples(interval: float, dt: float) -> int:
-    """Whole steps of dt [s] between two samples `interval` [s] apart, at least one."""
-    return max(1, round(interval / dt))
-
-
-class _Log:
-    """Room for a trajectory, filled sample by sample."""
-
-    def __init__(self, steps: int, every: int, dt: float, bodies: int, with_contacts: bool) -> None:
-        places = [*range(0, steps, every), steps]
-        self.trajectory = Trajectory.of(np.array(places, dtype=np.float64) * dt, bodies)
-        self.contacts: list[Contacts] | None = [] if with_contacts else None
-        self.filled = 0
-
-    def take(self, simulation: Simulation) -> State:
-        """Read the next sample; raises Diverged where it is not finite."""
-        state = self.trajectory.state(self.filled)
-        simulation.state(state)
-        if not state.finite:
-            raise Diverged("the state is not finite")
-        if self.contacts is not None:
-            self.contacts.append(simulation.contacts())
-        self.filled += 1
-        return state
-
-    def result(self, dt: float, streams: dict[str, Floats]) -> Trajectory:
-        """The trajectory as far as it was filled."""
-        n, t = self.filled, self.trajectory
-        contacts = None if self.contacts is None else tuple(self.contacts)
-        return Trajectory(t.time[:n], t.p_WB[:n], t.q_WB[:n], t.v_WB[:n], t.w_WB[:n], dt=dt, contacts=contacts, streams=streams)
-
-
-def simulate(
-    simulation: Simulation,
-    scene: Scene,
-    *,
-    dt: float,
-    duration: float,
-    sample_interval: float,
-    with_contacts: bool,
-    seed: int,
-) -> tuple[Trajectory, str | None]:
-    """Step a simulation to its end; the trajectory and, where it diverged, when and how."""
-    steps = max(1, round(duration / dt))
-    every = steps_between_samples(sample_interval, dt)
-    log = _Log(steps, every, dt, len(scene.bodies), with_contacts)
-    sensors = SensorRecorder(scene, simulation, seed, dt) if scene.sensors else None
-    here, reading = 0, State.empty(len(scene.bodies))
-    try:
-        log.take(simulation)
-        if sensors is not None:
-            simulation.state(reading)
-            sensors.read(0.0, reading)
-        while here < steps:
-            next_sample = min((here // every + 1) * every, steps)
-            until = next_sample
-            if sensors is not None:
-                until = min(until, (here // sensors.interval_steps + 1) * sensors.interval_steps)
-            simulation.step(until - here)
-            here = until
-            if here == next_sample:
-                log.take(simulation)
-            if sensors is not None and here % sensors.interval_steps == 0:
-                simulation.state(reading)
-                sensors.read(here * dt, reading)
-    except Diverged as error:
-        return log.result(dt, {}), f"by step {here + 1} of {steps} (t = {here * dt:.6g} s): {error}"
-    return log.result(dt, {} if sensors is None else sensors.streams()), None
 
 
 def cast_once(simulation: Simulation, rays: Rays) -> dict[str, Floats]:
@@ -190,6 +122,9 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
             simulation = cast(Simulation, WorldOf(batch, worlds - 1))
         else:
             simulation = adapter.build(scene, trial.settings)
+            if case.control is not None:
+                acting = case.control(**trial.parameters)
+                simulation = cast(Simulation, Controlled(simulation, acting, trial.settings.dt, len(scene.bodies)))
     except Unsupported as error:
         return outcome(trial, "unsupported", str(error))
     except Unavailable as error:
@@ -215,10 +150,14 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         if case.worlds and broke is None:
             apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
             seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
-        actual = replace(actual, streams={**actual.streams, **seen})
         resolved, warnings = simulation.resolved.plain(), simulation.warnings()
     finally:
         simulation.close()
+    if case.retellings is not None and broke is None:
+        for told in case.retellings(**trial.parameters):
+            streams, remarks = retell(told, adapter, trial.settings, case.duration, case.sample_interval)
+            seen, warnings = seen | streams, (*warnings, *remarks)
+    actual = replace(actual, streams={**actual.streams, **seen})
     try:
         truth = truth_of(case, scene, actual.time, trial.parameters, folder)
     except (NotMeasurable, Unsupported) as error:

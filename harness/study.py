@@ -14,9 +14,11 @@ from pydantic.dataclasses import dataclass as validated
 
 from harness.adapter import Adapter, Settings
 from harness.case import Case
+from harness.control import wrench_after
 from harness.record import digest
 from harness.scene.file import dump_json
 from harness.scene.values import FROZEN, Name, Positive
+from harness.trajectory import State
 
 __all__ = ["Experiment", "Study", "StudyError", "Trial", "Variant", "load_study"]
 
@@ -141,9 +143,18 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
 
 
 def _question(case: Case, parameters: Mapping[str, Any]) -> str:
-    """A digest of what is asked: the scene, how long it runs, what is sampled and which rays are cast."""
-    scene = hashlib.sha256(dump_json(case.scene(**parameters)).encode()).hexdigest()
-    asked = [scene, case.duration, case.sample_interval, case.with_contacts]
+    """A digest of what is asked: the scene, how long it runs, what is sampled, what acts on it, its retellings, its rays."""
+    scene = case.scene(**parameters)
+    told = hashlib.sha256(dump_json(scene).encode()).hexdigest()
+    asked = [told, case.duration, case.sample_interval, case.with_contacts]
+    if case.control is not None:
+        control = case.control(**parameters)
+        asked += [control.interval, hashlib.sha256(wrench_after(control, State.initial(scene))).hexdigest()]
+    if case.retellings is not None:
+        asked += [
+            [told.name, told.clock, told.restored_at, hashlib.sha256(dump_json(told.scene).encode()).hexdigest()]
+            for told in case.retellings(**parameters)
+        ]
     if case.rays is not None:
         rays = case.rays(**parameters)
         asked.append(hashlib.sha256(rays.origins.tobytes() + rays.directions.tobytes()).hexdigest())

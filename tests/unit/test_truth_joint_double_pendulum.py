@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.joint_double_pendulum import CASE, INERTIA, LENGTH, MASS, D
+from cases.joint_double_pendulum import CASE
 from harness.case import Converged
 from harness.metrics.energy import ENERGY_MAX
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.trajectory import Floats
+from harness.truths.double_pendulum import INERTIA, LENGTH, MASS, D
 
 
 def _newton_euler(_t: float, y: Floats) -> Floats:

@@ -1,0 +1,167 @@
+"""A slender rod pushed over rough ground, its foot ahead: at mu = 4/3 Coulomb's law and rigidity contradict each other.
+
+With the rod at an angle a to the ground, sliding foot first, the load N on its foot obeys A N = m (g - l w^2 sin a) with
+
+    A = 1 + 3 cos^2 a - 3 mu sin a cos a.
+
+Below mu = 4/3 A is positive at every angle. Above it there are angles, 63.43 degrees (tan a = 2) the first of them, where A is
+negative: no load that pushes holds the foot on the ground, and none lets it leave. In nature, and in engines that solve for
+impulses, the foot then stops in a single blow: from 8 m/s by 3.2 N s along and 2.4 N s off the ground, in the ratio of 4/3.
+Source: Painleve, C. R. Acad. Sci. 121 (1895) 112; Genot and Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653; Stewart, SIAM
+Review 42 (2000) 3.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from harness.case import Axis, Case, Check, Converged
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import ENERGY_GAIN
+from harness.metrics.impulse import IMPULSE_MAX
+from harness.metrics.painleve import PAINLEVE_COEFFICIENT
+from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.velocity import VELOCITY_MAX
+from harness.scene import EARTH_GRAVITY, Body, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from harness.trajectory import Floats, Trajectory
+from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+
+G = -EARTH_GRAVITY[2]
+FRICTION, SPEED = 1.0, 8.0
+ANGLE = float(np.degrees(np.arctan(2.0)))
+"""Degrees between the rod and the ground: the angle at which the least friction suffices for the paradox."""
+MASS, HALF, RADIUS = 1.0, 1.0, 0.01
+"""Half the length [m] of the rod between the centres of its rounded ends; these shift the critical friction by 1 %."""
+INERTIA = MASS * HALF**2 / 3
+DURATION = 0.125
+
+
+def scene(friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE) -> Scene:
+    """A rod on its foot at `angle` [degrees] to the ground, leaning towards +x and sliding at `speed` [m/s] towards -x."""
+    a = float(np.radians(angle))
+    ends = tuple(PlacedShape(shape=Sphere(radius=RADIUS), p_BS=(0.0, 0.0, side * HALF)) for side in (-1, 1))
+    rod = Body(
+        name="rod",
+        mass=MASS,
+        inertia=principal_inertia(INERTIA, INERTIA, MASS * RADIUS**2 / 2),
+        collision=ends,
+        visual=(PlacedShape(shape=Capsule(radius=RADIUS, half_length=HALF)),),
+        material="rod",
+        p_WB=(0.0, 0.0, RADIUS + HALF * float(np.sin(a))),
+        q_WB=_attitude(np.array(a)).tolist(),
+        v_WB=(-speed, 0.0, 0.0),
+    )
+    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    law = Surface(between=("rod", "ground"), static_friction=friction, kinetic_friction=friction)
+    return Scene(bodies=(ground, rod), surfaces=(law,))
+
+
+def _attitude(a: Floats) -> Floats:
+    """The rod's z axis along (cos a, 0, sin a): turned by pi/2 - a about y, (..., 4)."""
+    half, zero = (np.pi / 2 - a) / 2, np.zeros_like(a)
+    return np.stack([np.cos(half), zero, np.sin(half), zero], axis=-1)
+
+
+def load(a: float, rate: float, friction: float) -> tuple[float, float]:
+    """A, with the rounded foot's radius in the arm of friction, and the load N on the foot [N], at the angle a and a'."""
+    arm = HALF * np.cos(a)
+    coefficient = 1 + MASS * arm / INERTIA * (arm - friction * (HALF * np.sin(a) + RADIUS))
+    return float(coefficient), float(MASS * (G - HALF * rate**2 * np.sin(a)) / coefficient)
+
+
+def acceleration(q: Floats, rate: Floats, friction: float) -> Floats:
+    """x'' and a'' of a rod whose foot slides towards -x: m x'' = mu N, I a'' = N (mu (l sin a + r) - l cos a)."""
+    normal = load(float(q[1]), float(rate[1]), friction)[1]
+    turning = friction * (HALF * np.sin(q[1]) + RADIUS) - HALF * np.cos(q[1])
+    return normal * np.array([friction / MASS, turning / INERTIA])
+
+
+def placed(time: Floats, y: Floats) -> Trajectory:
+    """The rod at x, a, x', a' (t, 4) with its foot on the ground."""
+    made = Trajectory.of(time, 2)
+    x, a, speed, rate = y.T
+    made.p_WB[:, 1, 0], made.p_WB[:, 1, 2] = x, RADIUS + HALF * np.sin(a)
+    made.v_WB[:, 1, 0], made.v_WB[:, 1, 2] = speed, HALF * rate * np.cos(a)
+    made.q_WB[:, 1], made.w_WB[:, 1, 1] = _attitude(a), -rate
+    return made
+
+
+def _slides_on(y: Floats, friction: float) -> bool:
+    """Does the foot slide towards -x, on the ground and pushed by it, at each of the states (t, 4)?"""
+    _, a, speed, rate = y.T
+    foot = speed + (HALF * np.sin(a) + RADIUS) * rate
+    loads = [load(float(angle), float(turning), friction) for angle, turning in zip(a, rate, strict=True)]
+    return bool(np.all(foot < 0)) and all(coefficient > 0 and normal > 0 for coefficient, normal in loads)
+
+
+def expected(time: Floats, friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE) -> Converged | None:
+    """The sliding rod, integrated at a relative tolerance of 1e-12 with the distance to 1e-10 as its error bar; None where it
+    does not slide to the end: in the paradox, and where its foot stops or lifts off."""
+    start, still = [0.0, float(np.radians(angle))], [-speed, 0.0]
+    if load(start[1], 0.0, friction)[0] <= 0:
+        return None
+    try:
+        fine, coarse = (
+            true_motion(lambda q, v: acceleration(q, v, friction), start, still, time, rtol) for rtol in (1e-12, 1e-10)
+        )
+    except RuntimeError:
+        return None
+    if not _slides_on(fine, friction):
+        return None
+    truth, other = placed(time, fine), placed(time, coarse)
+    return Converged(
+        trajectory=truth,
+        position_error=float(np.linalg.norm(truth.p_WB - other.p_WB, axis=-1).max(initial=0.0)),
+        velocity_error=float(np.linalg.norm(truth.v_WB - other.v_WB, axis=-1).max(initial=0.0)),
+    )
+
+
+@lru_cache(maxsize=1)
+def _first_order() -> tuple[float, float]:
+    """Largest errors per dt of position [m/s] and velocity [m/s2] in the default motion."""
+    times, small = np.linspace(0.0, DURATION, 101), 1e-6
+    start, still = [0.0, float(np.radians(ANGLE))], [-SPEED, 0.0]
+    true = placed(times, true_motion(lambda q, v: acceleration(q, v, FRICTION), start, still, times, 1e-12))
+    moved = turned = 0.0
+    for y in first_order_motions(lambda q, v: acceleration(q, v, FRICTION), start, still, times, small):
+        other = placed(times, y)
+        moved = max(moved, float(np.linalg.norm(other.p_WB - true.p_WB, axis=-1).max()) / small)
+        turned = max(turned, float(np.linalg.norm(other.v_WB - true.v_WB, axis=-1).max()) / small)
+    return moved, turned
+
+
+CASE = Case(
+    name="friction_painleve",
+    title="Painleve's rod",
+    question="Does a rod that slides foot first follow Coulomb's law as long as that has a solution, and stay finite beyond?",
+    source="Painleve, C. R. Acad. Sci. 121 (1895) 112; Genot, Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653",
+    truth="converged reference",
+    scene=scene,
+    expected=expected,
+    parameters={"friction": FRICTION, "speed": SPEED, "angle": ANGLE},
+    duration=DURATION,
+    # Every step: the impulse of a blow lies in one of them.
+    sample_interval=0.0,
+    with_contacts=True,
+    dt=1 / 960,
+    ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
+    hard=Axis(parameter="friction", unit="1", easy=0.5, extreme=3.0),
+    headline=POSITION_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a rod with friction only loses energy"),
+        Check(metric=POSITION_MAX, at_most=lambda dt: 2 * _first_order()[0] * dt, because=FIRST_ORDER),
+        Check(
+            metric=IMPULSE_MAX,
+            at_most=lambda dt: 2 * MASS * float(np.sqrt(SPEED**2 + 2 * G * HALF)) + MASS * G * dt,
+            because="an impulse is the change of momentum less that by weight, and without energy from nowhere the centre is "
+            "never faster than v^2 = v0^2 + 2 g l: m times twice that speed, and m g dt. A law that is solved for forces where "
+            "it has none has no bound at all",
+        ),
+        Check(
+            metric=ENERGY_GAIN,
+            at_most=1e-6,
+            because="friction takes 200 W from the first step on, and nothing gives; 1e-6 for single precision",
+        ),
+    ),
+    observe=(PAINLEVE_COEFFICIENT, VELOCITY_MAX, POSITION_FINAL),
+)

@@ -1,0 +1,50 @@
+"""A stage of regular motions far from the origin: what is lost beyond the digits that the numbers lack there?"""
+
+import numpy as np
+
+from harness.case import Axis, Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from harness.retelling import Retelling, moved
+from harness.scene import Scene
+from harness.stage import stage
+
+ORIGIN, DURATION = 1e6, 1.0
+SUBSTEPS = 16
+"""Of one step: as many as the engines are run with, twice over."""
+
+
+def scene(origin: float = ORIGIN) -> Scene:  # noqa: ARG001 -- of its retelling
+    """A slide, a roll, a swing and a tumbling flight."""
+    return stage()
+
+
+def retellings(origin: float = ORIGIN) -> tuple[Retelling, ...]:
+    """The same `origin` [m] away along x, and some of that along y and z: heights and gaps lose their digits too."""
+    return (moved(stage(), (origin, -0.7 * origin, 0.3 * origin)),)
+
+
+CASE = Case(
+    name="system_far_origin",
+    title="Far from the origin",
+    question="Is a motion the same a thousand kilometres away, to the digits that are left there?",
+    source="Goldberg, ACM Computing Surveys 23 (1991) 5, section 1.2 (units in the last place)",
+    truth="conservation",
+    scene=scene,
+    retellings=retellings,
+    parameters={"origin": ORIGIN},
+    duration=DURATION,
+    hard=Axis(parameter="origin", unit="m", easy=1.0, extreme=1e7),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
+        Check(
+            metric=POSITION_DIFFERENCE["moved"],
+            at_most=lambda dt: float(np.sqrt(3) * SUBSTEPS * (DURATION / dt + 1) * np.spacing(ORIGIN) / 2),
+            because="a sub-step rounds each coordinate by at most half the spacing of the numbers there, 1.2e-10 m at 1e6 m: "
+            "all roundings the same way, three coordinates, sixteen sub-steps a step. Velocities are of the size of the stage "
+            "and lose nothing; a gap that is wrong by a rounding is righted by as much",
+        ),
+    ),
+    observe=(ATTITUDE_DIFFERENCE["moved"],),
+    headline=POSITION_DIFFERENCE["moved"].name,
+)

@@ -1,0 +1,59 @@
+"""A stage of regular motions moved, turned and set in uniform motion: is it the same motion?
+
+Newton's laws know no origin, no direction and no state of rest. What finds one is an engine's own: friction along the axes
+of the world, damping against the world, a floor whose motion its contacts forget.
+"""
+
+from harness.case import Axis, Case, Check
+from harness.metric import Metric
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from harness.retelling import Retelling, in_motion, moved, turned
+from harness.scene import Scene, axis_angle
+from harness.stage import stage
+
+SPEED, DURATION = 1.5, 1.0
+SINGLE = 1e-6
+"""Ten roundings of single precision, 6e-8 each, of the metre that things are away and move: more than any tolerance of a solver
+should leave, far less than any of the faults that are looked for."""
+
+
+def scene(speed: float = SPEED) -> Scene:  # noqa: ARG001 -- of its retelling
+    """A slide, a roll, a swing and a tumbling flight."""
+    return stage()
+
+
+def retellings(speed: float = SPEED) -> tuple[Retelling, ...]:
+    """Some metres away; turned by 40 degrees about a skew axis, gravity too; at `speed` [m/s], on a floor that moves alike."""
+    told = stage()
+    return (
+        moved(told, (3.7, -5.1, 0.4)),
+        turned(told, axis_angle((1.0, 2.0, 3.0), 0.7)),
+        in_motion(told, (0.8 * speed, -0.6 * speed, 0.0)),
+    )
+
+
+def _check(metric: Metric, because: str) -> Check:
+    return Check(metric=metric, at_most=SINGLE, because=f"{because}; what is left are roundings: ten of single precision")
+
+
+CASE = Case(
+    name="system_invariance",
+    title="Another frame",
+    question="Is a motion the same some metres away, in another direction, and seen from a moving frame?",
+    source="Landau, Lifshitz, Mechanics, 3rd ed., section 3 (Galileo's relativity principle)",
+    truth="conservation",
+    scene=scene,
+    retellings=retellings,
+    parameters={"speed": SPEED},
+    duration=DURATION,
+    hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=1000.0),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
+        _check(POSITION_DIFFERENCE["moved"], "space is homogeneous"),
+        _check(POSITION_DIFFERENCE["turned"], "space is isotropic"),
+        _check(POSITION_DIFFERENCE["in_motion"], "no uniform motion is told from rest"),
+    ),
+    observe=tuple(ATTITUDE_DIFFERENCE[name] for name in ("moved", "turned", "in_motion")),
+    headline=POSITION_DIFFERENCE["turned"].name,
+)

@@ -1,0 +1,49 @@
+"""A stage of regular motions a thousand times smaller and larger under the same gravity: is it the same motion?
+
+With times and speeds that go with the root of the length, every ratio of forces is kept. What tells a millimetre from a
+kilometre is a length, a speed or a time of the engine's own: a margin, a slop, a threshold, a clamp, a contact's softness.
+"""
+
+from harness.case import Axis, Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from harness.retelling import Retelling, scaled
+from harness.scene import Scene
+from harness.stage import stage
+
+SCALE, DURATION = 1000.0, 1.0
+SINGLE = 1e-6
+"""Ten roundings of single precision, 6e-8 each, of a stage of metres."""
+
+
+def scene(scale: float = SCALE) -> Scene:  # noqa: ARG001 -- of its retellings
+    """A slide, a roll, a swing and a tumbling flight, of metres."""
+    return stage()
+
+
+def retellings(scale: float = SCALE) -> tuple[Retelling, ...]:
+    """All lengths, and the square of all times, over `scale` and times `scale`."""
+    return scaled(stage(), "shrunk", 1 / scale), scaled(stage(), "grown", scale)
+
+
+WHY = "Froude's similarity: lengths over g t^2 are the same, so is the motion in its own units; what is left are roundings"
+
+CASE = Case(
+    name="system_scale_length",
+    title="Millimetres and kilometres",
+    question="Does a thing of millimetres or kilometres move like one of metres, in its own units?",
+    source="Barenblatt, Scaling (2003), chapter 1 (Froude's similarity)",
+    truth="conservation",
+    scene=scene,
+    retellings=retellings,
+    parameters={"scale": SCALE},
+    duration=DURATION,
+    hard=Axis(parameter="scale", unit="1", easy=1.0, extreme=1000.0),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
+        Check(metric=POSITION_DIFFERENCE["shrunk"], at_most=SINGLE, because=WHY),
+        Check(metric=POSITION_DIFFERENCE["grown"], at_most=SINGLE, because=WHY),
+    ),
+    observe=(ATTITUDE_DIFFERENCE["shrunk"], ATTITUDE_DIFFERENCE["grown"]),
+    headline=POSITION_DIFFERENCE["shrunk"].name,
+)

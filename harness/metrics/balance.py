@@ -1,0 +1,145 @@
+"""Balls let go near the tops of fixed balls: how fast a small tilt grows, and how small a one decides where a ball falls.
+
+The tilt of a ball is the angle between the upward vertical and the line to its centre from that of the fixed ball beneath it.
+While it is small it grows like exp(L t). A start is followed if the ball leaves to the side that it was set to, at a time that
+fits it: not as if it had been set ten times nearer or farther. Growth is fitted between twenty times the start and 0.1 rad,
+alike in answer and truth.
+"""
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import matched
+from harness.scene import Scene, Sphere
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["EXIT_TIME_SPREAD", "GROWTH_EXPONENT_ERROR", "LOST_STARTS", "METRIC", "SMALLEST_FOLLOWED"]
+
+GROWN, LINEAR = 0.1, 20.0
+TENFOLD = float(np.log(10.0))
+SOURCE = "Ott, Chaos in Dynamical Systems, 2nd ed., section 4.4 (exponent of the growth of a small difference)"
+
+
+def _pairs(scene: Scene) -> list[tuple[int, int]]:
+    """Places of each movable ball and of the fixed ball beneath it."""
+    balls = [
+        (place, body)
+        for place, body in enumerate(scene.bodies)
+        if len(body.collision) == 1 and isinstance(body.collision[0].shape, Sphere)
+    ]
+    fixed = [place for place, body in balls if not body.movable]
+    if not fixed or len(fixed) == len(balls) or not any(scene.gravity):
+        raise NotMeasurable("balls, balls that stand still beneath them, and gravity are needed")
+    centres = np.array([scene.bodies[place].p_WB for place in fixed])
+    found = []
+    for place, body in balls:
+        if body.movable:
+            found.append((place, fixed[int(np.argmin(np.linalg.norm(centres - np.array(body.p_WB), axis=1)))]))
+    return found
+
+
+def _tilts(scene: Scene, run: Trajectory) -> tuple[Floats, Floats]:
+    """The tilts (t, n) rad, and the unit horizontal directions (t, n, 3), zero where there is no tilt."""
+    balls, bumps = np.array(_pairs(scene)).T
+    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
+    line = run.p_WB[:, balls] - run.p_WB[:, bumps]
+    height = line @ up
+    aside = line - height[..., None] * up
+    distance = np.linalg.norm(aside, axis=-1)
+    direction: Floats = aside / np.where(distance > 0, distance, 1.0)[..., None]
+    return np.arctan2(distance, height), direction
+
+
+def _exits(time: Floats, tilts: Floats) -> Floats:
+    """When each tilt passes GROWN, (n,) s, by interpolation of its logarithm; inf where it never does."""
+    found = np.full(tilts.shape[1], np.inf)
+    for k, tilt in enumerate(tilts.T):
+        out = np.flatnonzero(tilt >= GROWN)
+        if len(out) and out[0] > 0:
+            a, b = np.log(tilt[out[0] - 1 : out[0] + 1])
+            share = (np.log(GROWN) - a) / (b - a) if np.isfinite(a) and b > a else 1.0
+            found[k] = time[out[0] - 1] + share * (time[out[0]] - time[out[0] - 1])
+    return found
+
+
+def _exponents(time: Floats, tilts: Floats) -> Floats:
+    """Slope of the logarithm of each tilt between LINEAR times its start and GROWN, (n,) 1/s; NaN with less than 3 samples."""
+    found = np.full(tilts.shape[1], np.nan)
+    for k, tilt in enumerate(tilts.T):
+        out = np.flatnonzero(tilt >= GROWN)
+        end = int(out[0]) if len(out) else len(tilt)
+        part = np.flatnonzero(tilt[:end] > LINEAR * tilt[0])
+        if len(part) >= 3:
+            found[k] = np.polyfit(time[part], np.log(tilt[part]), 1)[0]
+    return found
+
+
+def _growth(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    truth = matched(actual, expected)
+    here, there = (_exponents(run.time, _tilts(scene, run)[0]) for run in (actual, truth))
+    usable = np.isfinite(there)
+    if not usable.any():
+        raise NotMeasurable("no start of the truth grows twentyfold before it is out")
+    if not actual.finite:
+        return float("nan")
+    # One that has no growth of its own to fit is off by all of it.
+    return float(np.median(np.abs(np.nan_to_num(here[usable], nan=0.0) / there[usable] - 1)))
+
+
+def _followed(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Floats, Floats]:
+    """Which of the starts whose truth leaves in time are followed, and how large these starts are [rad]."""
+    truth = matched(actual, expected)
+    (tilts, sides), (true_tilts, true_sides) = _tilts(scene, actual), _tilts(scene, truth)
+    left, due = _exits(actual.time, tilts), _exits(truth.time, true_tilts)
+    rate = np.nanmedian(_exponents(truth.time, true_tilts))
+    judged = np.flatnonzero(due + TENFOLD / rate <= truth.time[-1])
+    if len(judged) == 0:
+        raise NotMeasurable("no start of the truth leaves early enough before the end")
+    fine = np.zeros(len(judged))
+    for k, place in enumerate(judged):
+        if abs(left[place] - due[place]) <= TENFOLD / rate:
+            here, there = (int(np.searchsorted(run.time, at)) for run, at in ((actual, left[place]), (truth, due[place])))
+            fine[k] = float(sides[here, place] @ true_sides[there, place] >= 0.5)
+    return fine, true_tilts[0, judged]
+
+
+def _lost(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    followed, _ = _followed(scene, actual, expected)
+    return float(1 - followed.mean()) if actual.finite else float("nan")
+
+
+def _smallest(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    followed, sizes = _followed(scene, actual, expected)
+    if not actual.finite or not followed.any():
+        return float("inf")
+    # The smallest above which none is lost.
+    lost = sizes[followed == 0]
+    return float(sizes[sizes > lost.max(initial=0.0)].min(initial=np.inf))
+
+
+def _spread(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    truth = matched(actual, expected)
+    left, due = (_exits(run.time, _tilts(scene, run)[0]) for run in (actual, truth))
+    judged = np.isfinite(due)
+    if not judged.any():
+        raise NotMeasurable("no start of the truth leaves before the end")
+    return float(np.sqrt(np.mean(np.square(left[judged] - due[judged])))) if actual.finite else float("nan")
+
+
+GROWTH_EXPONENT_ERROR = Metric(
+    name="growth_exponent_error", unit="1", source=f"{SOURCE}; over the truth's, less 1, median of the starts", measure=_growth
+)
+LOST_STARTS = Metric(
+    name="lost_start_share", unit="1", source="definition: share of the starts that are not followed", measure=_lost
+)
+SMALLEST_FOLLOWED = Metric(
+    name="smallest_followed_start", unit="rad", source="definition: start from which on all are followed", measure=_smallest
+)
+EXIT_TIME_SPREAD = Metric(
+    name="exit_time_error_rms",
+    unit="s",
+    source="definition: time at which the tilt passes 0.1 rad, less the truth's",
+    measure=_spread,
+)
+
+METRIC = (GROWTH_EXPONENT_ERROR, LOST_STARTS, SMALLEST_FOLLOWED, EXIT_TIME_SPREAD)

@@ -1,0 +1,35 @@
+"""Impulse: the largest one that contacts give to a body within one step."""
+
+import numpy as np
+
+from harness.kinematics import movable
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Scene
+from harness.trajectory import Trajectory
+
+__all__ = ["IMPULSE_MAX", "METRIC"]
+
+
+def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if actual.contacts is None:
+        raise NotMeasurable("the run has no contacts")
+    if actual.dt <= 0.0:
+        raise NotMeasurable("a truth has no steps")
+    largest = 0.0
+    for contacts in actual.contacts:
+        total = np.zeros((len(scene.bodies), 3))
+        np.add.at(total, contacts.body_B, contacts.force_W)
+        np.add.at(total, contacts.body_A, -contacts.force_W)
+        # max() of Python would drop a NaN.
+        largest = float(np.max([largest, *np.linalg.norm(total[movable(scene)], axis=1)]))
+    return largest * actual.dt
+
+
+IMPULSE_MAX = Metric(
+    name="impulse_max",
+    unit="N s",
+    source="definition: greatest |sum of the contact forces on a body|, averaged over a step, times the step",
+    measure=_measure,
+)
+
+METRIC = IMPULSE_MAX

@@ -1,0 +1,47 @@
+"""Painleve's coefficient: what multiplies the load on the foot of a sliding rod in the law of its normal acceleration.
+
+A = 1 + (m/I) c (c - mu h), c and h the ways of the centre of mass from the foot along and above the ground. Positive: Coulomb's
+law has one solution. Negative: it has none or two, which is the regime of the paradox.
+"""
+
+import numpy as np
+
+from harness.kinematics import movable, rotate
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Scene, Sphere
+from harness.trajectory import Trajectory
+
+__all__ = ["METRIC", "PAINLEVE_COEFFICIENT"]
+
+
+def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    bodies = movable(scene)
+    if len(bodies) != 1 or len(actual) == 0:
+        raise NotMeasurable("one movable body, and a sample of it, is needed")
+    rod = scene.bodies[bodies[0]]
+    feet = [part for part in rod.collision if isinstance(part.shape, Sphere)]
+    grounds = [body for body in scene.bodies if scene.collides(rod, body)]
+    if len(feet) != 2 or len(feet) != len(rod.collision) or len(grounds) != 1:
+        raise NotMeasurable(f"body '{rod.name}' is no rod with two round ends on one ground")
+    friction = scene.surface(rod, grounds[0]).kinetic_friction
+    smallest = np.inf
+    for part in feet:
+        arm = -rotate(actual.q_WB[:, bodies[0]], np.broadcast_to(part.p_BS, (len(actual), 3)))
+        along, above = np.hypot(arm[:, 0], arm[:, 1]), arm[:, 2] + getattr(part.shape, "radius", 0.0)
+        inertia = float(np.linalg.eigvalsh(np.array(rod.inertia))[-1])
+        coefficient = 1 + rod.mass / inertia * along * (along - friction * above)
+        # The end that is up has its arm downwards, and a coefficient that is never small.
+        smallest = np.minimum(smallest, np.min(coefficient))
+    return float(smallest)
+
+
+PAINLEVE_COEFFICIENT = Metric(
+    name="painleve_coefficient",
+    unit="1",
+    source="Genot, Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653, with a rounded foot: least value over the run; below 0 "
+    "Coulomb's law and rigidity contradict each other",
+    better="higher",
+    measure=_measure,
+)
+
+METRIC = PAINLEVE_COEFFICIENT

@@ -1,0 +1,93 @@
+"""Retellings: how far the same scene, told another way and told back, parts from the case's own run.
+
+Its motion stands in the streams '<name>/...'. Equal bits are a difference of zero; a run that ended early is never close.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from harness.kinematics import angle_between, movable
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import Scene
+from harness.trajectory import Floats, State, Trajectory
+
+__all__ = ["AGREEING_SAMPLES", "ATTITUDE_DIFFERENCE", "DIFFERENCE", "METRIC", "POSITION_DIFFERENCE"]
+
+NAMES = ("repeated", "restored", "reordered", "moved", "turned", "in_motion", "shrunk", "grown")
+
+
+def _both(actual: Trajectory, name: str) -> tuple[State, State]:
+    """The states (k, n, ...) of the case's run and of its retelling at the times that the latter has."""
+    if f"{name}/time" not in actual.streams:
+        raise NotMeasurable(f"there is no motion '{name}' to compare with")
+    time = actual.streams[f"{name}/time"]
+    if len(time) == 0 or len(actual) == 0:
+        raise NotMeasurable("no sample lies in the time that is judged")
+    first = int(np.searchsorted(actual.time, time[0] - 1e-9))
+    count = min(len(time), len(actual) - first)
+    if not np.allclose(actual.time[first : first + count], time[:count], rtol=0.0, atol=1e-9):
+        raise NotMeasurable(f"the motion '{name}' stands at other times")
+    here = (getattr(actual, part)[first : first + count] for part in ("p_WB", "q_WB", "v_WB", "w_WB"))
+    there = (actual.streams[f"{name}/{part}"][:count] for part in ("p_WB", "q_WB", "v_WB", "w_WB"))
+    return State(*here), State(*there)
+
+
+def _numbers(state: State) -> Floats:
+    """All numbers of a state side by side, (k, m)."""
+    return np.concatenate([part.reshape(len(part), -1) for part in (state.p_WB, state.q_WB, state.v_WB, state.w_WB)], axis=1)
+
+
+def _difference(scene: Scene, actual: Trajectory, name: str) -> float:
+    here, there = _both(actual, name)
+    return maximum(np.abs(_numbers(here) - _numbers(there)))
+
+
+def _position(scene: Scene, actual: Trajectory, name: str) -> float:
+    (here, there), bodies = _both(actual, name), movable(scene)
+    return maximum(np.linalg.norm(here.p_WB[:, bodies] - there.p_WB[:, bodies], axis=-1))
+
+
+def _attitude(scene: Scene, actual: Trajectory, name: str) -> float:
+    (here, there), bodies = _both(actual, name), movable(scene)
+    return maximum(angle_between(here.q_WB[:, bodies], there.q_WB[:, bodies]))
+
+
+def _agreeing(scene: Scene, actual: Trajectory, name: str) -> float:
+    here, there = _both(actual, name)
+    if not (here.finite and there.finite):
+        return float("nan")
+    differs = (_numbers(here).view(np.int64) != _numbers(there).view(np.int64)).any(axis=1)
+    return float(np.argmax(differs)) if differs.any() else float(len(differs))
+
+
+def _of_each(
+    kind: str, unit: str, source: str, measure: Callable[[Scene, Trajectory, str], float], better: bool = False
+) -> dict[str, Metric]:
+    """The metric '<name>_<kind>' for each retelling."""
+
+    def one(name: str) -> Metric:
+        return Metric(
+            name=f"{name}_{kind}",
+            unit=unit,
+            source=source,
+            measure=lambda scene, actual, _expected: measure(scene, actual, name),
+            better="higher" if better else "lower",
+        )
+
+    return {name: one(name) for name in NAMES}
+
+
+DIFFERENCE = _of_each("difference", "1", "definition: largest difference of any number of any state, in SI units", _difference)
+POSITION_DIFFERENCE = _of_each(
+    "position_difference", "m", "definition: largest distance of a body from itself, retold", _position
+)
+ATTITUDE_DIFFERENCE = _of_each("attitude_difference", "rad", "definition: largest angle of a body to itself, retold", _attitude)
+AGREEING_SAMPLES = _of_each(
+    "agreeing_samples", "1", "definition: samples before the first that differs in a bit", _agreeing, True
+)
+
+METRIC = tuple(
+    metric for kind in (DIFFERENCE, POSITION_DIFFERENCE, ATTITUDE_DIFFERENCE, AGREEING_SAMPLES) for metric in kind.values()
+)

@@ -72,8 +72,8 @@ CASE = Case(
         Check(
             metric=INSCRIBED_OVERLAP,
             at_most=lambda dt: SPEED * dt + 1e-3,
-            because="the ball does not pass through the trunk: one step's way may lie between the touch and its discovery, and a "
-            "contact may give by a millimetre. Without this, a ball that never touches would pass",
+            because="the ball does not pass through the trunk: one step's way may lie between the touch and its discovery, and "
+            "a contact may give by a millimetre. Without this, a ball that never touches would pass",
         ),
         Check(
             metric=MOMENTUM_MAX,
@@ -83,8 +83,8 @@ CASE = Case(
         Check(
             metric=ANGULAR_MOMENTUM_MAX,
             at_most=HINGES * MASS * SPEED * GAPE / TURN,
-            because="the halves of an impulse act at a hinge's two anchors; where these are a micrometre apart, the ball's momentum, "
-            "handed on once by every hinge, shifts so much of the angular momentum",
+            because="the halves of an impulse act at a hinge's two anchors; where these are a micrometre apart, the ball's "
+            "momentum, handed on once by every hinge, shifts so much of the angular momentum",
         ),
         Check(
             metric=HELD_ENERGY_GAIN,

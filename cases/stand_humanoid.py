@@ -30,8 +30,8 @@ STEADY = 1.0
 SHARE = 0.01
 SLAB_DEPTH = 0.5
 PRESSED = 1e-6
-"""How deep the soles start in the ground [m]: what just touches, some engines find a step late, and the drives have by then thrown
-the feet about."""
+"""How deep the soles start in the ground [m]: what just touches, some engines find a step late, and by then the drives have
+thrown the feet about."""
 SLAB = Box(half_extents=(5.0, 5.0, SLAB_DEPTH))
 """The ground; a box, since some engines find a box on a plane by one corner more in each step."""
 
@@ -40,7 +40,11 @@ def scene(stiffness: float = 1.0, friction: float = FRICTION) -> Scene:
     """The machine on the ground, its drives `stiffness` times as stiff as described, with the same damping ratios."""
     machine = bearing(humanoid(stiffness), EARTH_GRAVITY)
     ground = Body(
-        name="ground", motion="static", material="ground", collision=(PlacedShape(shape=SLAB),), p_WB=(0.0, 0.0, PRESSED - SLAB_DEPTH)
+        name="ground",
+        motion="static",
+        material="ground",
+        collision=(PlacedShape(shape=SLAB),),
+        p_WB=(0.0, 0.0, PRESSED - SLAB_DEPTH),
     )
     return Scene(
         bodies=(ground, *machine.bodies),
@@ -73,6 +77,7 @@ CASE = Case(
     sample_interval=0.0,
     with_contacts=True,
     steady=STEADY,
+    ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     hard=Axis(parameter="stiffness", unit="1", easy=0.5, extreme=1000),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a machine that stands stays where it is"),
@@ -80,8 +85,9 @@ CASE = Case(
         Check(
             metric=POSE_ERROR_MAX,
             at_most=lambda dt: G * dt**2 / LEG + GIVE,
-            because="before a contact can push, the machine falls for one step, g dt^2: so far a foot may give way, over the length "
-            "of a leg's part; and a thousandth of a radian, a millimetre at a metre, which a contact may give way under weight",
+            because="before a contact can push, the machine falls for one step, g dt^2: so far a foot may give way, over the "
+            "length of a leg's part; and a thousandth of a radian, a millimetre at a metre, which a contact may give way under "
+            "weight",
         ),
         Check(
             metric=HELD_ENERGY_GAIN,
@@ -99,8 +105,8 @@ CASE = Case(
         Check(
             metric=VIBRATION_RMS,
             at_most=lambda dt: SHARE * G * dt / LEG,
-            because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step, at the end "
-            "of a leg's part: a machine that trembles less does not feel it",
+            because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step, at the "
+            "end of a leg's part: a machine that trembles less does not feel it",
         ),
         Check(
             metric=FOOT_SLIP,

@@ -1,4 +1,4 @@
-"""Quadrupeds that hold themselves up: n machines on their PD drives, side by side, each in the pose in which it bears its weight."""
+"""Quadrupeds that hold themselves up: n machines side by side, each in the pose in which its PD drives bear its weight."""
 
 from harness.case import Axis, Case, Check
 from harness.machines.machine import MATERIAL, bearing, copy_of
@@ -25,8 +25,8 @@ GIVE = 1e-3
 """What a joint may be off under weight and still hold its pose [rad]."""
 SLAB_DEPTH = 0.5
 PRESSED = 1e-6
-"""How deep the soles start in the ground [m]: what just touches, some engines find a step late, and the drives have by then thrown
-the feet about."""
+"""How deep the soles start in the ground [m]: what just touches, some engines find a step late, and by then the drives have
+thrown the feet about."""
 SLAB = Box(half_extents=(5.0, 5.0, SLAB_DEPTH))
 
 
@@ -35,7 +35,11 @@ def scene(n: float = 1, stiffness: float = STIFFNESS, damping: float = DAMPING, 
     one = bearing(quadruped(stiffness, damping), EARTH_GRAVITY)
     machines = [copy_of(one, str(k), (SPACING * (k % ROW), SPACING * (k // ROW), 0.0)) for k in range(round(n))]
     ground = Body(
-        name="ground", motion="static", material="ground", collision=(PlacedShape(shape=SLAB),), p_WB=(0.0, 0.0, PRESSED - SLAB_DEPTH)
+        name="ground",
+        motion="static",
+        material="ground",
+        collision=(PlacedShape(shape=SLAB),),
+        p_WB=(0.0, 0.0, PRESSED - SLAB_DEPTH),
     )
     return Scene(
         bodies=(ground, *(body for machine in machines for body in machine.bodies)),

@@ -1,7 +1,7 @@
 """Energy drift: the largest departure of the mechanical energy from its start, as a share of the energy in play.
 
-Where energy may be lost but never won, the gain alone is read; where it is to stay, also the rate at which it grows. Drives that
-hold their targets are springs and dampers: with their share counted, the energy of what they hold may fall but never grow.
+Where energy may be lost but never won, the gain alone is read; where it is to stay, also the rate at which it grows. Drives
+that hold their targets are springs and dampers: with their share counted, the energy of what they hold may fall but never grow.
 
 Semi-implicit Euler keeps velocity half a step behind position (v_k belongs to t_k - dt/2), so that its raw energy oscillates to
 first order in dt without any drift. The staggered figure moves velocities on by half a step, v + dt/2 dv/dt, before it squares

@@ -17,6 +17,8 @@ def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Fl
     hinges = [joint for joint in scene.joints if isinstance(joint, Revolute)]
     if not hinges:
         raise NotMeasurable("the scene has no hinge")
+    if not actual.finite:
+        return np.full((1, 1), np.nan)
     return np.stack(
         [np.abs(joint_coordinate(scene, joint, actual) - joint_coordinate(scene, joint, truth)) for joint in hinges], axis=1
     )

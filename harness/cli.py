@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _GATE, _USAGE, _MACHINE, _INTERRUPTED = 1, 2, 3, 130
-_TABLES = ("trials", "measurements", "samples", "scaling")
+_TABLES = ("trials", "measurements", "samples", "scaling", "tremble")
 
 
 def _stop(code: int, message: str) -> NoReturn:
@@ -188,7 +188,7 @@ def run(
     shard: tuple[int, int],
     resume: bool,
 ) -> None:
-    """Run STUDY: a built-in name (quick, accuracy, scaling), a study file, or a scene file of your own."""
+    """Run STUDY: a built-in name (quick, accuracy, scaling, tremble), a study file, or a scene file of your own."""
     from harness import discover
     from harness.campaign import carry_out
 
@@ -221,6 +221,10 @@ def _rows(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[s
         from harness.scaling import COLUMNS, Scaling
 
         return Scaling(store).rows(), COLUMNS
+    if table == "tremble":
+        from harness import tremble
+
+        return tremble.rows(store), tremble.COLUMNS
     frame = getattr(store, table)
     rows = [
         {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
@@ -249,6 +253,10 @@ def show(folder: Path, table: str, form: str) -> None:
         from harness.scaling import brief as in_brief
 
         print_table(table, BRIEF, [in_brief(row) for row in rows])
+    elif table == "tremble":
+        from harness import tremble
+
+        print_table(table, tremble.BRIEF, [tremble.brief(row) for row in rows])
     else:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns

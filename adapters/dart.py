@@ -15,9 +15,12 @@ close a loop become constraints. Which joint is cut is our choice: fixed, ball a
 Deviations:
     * Loops are closed by velocity constraints with an error reduction of 0.01 a step (a static variable of the vendor,
       left alone), so a cut joint drifts and heals slowly.
-    * Passive springs, dampers and drives without a limit are DART's joint springs: implicit, (m + dt d + dt^2 k) v' = m v
-      - dt k (x - rest). A drive with a limit is the same implicit law, solved by the adapter for the drives of a skeleton
-      together and then cut off; contacts of that very step are not foreseen.
+    * Passive springs and dampers are DART's joint springs: implicit, (m + dt d + dt^2 k) v' = m v - dt k (x - rest). So are
+      drives (option 'drives': 'spring', the default); with a limit it is the same implicit law, solved by the adapter for the
+      drives of a skeleton together and then cut off. Contacts of that very step are not foreseen: DART answers a contact with
+      the mass matrix that knows no spring, so that a machine in equilibrium on such drives sags and gains energy, in proportion
+      to dt. On 'tuned' ('auto'), drives of scenes with contact are therefore torques of the state at the start of the step
+      ('torque'), which keep an equilibrium, and are stable while dt^2 k and dt d are small against the inertia.
     * Damping of a joint-free body is DART's joint damping (implicit) where that is v' = -c v, w' = -c w exactly (no
       angular damping, or a spherical inertia); otherwise a force and a torque of the start of the step over (1 + c dt).
     * FCL, the vendor's default detector, has no capsule (it puts a ball of 0.1 m there), lets balls fall through meshes,
@@ -87,6 +90,8 @@ __all__ = ["ADAPTER"]
 INTEGRATOR = "semi_implicit_euler"
 DETECTORS = ("fcl", "ode", "dart", "bullet")
 SOLVERS = ("dantzig", "pgs", "nsgs", "fbf")
+DRIVES = ("spring", "torque")
+"""How a drive acts: as DART's joint spring, implicitly, or as a torque of the state at the start of the step."""
 SMALLEST_COEFFICIENT = 1e-3
 """DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""
 MANY_BODIES = 16
@@ -106,6 +111,8 @@ FIRST_STEPS = 4
 """What rests from the start sleeps from the second step on, so that its contacts must be caught at once."""
 STILL = 1e-3
 """A body that has moved less [m] since its contacts were last seen still rests on them."""
+FARTHEST = 1e3
+"""So far in one step [rad or m] a driven joint moves only when its own torque throws it off; ODE would abort the process."""
 LARGEST_SPEED = 1e100
 """Far above this [rad/s or m/s] the squares in the equations of motion overflow, and DART puts zero for accelerations."""
 LONGEST_RAY = 1e9
@@ -133,18 +140,31 @@ class _Motor:
     spring: Spring
     drive: Drive
     target: float
+    explicit: bool = False
     push: float = 0.0
 
     @property
     def limited(self) -> bool:
-        return self.drive.limit is not None
+        return self.drive.limit is not None and not self.explicit
+
+    @property
+    def spring_bears(self) -> bool:
+        """Is the drive part of DART's joint spring?"""
+        return self.drive.limit is None and not self.explicit
+
+    def torque(self) -> float:
+        """The drive's force [N m or N] in the present state, cut off at its limit."""
+        x, v = self.joint.getPosition(0), self.joint.getVelocity(0)
+        f = self.drive.stiffness * (self.target - x) + self.drive.damping * (self.drive.target_velocity - v)
+        limit = self.drive.limit if self.drive.limit is not None else math.inf
+        return float(min(max(f, -limit), limit))
 
     def rest(self) -> None:
         """Let spring and unlimited drive share DART's joint spring; what its rest cannot hold becomes a constant push."""
         spring, drive = self.spring, self.drive
-        k = spring.stiffness + (0.0 if self.limited else drive.stiffness)
+        k = spring.stiffness + (drive.stiffness if self.spring_bears else 0.0)
         force = spring.stiffness * spring.rest
-        if not self.limited:
+        if self.spring_bears:
             force += drive.stiffness * self.target + drive.damping * drive.target_velocity
         # DART refuses a rest position outside of the limits and says so on the console only.
         rest = min(max(force / k, self.joint.getPositionLowerLimit(0)), self.joint.getPositionUpperLimit(0)) if k > 0 else 0.0
@@ -152,7 +172,7 @@ class _Motor:
             self.joint.setSpringStiffness(0, k)
             self.joint.setRestPosition(0, rest)
             rest = float(self.joint.getRestPosition(0))
-        self.joint.setDampingCoefficient(0, spring.damping + (0.0 if self.limited else drive.damping))
+        self.joint.setDampingCoefficient(0, spring.damping + (drive.damping if self.spring_bears else 0.0))
         self.push = force - k * rest
 
 
@@ -192,7 +212,7 @@ class DartSimulation(Simulation):
         self._wrench: tuple[Floats, Floats] | None = None
         self._last = State.initial(built.scene)
         self._movable = [i for i in range(n) if built.scene.bodies[i].movable]
-        self._forced = bool(built.belts or built.damped or any(m.limited or m.push for m in built.motors.values()))
+        self._forced = bool(built.belts or built.damped or any(not m.spring_bears or m.push for m in built.motors.values()))
         self._steps = 0
         self._crowded = False
         self._seen = (-math.inf, Contacts.none(), self._last.p_WB.copy())
@@ -242,7 +262,11 @@ class DartSimulation(Simulation):
         for motor in built.motors.values():
             if motor.limited:
                 limited.setdefault(id(motor.skeleton), []).append(motor)
-            if motor.push or motor.limited:
+            if motor.explicit:
+                if not abs(motor.joint.getVelocity(0)) * dt < FARTHEST:
+                    raise Diverged(f"a drive's joint moves by {motor.joint.getVelocity(0) * dt:g} rad or m in a step")
+                motor.joint.setCommand(0, motor.push + motor.torque())
+            elif motor.push or motor.limited:
                 motor.joint.setCommand(0, motor.push)
         for motors in limited.values():
             self._drive(motors, dt)
@@ -383,7 +407,7 @@ class DartSimulation(Simulation):
             motor = motors[name]
             motor.target = float(target)
             motor.rest()
-            self._forced = self._forced or motor.limited or motor.push != 0.0
+            self._forced = self._forced or not motor.spring_bears or motor.push != 0.0
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Apply f_B_W (n, 3) N and tau_B_W (n, 3) N m in every step from now on; fixed and kinematic bodies take no notice."""
@@ -629,6 +653,7 @@ def _validated(settings: Settings) -> dict[str, Any]:
         "detector": (None, "auto", *DETECTORS),
         "deactivation": (None, True, False),
         "split_impulse": (None, True, False),
+        "drives": (None, "auto", *DRIVES),
     }
     for name, value in settings.options.items():
         if name not in known:
@@ -758,6 +783,8 @@ class _Builder:
         self.options = _validated(settings)
         self.effects = scene.effects
         self.touching = Effect.CONTACT in self.effects
+        asked = self.options["drives"] or "spring"
+        self.drives = ("torque" if self.touching else "spring") if asked == "auto" else asked
         self.joints = scene.joints if Effect.JOINTS in self.effects else ()
         self.coefficients = _coefficients(scene) if self.touching else {}
         self.notes: list[str] = []
@@ -848,6 +875,7 @@ class _Builder:
                 "detector": world.getCollisionDetector().getType(),
                 "deactivation": bool(world.getDeactivationOptions().mEnabled),
                 "split_impulse": bool(solver.isSplitImpulseEnabled()),
+                "drives": self.drives,
             },
             source=settings.source,
         )
@@ -952,7 +980,14 @@ class _Builder:
                 made.setPositionUpperLimit(0, joint.limits.upper)
         drive = joint.drive if Effect.DRIVES in self.effects else None
         if joint.spring is not None or drive is not None:
-            motor = _Motor(made, node.getSkeleton(), joint.spring or Spring(), drive or Drive(), (drive or Drive()).target)
+            motor = _Motor(
+                made,
+                node.getSkeleton(),
+                joint.spring or Spring(),
+                drive or Drive(),
+                (drive or Drive()).target,
+                explicit=drive is not None and self.drives == "torque",
+            )
             motor.rest()
             self.built.motors[joint.name] = motor
 
@@ -1150,9 +1185,10 @@ ADAPTER = DartAdapter(
         "default": Settings(source="dartpy 6.20.0 as it comes: FCL, Dantzig, deactivation on"),
         "tuned": Settings(
             solver="auto",
-            options={"detector": "auto", "deactivation": False},
+            options={"detector": "auto", "deactivation": False, "drives": "auto"},
             source="ODE detector: the default of Gazebo's DART plugin (gz-physics, dartsim); exact friction cone: DART 6.20, "
-            "NsgsFrictionSolver.hpp; Dantzig for bodies that lean on each other: the vendor's default",
+            "NsgsFrictionSolver.hpp; Dantzig for bodies that lean on each other: the vendor's default; drives as joint torques "
+            "beside contact: DART's own examples of controllers, and measured here",
         ),
     },
     known_failures={
@@ -1165,11 +1201,13 @@ ADAPTER = DartAdapter(
         "options.detector": DETECTORS,
         "options.deactivation": (True, False),
         "options.split_impulse": (True, False),
+        "options.drives": DRIVES,
     },
     orders={INTEGRATOR: 1},
     deviations=(
         "a cut joint of a loop is a velocity constraint with slow error reduction: it drifts",
         "springs, dampers and drives are implicit and damp by themselves",
+        "beside contact implicit drives sag and gain energy, so that on 'tuned' drives are explicit torques there",
         "scenes with capsules, hulls or meshes never use the vendor's default detector FCL, which has them wrong",
         "hulls and meshes lose digits beyond single precision",
         "restitution acts above an approach of 0.1 m/s and returns at most 100 m/s",

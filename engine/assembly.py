@@ -18,7 +18,7 @@ from engine.principal_frame import principal_frame
 from engine.shapes import Box, Plane, Sphere
 from engine.solids import body_solids, quat_mat, quat_mul
 
-__all__ = ["assemble_world", "grow", "islands_know", "spheres_only"]
+__all__ = ["assemble_world", "grow", "islands_know", "spheres_only", "wants_islands"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -60,6 +60,32 @@ def islands_know(options: Options) -> bool:
     return options.solver == "tgs_soft" and options.continuous != "swept"
 
 
+def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Options) -> bool:
+    """Whether islands are solved apart: to sleep, on threads, or because the joints hold more than one machine together.
+
+    The direct solve of joints costs the cube of what is solved at once; the answer is the same to the last bit.
+    """
+    if not islands_know(options):
+        return False
+    if options.threads > 1 or options.sleeping:
+        return True
+    dynamic = {body.name for body in bodies if body.motion == "dynamic"}
+    first: dict[str, str] = {}
+
+    def root(name: str) -> str:
+        while first.get(name, name) != name:
+            name = first[name]
+        return name
+
+    machines = 0
+    for joint in joints:
+        ends = {root(name) for name in (joint.parent, joint.child) if name in dynamic}
+        machines += 1 - sum(name in first for name in ends) if ends else 0
+        for name in ends:
+            first[name] = min(ends)
+    return machines > 1
+
+
 def assemble_world(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
     options: Options, apart: Sequence[tuple[str, str]] = (),
@@ -94,7 +120,9 @@ def assemble_world(
         if not joint.collide and joint.parent in index and joint.child in index
     ]
     float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
-    island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options, spheres)
+    island_float_rooms, island_int_rooms = _island_rooms(
+        n, nj, pairs, options, pairs > 0 and wants_islands(bodies, joints, options)
+    )
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 54), (4 * pairs + 1, 36),
@@ -187,10 +215,9 @@ def _convex_rooms(
 
 
 def _island_rooms(
-    bodies: int, joints: int, pairs: int, options: Options, spheres: bool
+    bodies: int, joints: int, pairs: int, options: Options, wanted: bool
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Rows and columns of the tables of islands and of sleep, empty where a world has none."""
-    wanted = (options.threads > 1 or options.sleeping) and not spheres and islands_know(options)
     members, spans, owners = (bodies + 1, bodies + 2, bodies + 1 + pairs + 2 * joints) if wanted else (0, 0, 0)
     links, ties = (pairs, joints) if wanted else (0, 0)
     sleepers, rests = (bodies + 1, pairs) if options.sleeping else (0, 0)

@@ -136,10 +136,12 @@ def apply(state: Floats, row_body: Ints, reach: Floats, r: int, impulse: float) 
 
 @kernel
 def solve_bounded(
-    state: Floats, row: Floats, row_body: Ints, equalities: int, count: int, matrix: Floats, low: Floats, vector: Floats
-) -> None:
+    state: Floats, row: Floats, row_body: Ints, equalities: int, count: int, matrix: Floats, low: Floats, vector: Floats,
+    known: int,
+) -> None:  # fmt: skip
     """Impulses so that J v + softness * impulse + bias = 0 on free rows, each between its bounds; written to IMPULSE.
 
+    Args: known: 1 if the matrix is that of the last call, whose factor serves again where no bound held a row then.
     Raises: nothing; after 20 changes of the free set the last one stands.
     """
     for r in range(count):
@@ -148,17 +150,22 @@ def solve_bounded(
         vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
         vector[IMPULSE, r] = 0.0
     held = vector[6]
+    factored = known == 1
     for r in range(count):
+        factored = factored and held[r] == 0.0
         held[r] = 0.0
     for _ in range(20):
         for r in range(count):
-            vector[PIVOT, r] = 1.0 if held[r] != 0.0 else 0.0
+            if not factored:
+                vector[PIVOT, r] = 1.0 if held[r] != 0.0 else 0.0
             total = vector[WORK, r]
             for s in range(equalities, count):
                 if held[s] != 0.0:
                     total -= matrix[r, s] * (vector[LOWEST, s] if held[s] < 0.0 else vector[HIGHEST, s])
             vector[RIGHT, r] = total
-        factor(matrix, low, count, vector)
+        if not factored:
+            factor(matrix, low, count, vector)
+        factored = False
         solve(low, count, vector, RIGHT, IMPULSE)
         changed = False
         for r in range(equalities, count):

@@ -64,7 +64,7 @@ def solve_joints(
     count = equality_rows(state, joint, joint_kind, joints, row, row_body)
     rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, count, h, 0)
     assemble(row, row_body, 0, rows, body, turned, reach, matrix)
-    solve_bounded(state, row, row_body, count, rows, matrix, low, vector)
+    solve_bounded(state, row, row_body, count, rows, matrix, low, vector, 0)
     for r in range(rows):
         apply(state, row_body, reach, r, vector[IMPULSE, r])
     return count

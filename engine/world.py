@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from engine import arena as at
 from engine.arena import float_table, int_table
-from engine.assembly import assemble_world, grow, islands_know, spheres_only
+from engine.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
 from engine.bodies import Body, Surface
 from engine.broad.choice import DropApart, FindPairs, choose_broad_phase, load_search, load_volume, search_pairs
 from engine.check import finite, number, whole
@@ -116,7 +116,8 @@ class World:
             from engine.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options, self.spheres)
+        islands = self.touching and wants_islands(bodies, joints, self.options)
+        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options, self.spheres, islands)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:
@@ -422,7 +423,7 @@ def _may_touch(bodies: Sequence[Body]) -> bool:
     return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
 
 
-def _choose_step(touching: bool, jointed: bool, options: Options, spheres: bool) -> Step:
+def _choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, islands: bool) -> Step:
     """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
     integrator = options.integrator
     if integrator in FREE_INTEGRATORS:
@@ -442,7 +443,7 @@ def _choose_step(touching: bool, jointed: bool, options: Options, spheres: bool)
         from engine.steps_spheres import step_spheres
 
         return step_spheres
-    if touching and (options.sleeping or options.threads > 1) and islands_know(options):
+    if islands:
         name = f"islands{'_jointed' if jointed else ''}"
         module = import_module(f"engine.steps_{name}")
         return cast(Step, getattr(module, f"step_{name}{'_parallel' if options.threads > 1 else ''}"))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _GATE, _USAGE, _MACHINE, _INTERRUPTED = 1, 2, 3, 130
-_TABLES = ("trials", "measurements", "samples", "scaling", "orders")
+_TABLES = ("trials", "measurements", "samples", "scaling", "orders", "tremble")
 
 
 def _stop(code: int, message: str) -> NoReturn:
@@ -188,7 +188,7 @@ def run(
     shard: tuple[int, int],
     resume: bool,
 ) -> None:
-    """Run STUDY: a built-in name (quick, accuracy, scaling), a study file, or a scene file of your own."""
+    """Run STUDY: a built-in name (quick, accuracy, scaling, tremble), a study file, or a scene file of your own."""
     from harness import discover
     from harness.campaign import carry_out
 
@@ -228,6 +228,10 @@ def _rows(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[s
         from harness.orders import convergences
 
         return [asdict(row) for row in convergences(store)], ORDERS
+    if table == "tremble":
+        from harness import tremble
+
+        return tremble.rows(store), tremble.COLUMNS
     frame = getattr(store, table)
     rows = [
         {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
@@ -265,6 +269,10 @@ def show(folder: Path, table: str, form: str) -> None:
         for row in rows:
             if row["finding"]:
                 click.echo(row["finding"])
+    elif table == "tremble":
+        from harness import tremble
+
+        print_table(table, tremble.BRIEF, [tremble.brief(row) for row in rows])
     else:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns

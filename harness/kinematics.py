@@ -14,6 +14,7 @@ __all__ = [
     "angle_between",
     "conjugate",
     "joint_coordinate",
+    "joint_rate",
     "movable",
     "product",
     "rotate",
@@ -128,3 +129,14 @@ def joint_coordinate(scene: Scene, joint: Joint, trajectory: Trajectory) -> Floa
     # q and -q are one rotation: the first angle is taken within half a turn of the initial pose.
     unwrapped: Floats = joint.position + np.unwrap(angle - 2.0 * np.pi * np.round(angle[:1] / (2.0 * np.pi)))
     return unwrapped
+
+
+def joint_rate(scene: Scene, joint: Revolute, trajectory: Trajectory) -> Floats:
+    """The rate [rad/s] of a revolute joint at each time, (t,): angular velocity of the child over the parent's, on the axis."""
+    q_P0, q_P = _attitude(scene, joint.parent, trajectory)
+    axis = rotate(q_P, np.broadcast_to(rotate_back(q_P0, np.array(joint.axis_W)), (len(trajectory), 3)))
+    turning = trajectory.w_WB[:, scene.index(joint.child)]
+    if joint.parent != WORLD:
+        turning = turning - trajectory.w_WB[:, scene.index(joint.parent)]
+    rate: Floats = np.sum(turning * axis, axis=-1)
+    return rate

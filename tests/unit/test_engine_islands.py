@@ -12,7 +12,9 @@ from scipy.sparse.csgraph import connected_components as scipy_components
 
 import engine
 from engine import arena as at
+from engine.assembly import wants_islands
 from engine.islands import connected_components
+from engine.steps_contact_jointed import step_contact_jointed
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 
@@ -74,11 +76,41 @@ def stacks(count: int, restitution: float = 0.0, tied: bool = False, **options: 
 def test_islands_solved_apart_end_with_the_bits_of_all_solved_together(restitution: float, tied: bool) -> None:
     """Islands share no body that moves, so the order in which they are swept cannot matter; none has time to sleep here."""
     together, apart = stacks(6, restitution, tied), stacks(6, restitution, tied, sleeping=True, sleep_time=1e6)
+    if tied:
+        # Left to itself, a world of six machines is solved island by island as well.
+        together._step = step_contact_jointed
     together.step(200)
     apart.step(200)
     assert np.array_equal(together.state(), apart.state())
     for name in ("bodies", "point", "normal", "gap", "force"):
         assert np.array_equal(getattr(together.contacts(), name), getattr(apart.contacts(), name))
+
+
+def rod(parent: str, child: str) -> engine.Ball:
+    """A joint between two bodies."""
+    return engine.Ball(name=f"{parent}-{child}", parent=parent, child=child, anchor_W=(0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("joints", "machines"),
+    [
+        ([], 0),
+        ([("a", "b"), ("b", "c"), ("c", "d")], 1),
+        ([("a", "b"), ("c", "d")], 2),
+        ([("a", "b"), ("c", "d"), ("b", "c")], 1),
+        ([("a", "b"), ("b", "c"), ("c", "a")], 1),
+        ([("ground", "a"), ("ground", "b")], 2),
+        ([("world", "a"), ("world", "b"), ("a", "b")], 1),
+        ([("world", "a"), ("ground", "a")], 1),
+    ],
+)
+def test_more_machines_than_one_are_solved_apart(joints: list[tuple[str, str]], machines: int) -> None:
+    """The ground and the world join nothing; a loop counts once."""
+    bodies = [GROUND, *(engine.Body(name=name) for name in "abcd")]
+    made = [rod(*ends) for ends in joints]
+    assert wants_islands(bodies, made, engine.Options()) is (machines > 1)
+    assert not wants_islands(bodies, made, engine.Options(solver="exact"))
+    assert wants_islands(bodies, [], engine.Options(threads=2))
 
 
 THREADS = """

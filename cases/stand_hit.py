@@ -1,0 +1,98 @@
+"""A ball flies into a quadruped that floats, without gravity: whatever blow, friction, joints and drives do, p and L stay.
+
+The drives hold the machine's pose from inside. A torque that an engine gives to one of a hinge's bodies it owes the other; a
+joint that is pulled together by moving bodies, or a contact that is pushed apart, owes momentum to nobody.
+"""
+
+from harness.case import Axis, Case, Check
+from harness.machines.machine import MATERIAL
+from harness.machines.quadruped import STIFFNESS, TRUNK_HALF, quadruped
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.energy import HELD_ENERGY_GAIN
+from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
+from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.momentum import ANGULAR_MOMENTUM_FINAL, ANGULAR_MOMENTUM_MAX, MOMENTUM_FINAL, MOMENTUM_MAX
+from harness.metrics.vibration import VIBRATION_FREQUENCY, VIBRATION_RMS
+from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+
+SPEED, SPIN, FRICTION, DAMPING = 3.0, 20.0, 0.5, 0.5
+MASS, RADIUS, AWAY = 0.6, 0.12, 0.3
+"""Of the ball, a basketball; its gap to the trunk's side at the start [m]."""
+AHEAD, ABOVE = 0.10, 0.03
+"""Where it aims: before and over the trunk's middle [m], so that the machine turns about every axis."""
+DURATION = 1.5
+HINGES, GAPE = 12, 1e-6
+TURN = 0.4
+"""Angular momentum [kg m2/s] about the common centre: the ball's spin, and that of its way past the trunk's middle."""
+
+
+def scene(
+    speed: float = SPEED,
+    spin: float = SPIN,
+    friction: float = FRICTION,
+    stiffness: float = STIFFNESS,
+    damping: float = DAMPING,
+) -> Scene:
+    """The ball comes from the left at `speed` [m/s], spinning at `spin` [rad/s] about the vertical."""
+    machine = quadruped(stiffness, damping)
+    x, y, z = machine.bodies[0].p_WB
+    ball = Body(
+        name="ball",
+        mass=MASS,
+        inertia=sphere_inertia(MASS, RADIUS),
+        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+        material="ball",
+        p_WB=(x + AHEAD, y + TRUNK_HALF[1] + AWAY + RADIUS, z + ABOVE),
+        v_WB=(0.0, -speed, 0.0),
+        w_WB=(0.0, 0.0, spin),
+    )
+    return Scene(
+        bodies=(ball, *machine.bodies),
+        joints=machine.hinges,
+        surfaces=(Surface(between=("ball", MATERIAL), static_friction=friction, kinetic_friction=friction),),
+        apart=((MATERIAL, MATERIAL),),
+        gravity=(0.0, 0.0, 0.0),
+    )
+
+
+CASE = Case(
+    name="stand_hit",
+    title="A ball hits a robot",
+    question="Do momentum and angular momentum stay when a ball hits a floating robot whose drives hold its pose?",
+    source="conservation of momentum and angular momentum (Goldstein, Classical Mechanics, 3rd ed., section 1.2)",
+    truth="conservation",
+    scene=scene,
+    parameters={"speed": SPEED, "spin": SPIN, "friction": FRICTION, "stiffness": STIFFNESS, "damping": DAMPING},
+    duration=DURATION,
+    # A faster ball would be past the trunk within a step of 1/60 s.
+    hard=Axis(parameter="speed", unit="m/s", easy=0.3, extreme=12.0),
+    sample_interval=1 / 240,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a blow without restitution takes energy away"),
+        Check(
+            metric=INSCRIBED_OVERLAP,
+            at_most=lambda dt: SPEED * dt + 1e-3,
+            because="the ball does not pass through the trunk: one step's way may lie between the touch and its discovery, and "
+            "a contact may give by a millimetre. Without this, a ball that never touches would pass",
+        ),
+        Check(
+            metric=MOMENTUM_MAX,
+            at_most=1e-6 * MASS * SPEED,
+            because="what the ball loses the machine gets, and hinges and drives only hand it on; 1e-6, single precision",
+        ),
+        Check(
+            metric=ANGULAR_MOMENTUM_MAX,
+            at_most=HINGES * MASS * SPEED * GAPE / TURN,
+            because="the halves of an impulse act at a hinge's two anchors; where these are a micrometre apart, the ball's "
+            "momentum, handed on once by every hinge, shifts so much of the angular momentum",
+        ),
+        Check(
+            metric=HELD_ENERGY_GAIN,
+            at_most=1e-6 * SPEED**2 / 2,
+            because="blows without restitution, friction and drives that hold a target take energy and give none; 1e-6 of the "
+            "ball's, single precision",
+        ),
+    ),
+    observe=(MOMENTUM_FINAL, ANGULAR_MOMENTUM_FINAL, JOINT_GAP_MAX, VIBRATION_RMS, VIBRATION_FREQUENCY),
+    headline=ANGULAR_MOMENTUM_MAX.name,
+)

@@ -1,0 +1,1 @@
+"""Robots in the scene's own words, one a file: bodies of real masses, driven hinges, and the points that they stand on."""

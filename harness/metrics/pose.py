@@ -1,0 +1,29 @@
+"""Pose error: how far the hinges of a machine are from where the truth has them."""
+
+import numpy as np
+
+from harness.kinematics import joint_coordinate
+from harness.metric import NotMeasurable
+from harness.reduction import matched, three
+from harness.scene import Revolute, Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["METRIC", "POSE_ERROR_FINAL", "POSE_ERROR_MAX", "POSE_ERROR_RMS"]
+
+
+def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+    """Of every hinge, (t, hinges) rad."""
+    truth = matched(actual, expected)
+    hinges = [joint for joint in scene.joints if isinstance(joint, Revolute)]
+    if not hinges:
+        raise NotMeasurable("the scene has no hinge")
+    if not actual.finite:
+        return np.full((1, 1), np.nan)
+    return np.stack(
+        [np.abs(joint_coordinate(scene, joint, actual) - joint_coordinate(scene, joint, truth)) for joint in hinges], axis=1
+    )
+
+
+METRIC = POSE_ERROR_MAX, POSE_ERROR_RMS, POSE_ERROR_FINAL = three(
+    "pose_error", "rad", "definition: distance of a hinge's angle from the truth's, over all hinges", _errors
+)

@@ -1,0 +1,248 @@
+"""Why a standing machine trembles: the cause that each engine's runs can prove, from one change at a time.
+
+A base is a run on a track (or a variant whose name is one word) at the study's coarsest step. Beside it stand runs that
+differ in one thing alone:
+
+    iterations   the variant '<track> iterations': more sweeps or steps of the solver
+    law          the variant '<track> law': the same drives, taken implicitly instead of explicitly or the other way round
+    softer       drives a quarter as stiff (any lower `stiffness` at the same step)
+    step         a shorter step at the same stiffness
+    product      a shorter step with drives so much stiffer that k dt^2 stays, and with the damping ratio d dt
+
+A run trembles where its vibration exceeds the bound of the case at the base's step; what diverged or fell (a hinge more than half
+a radian off) trembles without bound. A change heals where the vibration falls to a tenth, or under the bound and to a third; it
+does not where it stays above a third; between the two it is unclear. The rule:
+
+    still                   none (still)
+    law heals               drives: the way in which they are taken fights the contacts
+    iterations alone heal   iterations
+    softer heals, step not  drives: they fight the contacts, whatever the step
+    both, product does not  drives: too stiff for the step, since k dt^2 alone decides
+    step alone heals        time step
+    all else                not separated
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from harness.store import Store
+
+__all__ = ["BRIEF", "CAUSES", "COLUMNS", "Finding", "Run", "attribute", "brief", "findings", "rows"]
+
+CAUSES = ("iterations", "drives", "time step", "none (still)", "not separated")
+CHANGES = ("iterations", "law", "softer", "step", "product")
+FALLEN = 0.5
+"""Pose error [rad] from which a machine no longer stands."""
+HEALED, SAME = 10.0, 3.0
+"""How many times smaller a vibration is that is healed, and how many times at most one that is not."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """A run: vibration [rad/s], infinite where it fell or diverged; frequency [Hz]; the case's bound [rad/s]; its name."""
+
+    vibration: float
+    frequency: float
+    bound: float
+    trial: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What one engine's base shows.
+
+    Terms: stiffness in the case's own unit; dt [s]; shares: by change, how many times smaller the vibration became; cause: one
+    of CAUSES; why: the rule that gave it.
+    """
+
+    case: str
+    engine: str
+    track: str
+    stiffness: float
+    dt: float
+    base: Run
+    shares: Mapping[str, float]
+    cause: str
+    why: str
+
+
+def _share(base: Run, changed: Run) -> float:
+    if math.isinf(changed.vibration):
+        return 1.0 if math.isinf(base.vibration) else 0.0
+    return base.vibration / changed.vibration if changed.vibration > 0 else math.inf
+
+
+def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float], str, str]:
+    """How many times smaller each change made the vibration, the cause, and the rule that gave it.
+
+    Args: changes: runs by the names of CHANGES; those that an engine cannot make are left out.
+    """
+    shares = {name: _share(base, changes[name]) for name in CHANGES if name in changes}
+    if base.vibration <= base.bound:
+        return shares, "none (still)", "its vibration stays under the bound"
+
+    def heals(name: str) -> bool:
+        share = shares.get(name, 0.0)
+        return share >= HEALED or (share >= SAME and changes[name].vibration <= base.bound)
+
+    def stays(name: str) -> bool:
+        return shares.get(name, 0.0) < SAME
+
+    if heals("law") and not heals("iterations"):
+        return shares, "drives", "taken by another law, the same drives stand still: their law fights the contacts"
+    if heals("iterations") and stays("softer") and stays("step"):
+        return shares, "iterations", "more iterations alone heal it"
+    if stays("iterations") and heals("softer") and "step" in shares and stays("step"):
+        return shares, "drives", "softer drives heal it and a shorter step does not: drives fight the contacts"
+    if stays("iterations") and heals("softer") and heals("step") and "product" in shares and stays("product"):
+        return shares, "drives", "too stiff for the step: softer or shorter heals it, both at one k dt^2 do not"
+    if stays("iterations") and heals("step") and "softer" in shares and stays("softer"):
+        return shares, "time step", "a shorter step alone heals it"
+    healing = [name for name in CHANGES if heals(name)]
+    return shares, "not separated", f"healed by {', '.join(healing) or 'none of the changes'}"
+
+
+def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
+    """Each trial that has a stiffness and was asked for its vibration, with that stiffness."""
+    values: dict[str, dict[str, Any]] = {}
+    for one in store.measurements.to_dict("records"):
+        values.setdefault(one["trial"], {}).setdefault(one["metric"], one)
+    asked = {
+        name
+        for name, case in store.catalogue.get("cases", {}).items()
+        if any(check["metric"] == "vibration_rms" for check in case["checks"])
+    }
+    for row in store.trials.to_dict("records"):
+        stiffness = json.loads(row["parameters"]).get("stiffness")
+        if row["case"] not in asked or stiffness is None or row["status"] not in ("passed", "failed", "diverged"):
+            continue
+        mine = values.get(row["trial"], {})
+        fallen = row["status"] == "diverged" or not mine.get("pose_error_max", {}).get("value", 0.0) <= FALLEN
+        vibration = mine.get("vibration_rms", {})
+        size = float(vibration.get("value", math.nan))
+        lost = fallen or not math.isfinite(size)
+        yield (
+            row,
+            float(stiffness),
+            Run(
+                vibration=math.inf if lost else size,
+                frequency=math.nan if lost else float(mine.get("vibration_frequency", {}).get("value", math.nan)),
+                bound=float(vibration.get("at_most", math.nan)),
+                trial=row["trial"],
+            ),
+        )
+
+
+def _bound(store: Store, case: str, dt: float, known: Sequence[Run]) -> float:
+    """The case's bound at a step [rad/s]: as a run of that step recorded it, else scaled from the catalogue's."""
+    recorded = [run.bound for run in known if math.isfinite(run.bound)]
+    if recorded:
+        return recorded[0]
+    told = store.catalogue["cases"][case]
+    check = next(check for check in told["checks"] if check["metric"] == "vibration_rms")
+    return float(check["at_most"]) * dt / float(told["dt"])
+
+
+def findings(store: Store) -> tuple[Finding, ...]:
+    """All bases of a run folder that have a change to be compared with, engine by engine."""
+    found: dict[tuple[str, str, str, float, float], Run] = {
+        (row["case"], row["engine"], row["track"], stiffness, float(row["dt"])): run for row, stiffness, run in _runs(store)
+    }
+    made = []
+    for case in dict.fromkeys(key[0] for key in found):
+        coarsest = max(dt for (name, *_, dt) in found if name == case)
+        here = [run for (name, *_, dt), run in found.items() if name == case and dt == coarsest]
+        bound = _bound(store, case, coarsest, here)
+        for (name, engine, track, stiffness, dt), run in found.items():
+            if name != case or dt != coarsest or " " in track:
+                continue
+            base = Run(vibration=run.vibration, frequency=run.frequency, bound=bound, trial=run.trial)
+            changes = _changes(found, (case, engine, track, stiffness, dt))
+            # The softest of a series is there to be compared with.
+            if "softer" in changes:
+                shares, cause, why = attribute(base, changes)
+                made.append(
+                    Finding(
+                        case=case, engine=engine, track=track, stiffness=stiffness, dt=dt, base=base, shares=shares, cause=cause, why=why
+                    )
+                )  # fmt: skip
+    return tuple(sorted(made, key=lambda one: (one.case, one.engine, one.track, one.stiffness)))
+
+
+def _changes(
+    found: Mapping[tuple[str, str, str, float, float], Run], base: tuple[str, str, str, float, float]
+) -> dict[str, Run]:
+    """The runs that differ from a base in one thing."""
+    case, engine, track, stiffness, dt = base
+    changes = {}
+    for name in ("iterations", "law"):
+        if (case, engine, f"{track} {name}", stiffness, dt) in found:
+            changes[name] = found[case, engine, f"{track} {name}", stiffness, dt]
+    mine = {(k, h): run for (a, b, c, k, h), run in found.items() if (a, b, c) == (case, engine, track)}
+    softer = [k for k, h in mine if h == dt and k < stiffness]
+    if softer:
+        changes["softer"] = mine[max(softer), dt]
+    shorter = [h for k, h in mine if h < dt and k == stiffness]
+    if shorter:
+        h = max(shorter)
+        changes["step"] = mine[stiffness, h]
+        stiffer = [k for k, other in mine if other == h and math.isclose(k * h * h, stiffness * dt * dt, rel_tol=1e-9)]
+        if stiffer:
+            changes["product"] = mine[stiffer[0], h]
+    return changes
+
+
+COLUMNS = (
+    "case", "engine", "track", "stiffness", "dt", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES, "cause", "why",
+    "trial",
+)  # fmt: skip
+"""Of the flat rows: each change's column says how many times smaller it made the vibration; None where there was no such run."""
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS; a vibration without bound is None, as is its frequency."""
+    return [
+        {
+            "case": one.case,
+            "engine": one.engine,
+            "track": one.track,
+            "stiffness": one.stiffness,
+            "dt": one.dt,
+            "vibration_rad_s": _number(one.base.vibration),
+            "frequency_hz": _number(one.base.frequency),
+            "bound_rad_s": one.base.bound,
+            **{name: None if name not in one.shares else min(one.shares[name], 1e99) for name in CHANGES},
+            "cause": one.cause,
+            "why": one.why,
+            "trial": one.base.trial,
+        }
+        for one in findings(store)
+    ]
+
+
+BRIEF = ("engine", "setting", "stiffness", "dt", "vibration", "at", *CHANGES, "cause", "why")
+"""What a terminal has room for."""
+
+
+def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """A flat row in short words under BRIEF."""
+    size, rate = row["vibration_rad_s"], row["frequency_hz"]
+    shares = ["" if row[name] is None else "cured" if row[name] >= 1e6 else f"{row[name]:.3g}x" for name in CHANGES]
+    return (
+        row["engine"],
+        row["track"],
+        f"{row['stiffness']:g}",
+        f"{row['dt']:.4g}",
+        "falls" if size is None else f"{size:.2g} rad/s",
+        "" if rate is None else f"{rate:.3g} Hz",
+        *shares,
+        row["cause"],
+        row["why"],
+    )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from harness import tables
 from harness.listing import print_csv, print_json, print_markdown, print_table
 
 if TYPE_CHECKING:
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _GATE, _USAGE, _MACHINE, _INTERRUPTED = 1, 2, 3, 130
-_TABLES = ("trials", "measurements", "samples", "scaling", "orders", "tremble")
+_TABLES = ("trials", "measurements", "samples")
+"""Stored as they are; the others are worked out, one file each in `harness.tables`."""
 
 
 def _stop(code: int, message: str) -> NoReturn:
@@ -215,23 +217,8 @@ def run(
         sys.exit(_GATE)
 
 
-def _rows(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
-    """The rows of a table and its columns."""
-    if table == "scaling":
-        from harness.scaling import COLUMNS, Scaling
-
-        return Scaling(store).rows(), COLUMNS
-    if table == "orders":
-        from dataclasses import asdict
-
-        from harness.orders import COLUMNS as ORDERS
-        from harness.orders import convergences
-
-        return [asdict(row) for row in convergences(store)], ORDERS
-    if table == "tremble":
-        from harness import tremble
-
-        return tremble.rows(store), tremble.COLUMNS
+def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
+    """The rows of a stored table and its columns."""
     frame = getattr(store, table)
     rows = [
         {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
@@ -242,37 +229,25 @@ def _rows(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[s
 
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--table", type=click.Choice(_TABLES), default="trials", show_default=True)
+@click.option("--table", type=click.Choice([*_TABLES, *tables.names()]), default="trials", show_default=True)
 @click.option("--format", "form", type=click.Choice(["text", "json", "csv", "markdown"]), default="text", show_default=True)
 def show(folder: Path, table: str, form: str) -> None:
     """Print a table of the run folder DIR."""
     from harness.store import Store
 
-    rows, columns = _rows(Store(folder), table)
+    store = Store(folder)
+    worked_out = None if table in _TABLES else tables.table(table)
+    rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.COLUMNS)
     if form == "json":
         print_json(rows)
     elif form == "csv":
         print_csv(columns, rows)
     elif form == "markdown":
         print_markdown(columns, rows)
-    elif table == "scaling":
-        from harness.scaling import BRIEF
-        from harness.scaling import brief as in_brief
-
-        print_table(table, BRIEF, [in_brief(row) for row in rows])
-    elif table == "orders":
-        from harness.orders import BRIEF as ORDERS
-        from harness.orders import Convergence
-        from harness.orders import brief as order_in_brief
-
-        print_table(table, ORDERS, [order_in_brief(Convergence(**row)) for row in rows])
-        for row in rows:
-            if row["finding"]:
-                click.echo(row["finding"])
-    elif table == "tremble":
-        from harness import tremble
-
-        print_table(table, tremble.BRIEF, [tremble.brief(row) for row in rows])
+    elif worked_out is not None:
+        print_table(table, worked_out.BRIEF, [worked_out.brief(row) for row in rows])
+        for sentence in tables.sentences(worked_out, rows):
+            click.echo(sentence)
     else:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.scaling import Cost, Scaling, Sweep, growth
+from harness.tables.scaling import Cost, Scaling, Sweep, growth
 from reports.contents import cases
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic

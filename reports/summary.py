@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from harness.orders import convergences
+from harness.tables.orders import convergences
 from reports.contents import cases, engines, tracks
 from reports.glance import Glance, glances
 from reports.status import STATUSES

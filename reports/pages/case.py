@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from harness.orders import Convergence, convergences
+from harness.tables.orders import Convergence, convergences
 from reports.answers import answers
 from reports.charts import error_by_cost, error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks

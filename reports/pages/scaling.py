@@ -5,7 +5,7 @@ import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from harness.scaling import COLUMNS, Cost, Scaling
+from harness.tables.scaling import COLUMNS, Cost, Scaling
 from reports.contents import engines
 from reports.costs import UNITS, growths, qualities, standings, titled
 from reports.page import Page

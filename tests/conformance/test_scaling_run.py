@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness import discover
-from harness.scaling import COLUMNS
+from harness.tables.scaling import COLUMNS
 from tests.conftest import Command
 
 STUDY = """

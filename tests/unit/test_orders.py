@@ -12,12 +12,12 @@ from harness.adapter import Adapter, Settings, Simulation
 from harness.catalogue import describe_case, describe_engine
 from harness.conformance.faults import Wrapped, plant
 from harness.journal import Journal
-from harness.orders import COLUMNS, Convergence, brief, convergences, verdict
 from harness.record import Measurement, Record
 from harness.run import run_trial
 from harness.scene import Scene
 from harness.store import Store
 from harness.study import Experiment, Study
+from harness.tables.orders import COLUMNS, Convergence, brief, convergences, verdict
 
 LADDER = [1 / 60 / 2**k for k in range(6)]
 

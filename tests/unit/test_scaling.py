@@ -9,8 +9,8 @@ import pytest
 
 from harness.journal import Journal
 from harness.record import Measurement, Record, Sample, Timing
-from harness.scaling import COLUMNS, Cost, Scaling, brief, no_worse, ratio
 from harness.store import Store
+from harness.tables.scaling import COLUMNS, Cost, Scaling, brief, no_worse, ratio
 
 SIZES = (10, 100, 1000, 10_000)
 EXPONENT = 1.25

@@ -9,8 +9,8 @@ differ in one thing alone:
     step         a shorter step at the same stiffness
     product      a shorter step with drives so much stiffer that k dt^2 stays, and with the damping ratio d dt
 
-A run trembles where its vibration exceeds the bound of the case at the base's step; what diverged or fell (a hinge more than half
-a radian off) trembles without bound. A change heals where the vibration falls to a tenth, or under the bound and to a third; it
+A run trembles where its vibration exceeds the bound of the case at the base's step; what diverged or fell (a hinge more than
+half a radian off) trembles without bound. A change heals where the vibration falls to a tenth, or under the bound and to a third; it
 does not where it stays above a third; between the two it is unclear. The rule:
 
     still                   none (still)
@@ -166,7 +166,8 @@ def findings(store: Store) -> tuple[Finding, ...]:
                 shares, cause, why = attribute(base, changes)
                 made.append(
                     Finding(
-                        case=case, engine=engine, track=track, stiffness=stiffness, dt=dt, base=base, shares=shares, cause=cause, why=why
+                        case=case, engine=engine, track=track, stiffness=stiffness, dt=dt,
+                        base=base, shares=shares, cause=cause, why=why,
                     )
                 )  # fmt: skip
     return tuple(sorted(made, key=lambda one: (one.case, one.engine, one.track, one.stiffness)))
@@ -199,7 +200,7 @@ COLUMNS = (
     "case", "engine", "track", "stiffness", "dt", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES, "cause", "why",
     "trial",
 )  # fmt: skip
-"""Of the flat rows: each change's column says how many times smaller it made the vibration; None where there was no such run."""
+"""Of the flat rows: a change's column says how many times smaller it made the vibration; None where there was no such run."""
 
 
 def _number(value: float) -> float | None:

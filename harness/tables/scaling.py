@@ -18,7 +18,21 @@ from harness.store import Store
 from harness.trajectory import Floats
 from harness.trend import fit_order
 
-__all__ = ["BRIEF", "COLUMNS", "Cost", "Exponent", "Ratio", "Scaling", "Sweep", "brief", "growth", "no_worse", "ratio"]
+__all__ = [
+    "BRIEF",
+    "COLUMNS",
+    "Cost",
+    "Exponent",
+    "Ratio",
+    "Scaling",
+    "Sweep",
+    "brief",
+    "growth",
+    "no_worse",
+    "ratio",
+    "rows",
+    "sentences",
+]
 
 PENETRATION = ("overlap", "penetration")
 """Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""
@@ -293,6 +307,11 @@ class Scaling:
             where = ", ".join(filter(None, (fit.where, f"{fit.parameter} from {fit.start:g} to {fit.end:g}")))
             found.append(blank | row | {"row": "exponent", "where": where, "exponent_low": fit.low, "exponent_high": fit.high})
         return found
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return Scaling(store).rows()
 
 
 BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "x ours", "penetration", "moves", "marks", "status")

@@ -15,7 +15,7 @@ import pandas as pd
 from harness.store import Store
 from harness.trend import Order, falls_short, fit_order
 
-__all__ = ["BRIEF", "COLUMNS", "Convergence", "brief", "convergences", "verdict"]
+__all__ = ["BRIEF", "COLUMNS", "Convergence", "brief", "convergences", "rows", "sentences", "verdict"]
 
 Verdict = Literal["kept", "broken", "exact", "open", "none"]
 
@@ -166,11 +166,21 @@ def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
     )
 
 
-def brief(row: Convergence) -> list[object]:
-    """The cells of `BRIEF`."""
-    shown = asdict(row)
-    shown["order"] = "" if row.order is None else f"{row.order:.2f}"
-    shown["interval"] = "" if row.low is None else f"{row.low:.2f} .. {row.high:.2f}"
-    shown["floor"] = "" if row.floor is None else f"{row.floor:.2g}"
-    shown["promised"] = "" if row.promised is None else str(row.promised)
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(row) for row in convergences(store)]
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    shown = dict(row)
+    shown["order"] = "" if row["order"] is None else f"{row['order']:.2f}"
+    shown["interval"] = "" if row["low"] is None else f"{row['low']:.2f} .. {row['high']:.2f}"
+    shown["floor"] = "" if row["floor"] is None else f"{row['floor']:.2g}"
+    shown["promised"] = "" if row["promised"] is None else str(row["promised"])
     return [shown[name] for name in BRIEF]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The broken promises."""
+    return [str(row["finding"]) for row in rows if row["finding"]]

@@ -31,7 +31,6 @@ __all__ = [
     "no_worse",
     "ratio",
     "rows",
-    "sentences",
 ]
 
 PENETRATION = ("overlap", "penetration")

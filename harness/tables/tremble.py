@@ -10,8 +10,8 @@ differ in one thing alone:
     product      a shorter step with drives so much stiffer that k dt^2 stays, and with the damping ratio d dt
 
 A run trembles where its vibration exceeds the bound of the case at the base's step; what diverged or fell (a hinge more than
-half a radian off) trembles without bound. A change heals where the vibration falls to a tenth, or under the bound and to a third; it
-does not where it stays above a third; between the two it is unclear. The rule:
+half a radian off) trembles without bound. A change heals where the vibration falls to a tenth, or under the bound and to a
+third; it does not where it stays above a third; between the two it is unclear. The rule:
 
     still                   none (still)
     law heals               drives: the way in which they are taken fights the contacts

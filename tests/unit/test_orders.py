@@ -1,7 +1,7 @@
 """The orders table on run folders made by formula and on a real engine that loses its order: promises kept and broken."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from harness.run import run_trial
 from harness.scene import Scene
 from harness.store import Store
 from harness.study import Experiment, Study
-from harness.tables.orders import COLUMNS, Convergence, brief, convergences, verdict
+from harness.tables.orders import COLUMNS, brief, convergences, verdict
 
 LADDER = [1 / 60 / 2**k for k in range(6)]
 
@@ -50,12 +50,8 @@ def test_promises_are_read_off_the_engine_and_the_case_and_broken_ones_are_sente
     assert rows["slow"].verdict == "broken"
     for word in ("X", "SLOW", "tuned", "rk4", "order 1.00 (1.00 to 1.00)", "promised is 4"):
         assert word in rows["slow"].finding
-    assert tuple(vars_of(rows["slow"])) == COLUMNS
-    assert brief(rows["slow"])[:4] == ["flight_x", "slow", "tuned", "rk4"]
-
-
-def vars_of(row: Convergence) -> dict[str, Any]:
-    return {name: getattr(row, name) for name in row.__slots__}
+    assert tuple(asdict(rows["slow"])) == COLUMNS
+    assert brief(asdict(rows["slow"]))[:4] == ["flight_x", "slow", "tuned", "rk4"]
 
 
 @pytest.mark.parametrize(

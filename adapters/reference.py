@@ -27,7 +27,7 @@ Deviations:
       beside contacts, nor static above kinetic friction, nor rolling and torsional friction: `build` raises `Unsupported`.
     * The solver 'sequential_impulses' (one sub-step of ten sweeps, unless set) works depths off apart from the velocities.
       Beside joints `build` raises `Unsupported`.
-    * On the track 'tuned' the scene decides ('suited', see `_suited`): contacts are exact where few bodies of very unlike masses
+    * On the track 'tuned' the scene decides ('suited', see `_suited`): contacts are exact where few bodies of unlike masses
       have weight (some 20 times the cost of a soft step), sequential impulses where bodies start inside each other.
 """
 

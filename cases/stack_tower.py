@@ -61,8 +61,8 @@ CASE = Case(
             metric=STACK_HEIGHT_ERROR,
             at_most=lambda dt: G * dt**2 * BOXES * (BOXES + 1) / 2 / ((2 * BOXES - 1) * HALF),
             because="boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
-            "so that the ground shows first and box k sees its support only after k steps, in which it falls k (k + 1)/2 g dt^2; "
-            "the top, k = n, over the height of its centre",
+            "so that the ground shows first and box k sees its support only after k steps, in which it falls "
+            "k (k + 1)/2 g dt^2; the top, k = n, over the height of its centre",
         ),
         Check(
             metric=RESIDUAL_KINETIC_ENERGY,

@@ -7,8 +7,8 @@ Kick all velocities; solve limits, springs and drives with the joints; then repe
 with the Jacobian of the start until the gap C of the end is closed. The scheme is symplectic and does not lose energy, unlike a
 projection of the velocities after the drift.
 
-Where a closed loop passes through a singular pose, the Jacobian of the start may be as good as dependent and that of the end
-not: the rounds diverge then. A round that widens the gap is taken back, and the little that is left closes with the next steps.
+Where a closed loop passes through a singular pose, the Jacobian of the start may be as good as dependent, that of the end not:
+the rounds diverge then. A round that widens the gap is taken back, and the little that is left closes with the next steps.
 
 Source: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977; Hairer, Lubich, Wanner, Geometric Numerical Integration,
 section VII.1.4.

@@ -32,7 +32,7 @@ from typing import Any, TypeAlias
 
 from harness.store import Store
 
-__all__ = ["BRIEF", "CAUSES", "CHANGES", "COLUMNS", "Finding", "Run", "attribute", "brief", "findings", "rows"]
+__all__ = ["BRIEF", "CAUSES", "CHANGES", "COLUMNS", "CURED", "Finding", "Run", "attribute", "brief", "findings", "rows"]
 
 CAUSES = ("iterations", "drives", "time step", "none (still)", "not separated")
 CHANGES = ("iterations", "law", "softer", "step", "product")
@@ -141,7 +141,7 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
             float(stiffness),
             Run(
                 vibration=math.inf if lost else size,
-                frequency=math.nan if lost else float(mine.get("vibration_frequency", {}).get("value", math.nan)),
+                frequency=float(mine.get("vibration_frequency", {}).get("value", math.nan)),
                 bound=float(vibration.get("at_most", math.nan)),
                 trial=row["trial"],
             ),
@@ -214,7 +214,9 @@ COLUMNS = (
     "case", "engine", "track", "stiffness", "dt", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES, "cause", "why",
     "trial",
 )  # fmt: skip
-"""Of the flat rows: a change's column says how many times smaller it made the vibration; None where there was no such run."""
+"""Of the flat rows: a change's column says how many times smaller it made the vibration, CURED where it was without bound; None
+where there was no such run."""
+CURED = 1e99
 
 
 def _number(value: float) -> float | None:
@@ -222,7 +224,7 @@ def _number(value: float) -> float | None:
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS; a vibration without bound is None, as is its frequency."""
+    """Flat rows with COLUMNS; a vibration without bound is None."""
     return [
         {
             "case": one.case,
@@ -233,7 +235,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
             "vibration_rad_s": _number(one.base.vibration),
             "frequency_hz": _number(one.base.frequency),
             "bound_rad_s": one.base.bound,
-            **{name: None if name not in one.shares else min(one.shares[name], 1e99) for name in CHANGES},
+            **{name: None if name not in one.shares else min(one.shares[name], CURED) for name in CHANGES},
             "cause": one.cause,
             "why": one.why,
             "trial": one.base.trial,
@@ -249,7 +251,7 @@ BRIEF = ("engine", "setting", "stiffness", "dt", "vibration", "at", *CHANGES, "c
 def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
     """A flat row in short words under BRIEF."""
     size, rate = row["vibration_rad_s"], row["frequency_hz"]
-    shares = ["" if row[name] is None else "cured" if row[name] >= 1e6 else f"{row[name]:.3g}x" for name in CHANGES]
+    shares = ["" if row[name] is None else "stands" if row[name] >= CURED else f"{row[name]:.3g}x" for name in CHANGES]
     return (
         row["engine"],
         row["track"],

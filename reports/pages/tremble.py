@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from harness.tremble import CHANGES, findings
+from harness.tremble import CHANGES, CURED, findings
 from reports.page import Page
 from reports.template import fill
 
@@ -29,7 +29,7 @@ def concerns(store: "Store") -> bool:
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page."""
-    page = fill("tremble.html", store, title="Tremble", found=findings(store), changes=CHANGES, heads=HEADS)
+    page = fill("tremble.html", store, title="Tremble", found=findings(store), changes=CHANGES, heads=HEADS, cured=CURED)
     return {"tremble.html": page}
 
 

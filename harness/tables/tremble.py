@@ -5,32 +5,34 @@ differ in one thing alone:
 
     iterations   the variant '<track> iterations': more sweeps or steps of the solver
     law          the variant '<track> law': the same drives, taken implicitly instead of explicitly or the other way round
-    softer       drives a quarter as stiff (any lower `stiffness` at the same step)
-    step         a shorter step at the same stiffness
-    product      a shorter step with drives so much stiffer that k dt^2 stays, and with the damping ratio d dt
+    softer       the next lower stiffness of the drives
+    step         the next shorter step
+    product      that step with drives so much stiffer that k dt^2 stays, and with the damping ratio d dt
 
 A run trembles where its vibration exceeds the bound of the case at the base's step; what diverged or fell (a hinge more than
 half a radian off) trembles without bound. A change heals where the vibration falls to a tenth, or under the bound and to a
 third; it does not where it stays above a third; between the two it is unclear. The rule:
 
-    still                   none (still)
-    law heals               drives: the way in which they are taken fights the contacts
-    iterations alone heal   iterations
-    softer heals, step not  drives: they fight the contacts, whatever the step
-    both, product does not  drives: too stiff for the step, since k dt^2 alone decides
-    step alone heals        time step
-    all else                not separated
+    still                                 none (still)
+    iterations alone heal                 iterations
+    softer and step heal, product not     drives: too stiff for the step, since k dt^2 alone decides
+    law heals                             drives: the way in which they are taken fights the contacts
+    softer heals, step not                drives: they fight the contacts, whatever the step
+    step heals, softer not                time step
+    all else                              not separated
+
+Below the first two lines iterations must not heal; what was not run heals nothing, and proves nothing where it has to stay.
 """
 
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 from harness.store import Store
 
-__all__ = ["BRIEF", "CAUSES", "COLUMNS", "Finding", "Run", "attribute", "brief", "findings", "rows"]
+__all__ = ["BRIEF", "CAUSES", "CHANGES", "COLUMNS", "CURED", "Finding", "Run", "attribute", "brief", "findings", "rows"]
 
 CAUSES = ("iterations", "drives", "time step", "none (still)", "not separated")
 CHANGES = ("iterations", "law", "softer", "step", "product")
@@ -38,6 +40,10 @@ FALLEN = 0.5
 """Pose error [rad] from which a machine no longer stands."""
 HEALED, SAME = 10.0, 3.0
 """How many times smaller a vibration is that is healed, and how many times at most one that is not."""
+
+
+_Key: TypeAlias = tuple[str, str, str, float, float]
+"""Case, engine, track, stiffness and step of a run."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +74,11 @@ class Finding:
     cause: str
     why: str
 
+    @property
+    def falls(self) -> bool:
+        """Does the machine not stand at all?"""
+        return math.isinf(self.base.vibration)
+
 
 def _share(base: Run, changed: Run) -> float:
     if math.isinf(changed.vibration):
@@ -91,16 +102,17 @@ def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float
     def stays(name: str) -> bool:
         return shares.get(name, 0.0) < SAME
 
-    if heals("law") and not heals("iterations"):
-        return shares, "drives", "taken by another law, the same drives stand still: their law fights the contacts"
-    if heals("iterations") and stays("softer") and stays("step"):
+    if stays("iterations"):
+        if heals("softer") and heals("step") and "product" in shares and stays("product"):
+            return shares, "drives", "too stiff for the step: softer or shorter heals it, both at one k dt^2 do not"
+        if heals("law"):
+            return shares, "drives", "by another law the same drives stand still: their law fights the contacts"
+        if heals("softer") and "step" in shares and stays("step"):
+            return shares, "drives", "softer drives heal it and a shorter step does not: they fight the contacts"
+        if heals("step") and "softer" in shares and stays("softer"):
+            return shares, "time step", "a shorter step alone heals it"
+    elif heals("iterations") and {"softer", "step"} <= shares.keys() and all(map(stays, ("law", "softer", "step"))):
         return shares, "iterations", "more iterations alone heal it"
-    if stays("iterations") and heals("softer") and "step" in shares and stays("step"):
-        return shares, "drives", "softer drives heal it and a shorter step does not: drives fight the contacts"
-    if stays("iterations") and heals("softer") and heals("step") and "product" in shares and stays("product"):
-        return shares, "drives", "too stiff for the step: softer or shorter heals it, both at one k dt^2 do not"
-    if stays("iterations") and heals("step") and "softer" in shares and stays("softer"):
-        return shares, "time step", "a shorter step alone heals it"
     healing = [name for name in CHANGES if heals(name)]
     return shares, "not separated", f"healed by {', '.join(healing) or 'none of the changes'}"
 
@@ -129,7 +141,7 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
             float(stiffness),
             Run(
                 vibration=math.inf if lost else size,
-                frequency=math.nan if lost else float(mine.get("vibration_frequency", {}).get("value", math.nan)),
+                frequency=float(mine.get("vibration_frequency", {}).get("value", math.nan)),
                 bound=float(vibration.get("at_most", math.nan)),
                 trial=row["trial"],
             ),
@@ -147,35 +159,37 @@ def _bound(store: Store, case: str, dt: float, known: Sequence[Run]) -> float:
 
 
 def findings(store: Store) -> tuple[Finding, ...]:
-    """All bases of a run folder that have a change to be compared with, engine by engine."""
-    found: dict[tuple[str, str, str, float, float], Run] = {
+    """All bases of a run folder that have a softer run to be compared with, engine by engine."""
+    found = {
         (row["case"], row["engine"], row["track"], stiffness, float(row["dt"])): run for row, stiffness, run in _runs(store)
     }
     made = []
-    for case in dict.fromkeys(key[0] for key in found):
-        coarsest = max(dt for (name, *_, dt) in found if name == case)
-        here = [run for (name, *_, dt), run in found.items() if name == case and dt == coarsest]
-        bound = _bound(store, case, coarsest, here)
-        for (name, engine, track, stiffness, dt), run in found.items():
-            if name != case or dt != coarsest or " " in track:
-                continue
-            base = Run(vibration=run.vibration, frequency=run.frequency, bound=bound, trial=run.trial)
-            changes = _changes(found, (case, engine, track, stiffness, dt))
-            # The softest of a series is there to be compared with.
-            if "softer" in changes:
-                shares, cause, why = attribute(base, changes)
-                made.append(
-                    Finding(
-                        case=case, engine=engine, track=track, stiffness=stiffness, dt=dt,
-                        base=base, shares=shares, cause=cause, why=why,
-                    )
-                )  # fmt: skip
+    for key, run in found.items():
+        case, engine, track, stiffness, dt = key
+        together = {other: one for other, one in found.items() if other[0] == case}
+        changes = _changes(together, key)
+        # The softest of a series is there to be compared with, and so is every finer step.
+        if " " in track or dt < max(other[-1] for other in together) or "softer" not in changes:
+            continue
+        base = replace(run, bound=_bound(store, case, dt, [one for other, one in together.items() if other[-1] == dt]))
+        shares, cause, why = attribute(base, changes)
+        made.append(
+            Finding(
+                case=case,
+                engine=engine,
+                track=track,
+                stiffness=stiffness,
+                dt=dt,
+                base=base,
+                shares=shares,
+                cause=cause,
+                why=why,
+            )
+        )
     return tuple(sorted(made, key=lambda one: (one.case, one.engine, one.track, one.stiffness)))
 
 
-def _changes(
-    found: Mapping[tuple[str, str, str, float, float], Run], base: tuple[str, str, str, float, float]
-) -> dict[str, Run]:
+def _changes(found: Mapping[_Key, Run], base: _Key) -> dict[str, Run]:
     """The runs that differ from a base in one thing."""
     case, engine, track, stiffness, dt = base
     changes = {}
@@ -200,7 +214,9 @@ COLUMNS = (
     "case", "engine", "track", "stiffness", "dt", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES, "cause", "why",
     "trial",
 )  # fmt: skip
-"""Of the flat rows: a change's column says how many times smaller it made the vibration; None where there was no such run."""
+"""Of the flat rows: a change's column says how many times smaller it made the vibration, CURED where it was without bound; None
+where there was no such run."""
+CURED = 1e99
 
 
 def _number(value: float) -> float | None:
@@ -208,7 +224,7 @@ def _number(value: float) -> float | None:
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS; a vibration without bound is None, as is its frequency."""
+    """Flat rows with COLUMNS; a vibration without bound is None."""
     return [
         {
             "case": one.case,
@@ -219,7 +235,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
             "vibration_rad_s": _number(one.base.vibration),
             "frequency_hz": _number(one.base.frequency),
             "bound_rad_s": one.base.bound,
-            **{name: None if name not in one.shares else min(one.shares[name], 1e99) for name in CHANGES},
+            **{name: None if name not in one.shares else min(one.shares[name], CURED) for name in CHANGES},
             "cause": one.cause,
             "why": one.why,
             "trial": one.base.trial,
@@ -235,7 +251,7 @@ BRIEF = ("engine", "setting", "stiffness", "dt", "vibration", "at", *CHANGES, "c
 def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
     """A flat row in short words under BRIEF."""
     size, rate = row["vibration_rad_s"], row["frequency_hz"]
-    shares = ["" if row[name] is None else "cured" if row[name] >= 1e6 else f"{row[name]:.3g}x" for name in CHANGES]
+    shares = ["" if row[name] is None else "stands" if row[name] >= CURED else f"{row[name]:.3g}x" for name in CHANGES]
     return (
         row["engine"],
         row["track"],

@@ -45,6 +45,7 @@ from harness.trajectory import State
 pytest.importorskip("dartpy", reason="DART is not installed")
 
 from adapters.dart import ADAPTER, DETECTORS
+from cases import stand_quadruped
 
 TUNED, DEFAULT = ADAPTER.tracks["tuned"], ADAPTER.tracks["default"]
 FINE = 1e-3
@@ -396,6 +397,46 @@ def test_a_command_moves_the_target_of_a_drive_and_names_a_joint_without_one() -
         assert abs(2 * np.arctan2(z, w) + 0.2 + 0.4) < 1e-6
     with pytest.raises(KeyError, match="hinge"):
         ADAPTER.build(_hinge(spring=Spring(stiffness=1.0)), _settings()).command({"hinge": 0.0})
+
+
+@pytest.mark.parametrize("limit", [None, 20.0])
+def test_a_drive_as_a_torque_is_the_pd_law_of_the_start_of_each_step(limit: float | None) -> None:
+    """v' = v + dt f/I, x' = x + dt v', by hand; at the start f is 50 N m, beyond the limit."""
+    drive, dt = replace(PD, limit=limit), 1 / 240
+    scene, x, v = _hinge(drive=drive), 0.2, 0.0
+    simulation = ADAPTER.build(scene, _settings(dt, drives="torque"))
+    for step in range(480):
+        if step == 240:
+            simulation.command({"hinge": 0.5})
+        target = 1.2 if step < 240 else 0.5
+        f = drive.stiffness * (target - x) + drive.damping * (drive.target_velocity - v)
+        v += dt * (f if limit is None else min(max(f, -limit), limit)) / 0.5
+        x += dt * v
+        simulation.step()
+    end = _state(simulation, scene)
+    assert abs(2 * np.arctan2(end.q_WB[0, 3], end.q_WB[0, 0]) + 0.2 - x) < 1e-11
+    assert abs(end.w_WB[0, 2] - v) < 1e-11
+
+
+def test_drives_are_torques_beside_contact_on_tuned_and_joint_springs_elsewhere() -> None:
+    standing, hung = stand_quadruped.scene(), _hinge(drive=PD)
+    for scene, track, law in ((standing, TUNED, "torque"), (standing, Settings(), "spring"), (hung, TUNED, "spring")):
+        assert ADAPTER.build(scene, _settings(1 / 240, track)).resolved.options["drives"] == law
+
+
+def test_a_machine_in_equilibrium_stands_on_torques_and_sags_on_joint_springs() -> None:
+    """The deviation that `drives` is there for: after a second the trunk has sunk by a centimetre at least, or not at all."""
+    scene = stand_quadruped.scene()
+    start, (torques, springs) = State.initial(scene), (
+        _after(scene, 1.0, _settings(1 / 240, drives=law)) for law in ("torque", "spring")
+    )  # fmt: skip
+    assert abs(torques.p_WB[1, 2] - start.p_WB[1, 2]) < 1e-5
+    assert start.p_WB[1, 2] - springs.p_WB[1, 2] > 1e-2
+
+
+def test_a_torque_too_stiff_for_the_step_is_told_before_the_detector_aborts() -> None:
+    with pytest.raises(Diverged, match="a drive's joint moves by"):
+        ADAPTER.build(stand_quadruped.scene(), _settings(1 / 60)).step(180)
 
 
 def test_a_spring_whose_rest_lies_beyond_a_limit_presses_against_it_with_its_full_force() -> None:

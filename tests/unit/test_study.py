@@ -113,11 +113,12 @@ def test_the_quick_study_has_a_case_of_each_family_and_does_not_grow_by_itself()
     (look, _) = load_study("quick").experiments
     assert "*" not in look.cases
     chosen = [name for name in discover.names("cases") if any(fnmatchcase(name, pattern) for pattern in look.cases)]
-    assert len(chosen) == 13
+    assert len(chosen) == 14
 
 
-def test_every_variant_of_the_scaling_study_is_one_that_its_engine_builds() -> None:
-    study, case = load_study("scaling"), discover.case("flight_box")
+@pytest.mark.parametrize(("given", "scene"), [("scaling", "flight_box"), ("tremble", "stand_humanoid")])
+def test_every_variant_of_a_study_is_one_that_its_engine_builds(given: str, scene: str) -> None:
+    study, case = load_study(given), discover.case(scene)
     for name, variants in study.variants.items():
         engine = discover.adapter(name)
         if discover.version_of(engine)[1] is None:

@@ -1,0 +1,36 @@
+"""The page on trembling: how strongly each engine's standing machine vibrates, and the cause that its runs prove."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from harness.tables.tremble import CHANGES, CURED, findings
+from reports.page import Page
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+HEADS = {
+    "iterations": "more iterations",
+    "law": "other law",
+    "softer": "softer drives",
+    "step": "shorter step",
+    "product": "both at one k dt²",
+}
+"""The changes in the words of a table's head."""
+
+
+def concerns(store: "Store") -> bool:
+    """Only where a machine stood at more than one stiffness."""
+    return len(findings(store)) > 0
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page."""
+    page = fill("tremble.html", store, title="Tremble", found=findings(store), changes=CHANGES, heads=HEADS, cured=CURED)
+    return {"tremble.html": page}
+
+
+PAGE = Page(name="tremble", title="Tremble", order=30, render=render, concerns=concerns)

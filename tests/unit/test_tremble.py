@@ -1,0 +1,216 @@
+"""Why a machine trembles: the rule on made-up runs, and engines that tremble for a planted reason, through study and store."""
+
+import json
+import math
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cases import stand_humanoid
+from harness.adapter import Adapter, Diverged, Feature, Settings
+from harness.catalogue import describe_case
+from harness.journal import Journal
+from harness.run import run_trial
+from harness.scene import Revolute, Scene
+from harness.store import Store, write_atomically
+from harness.study import Study, load_study
+from harness.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
+from harness.trajectory import Contacts, State
+
+BOUND = 1e-3
+
+
+def run(vibration: float) -> Run:
+    return Run(vibration=vibration, frequency=30.0, bound=BOUND)
+
+
+BASE = 0.1
+SAME, HEALED, HALF = 0.08, 1e-5, 0.02
+"""Vibrations beside a base of 0.1: as before, gone, and a fifth of it, which is neither."""
+
+
+@pytest.mark.parametrize(
+    ("changed", "cause", "words"),
+    [
+        ({"iterations": HEALED, "softer": SAME, "step": SAME, "product": SAME}, "iterations", "more iterations"),
+        ({"iterations": SAME, "softer": HEALED, "step": SAME, "product": SAME}, "drives", "fight the contacts"),
+        ({"iterations": SAME, "softer": HEALED, "step": HEALED, "product": SAME}, "drives", "too stiff for the step"),
+        ({"softer": HEALED, "step": HEALED, "product": math.inf}, "drives", "too stiff for the step"),
+        ({"iterations": SAME, "softer": SAME, "step": HEALED, "product": HEALED}, "time step", "shorter step alone"),
+        ({"law": HEALED, "softer": HEALED, "step": SAME}, "drives", "another law"),
+        # What the rule must not claim:
+        ({"iterations": HEALED, "softer": HEALED, "step": SAME}, "not separated", "healed by iterations, softer"),
+        ({"iterations": SAME, "softer": HEALED, "step": HEALED, "product": HEALED}, "not separated", "softer, step, product"),
+        ({"iterations": SAME, "softer": HALF, "step": SAME, "product": SAME}, "not separated", "none of the changes"),
+        ({"iterations": HEALED, "softer": HALF, "step": SAME}, "not separated", "healed by iterations"),
+        ({"iterations": SAME, "softer": SAME, "step": SAME, "product": SAME}, "not separated", "none of the changes"),
+        ({"iterations": HEALED}, "not separated", "healed by iterations"),
+        ({"softer": HEALED}, "not separated", "healed by softer"),
+        ({"step": HEALED}, "not separated", "healed by step"),
+        ({"law": HEALED, "iterations": HEALED, "softer": SAME, "step": SAME}, "not separated", "iterations, law"),
+        ({}, "not separated", "none of the changes"),
+    ],
+)
+def test_the_rule(changed: Mapping[str, float], cause: str, words: str) -> None:
+    _shares, found, why = attribute(run(BASE), {name: run(size) for name, size in changed.items()})
+    assert (found, words in why) == (cause, True), why
+    assert found in CAUSES
+
+
+def test_a_still_machine_has_no_cause_whatever_the_changes_do() -> None:
+    shares, cause, _ = attribute(run(0.9 * BOUND), {"softer": run(1e-9), "step": run(math.inf)})
+    assert cause == "none (still)"
+    assert shares["step"] == 0.0
+
+
+def test_what_falls_before_and_after_is_not_healed_and_what_stands_up_is() -> None:
+    shares, cause, _ = attribute(run(math.inf), {"softer": run(1e-5), "step": run(math.inf), "iterations": run(math.inf)})
+    assert shares == {"iterations": 1.0, "softer": math.inf, "step": 1.0}
+    assert cause == "drives"
+
+
+def test_a_third_counts_only_with_the_bound() -> None:
+    """From just above the bound to a quarter of it is healed; the same share far above the bound is not."""
+    near = {"iterations": run(0.5 * BOUND), "softer": run(2 * BOUND), "step": run(2 * BOUND)}
+    assert attribute(run(2 * BOUND), near)[1] == "iterations"
+    far = {"iterations": run(25 * BOUND), "softer": run(100 * BOUND), "step": run(100 * BOUND)}
+    assert attribute(run(100 * BOUND), far)[1] == "not separated"
+
+
+class _Trembler:
+    """Rest, but for hinges whose rates tremble at 40 Hz as strongly as `amplitude` of settings and stiffness says."""
+
+    def __init__(self, scene: Scene, settings: Settings, amplitude: float) -> None:
+        self._settings, self._time, self._amplitude = settings, 0.0, amplitude
+        self._start = State.initial(scene)
+        movable = [k for k, body in enumerate(scene.bodies) if body.movable]
+        weight = sum(scene.bodies[k].mass for k in movable) * 9.81
+        feet = [k for k in movable if scene.bodies[k].name.endswith("foot")]
+        self._contacts = Contacts.of(
+            [0, 0],
+            feet,
+            [[*scene.bodies[k].p_WB[:2], 0.0] for k in feet],
+            [[0.0, 0.0, 1.0]] * 2,
+            [0.0, 0.0],
+            [[0.0, 0.0, weight / 2]] * 2,
+        )
+        self._head = scene.index("head")
+
+    @property
+    def resolved(self) -> Settings:
+        return self._settings
+
+    def step(self, count: int = 1) -> None:
+        self._time += count * self._settings.dt
+        if not math.isfinite(self._amplitude):
+            raise Diverged("planted")
+
+    def state(self, out: State) -> None:
+        out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = (
+            self._start.p_WB, self._start.q_WB, self._start.v_WB, self._start.w_WB,
+        )  # fmt: skip
+        if math.isfinite(self._amplitude):
+            out.w_WB[self._head, 0] = self._amplitude * np.sin(2 * np.pi * 40 * self._time)
+
+    def contacts(self) -> Contacts:
+        return self._contacts
+
+    def warnings(self) -> tuple[str, ...]:
+        return ()
+
+    def close(self) -> None:
+        """Nothing to free."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Planted(Adapter):
+    """An engine that trembles for one reason."""
+
+    title: str = "Planted"
+    distribution: str = "numpy"
+    features: Feature = Feature.REVOLUTE
+    tracks: Mapping[str, Settings] = field(default_factory=lambda: {"default": Settings(iterations=4), "tuned": Settings()})
+    reason: str = ""
+
+    def version(self) -> str:
+        return "1"
+
+    def build(self, scene: Scene, settings: Settings) -> Any:
+        waist = next(joint for joint in scene.joints if isinstance(joint, Revolute) and joint.name == "waist")
+        assert waist.drive is not None
+        stiffness = waist.drive.stiffness / 600.0
+        # Every size is that of a mechanism, and grows like it; each law knows only its own quantity.
+        size = {
+            "iterations": 0.5 * math.exp(-(settings.iterations or 64) / 8),
+            "contacts": 0.05 if stiffness > 0.75 else 1e-6,
+            "explicit": math.inf if stiffness * settings.dt**2 > 0.75 / 240**2 else 1e-7,
+            "step": 0.05 if settings.dt > 0.0035 else 1e-6,
+            "law": 1e-7 if settings.integrator == "other" else 0.05,
+            "nothing": 1e-7,
+            "chaos": 0.05,
+        }[self.reason]
+        return _Trembler(scene, settings, size)
+
+
+STUDY = {
+    "name": "planted",
+    "variants": {
+        reason: {
+            "default iterations": {"on": "default", "iterations": 64},
+            "default law": {"on": "default", "integrator": "other"},
+        }
+        for reason in ("iterations", "contacts", "explicit", "step", "law", "nothing", "chaos")
+    },
+}
+EXPECTED = {
+    "iterations": ("iterations", "more iterations alone"),
+    "contacts": ("drives", "fight the contacts"),
+    "explicit": ("drives", "too stiff for the step"),
+    "step": ("time step", "shorter step alone"),
+    "law": ("drives", "another law"),
+    "nothing": ("none (still)", "under the bound"),
+    "chaos": ("not separated", "none of the changes"),
+}
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
+    """The built-in study's own experiments, put to the planted engines."""
+    folder = tmp_path_factory.mktemp("planted")
+    given = load_study("tremble")
+    study = Study(**(STUDY | {"experiments": given.experiments}))  # type: ignore[arg-type]
+    engines = {reason: _Planted(name=reason, reason=reason) for reason in EXPECTED}
+    case = stand_humanoid.CASE
+    catalogue = {"cases": {case.name: describe_case(case)}, "engines": {}}
+
+    write_atomically(folder / "catalogue.json", json.dumps(catalogue).encode())
+    with closing(Journal(folder)) as journal:
+        for trial in study.trials({case.name: case}, engines, dict.fromkeys(engines, "1")):
+            if trial.track != "tuned":
+                journal.append(run_trial(trial, case, engines[trial.engine], None))
+    return Store(folder)
+
+
+@pytest.mark.parametrize("reason", EXPECTED)
+def test_a_planted_reason_is_named(store: Store, reason: str) -> None:
+    found = [one for one in findings(store) if one.engine == reason and one.stiffness == 1.0]
+    cause, words = EXPECTED[reason]
+    assert [one.cause for one in found] == [cause]
+    assert words in found[0].why
+    if cause not in ("none (still)",) and reason != "explicit":
+        assert found[0].base.frequency == pytest.approx(40.0, abs=1.5)
+
+
+def test_rows_say_all_in_numbers_and_in_short(store: Store) -> None:
+    flat = rows(store)
+    assert all(tuple(row) == COLUMNS for row in flat)
+    assert {row["engine"] for row in flat} == set(EXPECTED)
+    explicit = next(row for row in flat if row["engine"] == "explicit" and row["stiffness"] == 1.0)
+    assert explicit["vibration_rad_s"] is None
+    assert explicit["product"] == 1.0
+    assert "falls" in brief(explicit)
+    assert all(len(brief(row)) == len(BRIEF) for row in flat)

@@ -62,7 +62,9 @@ CASE = Case(
     retellings=retellings,
     parameters={"n": BODIES, "seed": 0},
     duration=DURATION,
+    # Every step, to name the first that differs.
     sample_interval=0.0,
+    ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 240, 1 / 480, 1 / 960),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="every number of every state has to be finite"),
         Check(metric=DIFFERENCE["repeated"], at_most=0.0, because="the same operations on the same numbers give the same bits"),

@@ -138,7 +138,7 @@ class Case:
 
     @property
     def family(self) -> str:
-        """The prefix of the name: flight, spin, joint, impact, friction, rest, stack, tunnel, stand, system or sensor."""
+        """The prefix of the name: flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor."""
         return self.name.split("_", 1)[0]
 
     @property

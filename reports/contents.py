@@ -10,6 +10,7 @@ __all__ = ["FAMILIES", "cases", "engines", "families", "tracks"]
 FAMILIES: dict[str, str] = {
     "flight": "Free flight",
     "spin": "Free rotation",
+    "orbit": "Orbits",
     "joint": "Joints",
     "impact": "Impacts",
     "friction": "Friction",

@@ -120,7 +120,7 @@ def test_the_rod_obeys_newton_and_euler_on_a_stiff_spring(friction: float) -> No
     truth = painleve.expected(time, friction)
     assert truth is not None
     start = [0.0, painleve.RADIUS + painleve.HALF * np.sin(np.arctan(2.0)), np.arctan(2.0), -8.0, 0.0, 0.0]
-    found = solve_ivp(_newton_euler, (0.0, time[-1]), start, "Radau", time, rtol=1e-9, atol=1e-11, args=(friction,)).y
+    found = solve_ivp(_newton_euler, (0.0, time[-1]), start, "LSODA", time, rtol=1e-9, atol=1e-11, args=(friction,)).y
     # The spring gives way by N/k = 2.5e-7 m, and takes the milliseconds of its damping to build up its load.
     np.testing.assert_allclose(truth.trajectory.p_WB[:, 1, 0], found[0], atol=3e-5)
     np.testing.assert_allclose(truth.trajectory.p_WB[:, 1, 2], found[1], atol=3e-5)

@@ -1,4 +1,7 @@
-"""Load split: the share of a load that each of its supports bears."""
+"""Load split: the share of a load that each of its supports bears.
+
+The load is the heaviest movable body, the highest of them where several are; all other movable bodies are its supports.
+"""
 
 import math
 
@@ -13,7 +16,7 @@ __all__ = ["LOAD_SPLIT_ERROR", "METRIC", "load_shares"]
 
 
 def load_shares(scene: Scene, actual: Trajectory) -> Floats:
-    """Mean share (supports,) of the weight of the heaviest body that each other movable body bears, in the scene's order.
+    """Mean share (supports,) of the load's weight that each support bears, in the scene's order.
 
     Raises: NotMeasurable.
     """
@@ -22,7 +25,7 @@ def load_shares(scene: Scene, actual: Trajectory) -> Floats:
     places = movable(scene).tolist()
     if len(places) < 2 or len(actual) == 0 or not any(scene.gravity):
         raise NotMeasurable("no load with supports that bears down on them, or no samples")
-    load = max(places, key=lambda place: scene.bodies[place].mass)
+    load = max(places, key=lambda place: (scene.bodies[place].mass, scene.bodies[place].p_WB[2]))
     supports = [place for place in places if place != load]
     weight = np.array(scene.gravity)
     borne = np.zeros(len(scene.bodies))
@@ -45,7 +48,7 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
 LOAD_SPLIT_ERROR = Metric(
     name="load_split_error",
     unit="1",
-    source="statics: mean share of each support in the weight of the heaviest body against an equal share, worst support",
+    source="statics: mean share of each support in the weight of the load against an equal share, worst support",
     measure=_measure,
 )
 

@@ -50,6 +50,11 @@ def test_a_load_that_lies_on_the_ground_is_borne_by_no_support() -> None:
     assert LOAD_SPLIT_ERROR(STAGE, run(0.0, 0.0, ground=1.0)) == pytest.approx(0.5)
 
 
+def test_of_equally_heavy_bodies_the_highest_is_the_load() -> None:
+    bodies = [replace(b, mass=40.0, p_WB=(0.0, 0.0, 1.0 if b.name == "load" else 0.0)) for b in STAGE.bodies]
+    assert load_shares(Scene(bodies=tuple(bodies)), run(0.5, 0.5)) == pytest.approx([0.5, 0.5])
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
     assert not math.isfinite(LOAD_SPLIT_ERROR(STAGE, run(bad, 0.5)))

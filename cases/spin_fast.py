@@ -65,7 +65,6 @@ CASE = Case(
     hard=Axis(parameter="speed", unit="rad/s", easy=10.0, extreme=10000.0),
     sample_interval=1 / 240,
     headline=ANGULAR_MOMENTUM_MAX.name,
-    converges="smoothly",
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a free rotation is bounded"),
         Check(

@@ -7,8 +7,9 @@ from typing import Any
 from harness.adapter import Adapter, Feature, Settings
 from harness.case import Case
 from harness.record import Measurement
-from harness.run import judge, simulate, truth_of
+from harness.run import judge, truth_of
 from harness.scene import Scene
+from harness.simulate import simulate
 from harness.trajectory import Trajectory
 
 __all__ = ["Answer", "put"]

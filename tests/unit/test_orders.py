@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
 from harness import discover
 from harness.adapter import Adapter, Settings, Simulation
 from harness.catalogue import describe_case, describe_engine
+from harness.cli import main
 from harness.conformance.faults import Wrapped, plant
 from harness.journal import Journal
 from harness.record import Measurement, Record
@@ -18,6 +20,8 @@ from harness.scene import Scene
 from harness.store import Store
 from harness.study import Experiment, Study
 from harness.tables.orders import COLUMNS, brief, convergences, verdict
+from reports.html import rendered
+from tests.run_folder import write_run_folder
 
 LADDER = [1 / 60 / 2**k for k in range(6)]
 
@@ -77,6 +81,32 @@ def test_rounding_alone_is_exact_and_two_steps_above_it_leave_the_question_open(
     assert verdict(LADDER, [1e-15] * 6, 4, 1.0, 1.0) == (None, "exact")
     assert verdict(LADDER, [1e-5, 1e-9, *[1e-15] * 4], 4, 1.0, 1.0) == (None, "open")
     assert verdict(LADDER, [1e-9] * 6, 4, 1e3, 1.0)[1] == "exact"
+
+
+def test_the_command_line_shows_the_table_in_every_form_and_says_what_is_broken(tmp_path: Path) -> None:
+    folder(tmp_path, {"slow": list(LADDER)}, {"converges": "smoothly"}, {"rk4": 4})
+
+    def shown(form: str) -> str:
+        done = CliRunner().invoke(main, ["show", str(tmp_path), "--table", "orders", "--format", form])
+        assert done.exit_code == 0, done.output
+        return done.stdout
+
+    (row,) = json.loads(shown("json"))
+    assert tuple(row) == COLUMNS
+    assert row["verdict"] == "broken"
+    assert row["finding"] in shown("text")
+    assert shown("csv").splitlines()[0] == ",".join(COLUMNS)
+    assert len(shown("markdown").splitlines()) == 3
+
+
+def test_the_report_says_so_on_the_first_page_and_on_that_of_the_case(tmp_path: Path) -> None:
+    store = write_run_folder(tmp_path / "run", only=("joint_chain",))
+    texts = rendered(Store(store))
+    broken = [row for row in convergences(Store(store)) if row.verdict == "broken"]
+    assert {row.engine for row in broken} == {"mujoco", "dart"}
+    for row in broken:
+        assert row.finding in texts["case-joint_chain.html"]
+    assert "Errors shrink less with the time step than the integrator promises on 4 of 8 ladders" in texts["index.html"]
 
 
 class _Claims(Wrapped):

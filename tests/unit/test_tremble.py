@@ -5,6 +5,7 @@ import math
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ from harness.store import Store, write_atomically
 from harness.study import Study, load_study
 from harness.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
 from harness.trajectory import Contacts, State
+from reports.pages.tremble import PAGE
+from tests.run_folder import write_run_folder
 
 BOUND = 1e-3
 
@@ -214,3 +217,16 @@ def test_rows_say_all_in_numbers_and_in_short(store: Store) -> None:
     assert explicit["product"] == 1.0
     assert "falls" in brief(explicit)
     assert all(len(brief(row)) == len(BRIEF) for row in flat)
+
+
+def test_the_page_shows_each_engine_with_its_cause_and_stays_away_where_nothing_was_compared(
+    store: Store, tmp_path: Path
+) -> None:
+    (page,) = PAGE.render(store).values()
+    assert PAGE.concerns is not None
+    assert PAGE.concerns(store)
+    for cause, words in EXPECTED.values():
+        assert f"<b>{cause}</b>" in page
+        assert words in page
+    write_run_folder(tmp_path)
+    assert not PAGE.concerns(Store(tmp_path))

@@ -117,13 +117,15 @@ def first_order_errors(moments: Vector3, spin: Vector3, duration: float) -> tupl
     along the true motion together with Euler's equations, and the worst is taken.
     """
     inertia = np.array(moments)
+    after, before = [1, 2, 0], [2, 0, 1]
+    coupling = (inertia[before] - inertia[after]) / inertia
 
     def acceleration(w: Floats) -> Floats:
-        a: Floats = -np.cross(w, inertia * w) / inertia
+        a: Floats = -coupling * w[after] * w[before]
         return a
 
     def change(w: Floats, dw: Floats) -> Floats:
-        c: Floats = -(np.cross(dw, inertia * w) + np.cross(w, inertia * dw)) / inertia
+        c: Floats = -coupling * (dw[after] * w[before] + w[after] * dw[before])
         return c
 
     times = np.linspace(0.0, duration, 401)
@@ -134,9 +136,10 @@ def first_order_errors(moments: Vector3, spin: Vector3, duration: float) -> tupl
             def rates(_t: float, y: Floats, torque: float = torque, turning: float = turning) -> Floats:
                 w, dw, angle = y[:3], y[3:6], y[6:]
                 a = acceleration(w)
-                return np.concatenate([a, change(w, dw) + torque * change(w, a), np.cross(angle, w) + dw + turning * a])
+                carried = angle[after] * w[before] - angle[before] * w[after]
+                return np.concatenate([a, change(w, dw) + torque * change(w, a), carried + dw + turning * a])
 
-            found = solve_ivp(rates, (0, duration), [*spin] + [0.0] * 6, t_eval=times, rtol=1e-9, atol=1e-11).y.T
+            found = solve_ivp(rates, (0, duration), [*spin] + [0.0] * 6, "DOP853", t_eval=times, rtol=1e-9, atol=1e-11).y.T
             w, dw, angle = found[:, :3], found[:, 3:6], found[:, 6:]
             l_B = inertia * w
             moved = np.linalg.norm(np.cross(angle, l_B) + inertia * dw, axis=1) / np.linalg.norm(l_B[0])

@@ -1,6 +1,5 @@
 """The command line: the one place that knows every part; each command imports what it needs when it is called."""
 
-import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -193,11 +192,12 @@ def run(
     """Run STUDY: a built-in name (quick, accuracy, scaling, tremble), a study file, or a scene file of your own."""
     from harness import discover
     from harness.campaign import carry_out
+    from harness.interrupt import listen
 
     plan, chosen = _study_and_cases(study, globs)
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    listen()
     try:
         store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume, shard=shard)
     except KeyboardInterrupt:

@@ -23,6 +23,7 @@ import numpy as np
 from harness import discover
 from harness.bench import Bench
 from harness.case import Unit
+from harness.interrupt import stop_if_asked
 from harness.record import Sample, Timing
 from harness.study import Trial
 from harness.trajectory import Floats
@@ -207,6 +208,7 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
             for child in children:
                 child.answer(experiment.deadline)
             for block in range(experiment.samples):
+                stop_if_asked()
                 ready = [child for child in children if not child.trouble]
                 for child in shuffle.sample(ready, len(ready)):
                     message = child.sample(block, experiment.deadline)

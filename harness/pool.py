@@ -8,6 +8,7 @@ from pathlib import Path
 from pebble import ProcessExpired, concurrent
 
 from harness import discover
+from harness.interrupt import stop_if_asked
 from harness.record import Record
 from harness.run import outcome
 from harness.study import Trial
@@ -18,6 +19,8 @@ __all__ = ["run_isolated"]
 _TAIL = 4000
 _KEPT = 2**20
 """Bytes of a log that stay on disk."""
+_LISTENS = 1.0
+"""Seconds between looks at whether the run is to stop."""
 _QUIET = ("passed", "failed", "unsupported")
 
 
@@ -87,7 +90,8 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
                 patience = trial.experiment.deadline + discover.adapter(trial.engine).compile_allowance
                 run = concurrent.process(timeout=patience, mp_context=context())(isolated_trial)
                 running[run(trial, folder, log)] = trial
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            done, _ = wait(running, timeout=_LISTENS, return_when=FIRST_COMPLETED)
+            stop_if_asked()
             for future in done:
                 trial = running.pop(future)
                 log = logs / f"{trial.trial}.log"

@@ -125,7 +125,7 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
     asked = {
         name
         for name, case in store.catalogue.get("cases", {}).items()
-        if any(check["metric"] == "vibration_rms" for check in case["checks"])
+        if any(check["metric"] == "vibration_rms" for check in case.get("checks", ()))
     }
     for row in store.trials.to_dict("records"):
         stiffness = json.loads(row["parameters"]).get("stiffness")

@@ -90,7 +90,7 @@ CASE = Case(
     headline=POSITION_MAX.name,
     converges="smoothly",
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="damping calms"),
+        Check(metric=DIVERGENCE, at_most=0.0, because="damping calms: no speed can grow beyond all bounds"),
         Check(
             metric=VELOCITY_MAX,
             at_most=_velocity,

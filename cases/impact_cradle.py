@@ -60,7 +60,7 @@ CASE = Case(
     sample_interval=1 / 240,
     # The ball must not cross a gap within a step: 0.5 m/s in 1/960 s is half of 1 mm.
     dt=1 / 960,
-    ladder=(1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
+    ladder=(1 / 960, 1 / 1920, 1 / 3840, 1 / 7680, 1 / 15360, 1 / 30720),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
         Check(

@@ -104,7 +104,7 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=0.5, extreme=100.0),
     sample_interval=1 / 60,
-    ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960),
+    ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a gas with bounded energy cannot diverge"),
         Check(

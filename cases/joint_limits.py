@@ -104,7 +104,7 @@ CASE = Case(
     sample_interval=1 / 240,
     headline=LIMIT_OVERSHOOT_MAX.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a stopped rod rests"),
+        Check(metric=DIVERGENCE, at_most=0.0, because="a rod between two stops goes nowhere else"),
         Check(
             metric=LIMIT_OVERSHOOT_MAX,
             at_most=_way,

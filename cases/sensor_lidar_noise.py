@@ -127,7 +127,7 @@ CASE = Case(
     sample_interval=0.1,
     headline=RANGE_ERROR_MAX.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves"),
+        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
             metric=RANGE_ERROR_MAX,
             at_most=RANGE_BOUND,

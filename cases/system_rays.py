@@ -95,7 +95,7 @@ CASE = Case(
     ladder=(1 / 240,),
     headline=RANGE_ERROR_MAX.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves"),
+        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
             metric=RANGE_ERROR_MEDIAN,
             at_most=ROUNDING,

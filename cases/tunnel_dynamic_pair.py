@@ -86,7 +86,7 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="what has met rests"),
+        Check(metric=DIVERGENCE, at_most=0.0, because="what has met without rebound rests"),
         Check(
             metric=PASSAGE_PROBABILITY,
             at_most=0.0,

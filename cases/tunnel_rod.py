@@ -108,7 +108,7 @@ CASE = Case(
     hard=Axis(parameter="spin", unit="rad/s", easy=2, extreme=500),
     # Angles are followed through more than a turn: half a turn between two samples is the most.
     sample_interval=1 / 240,
-    ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920),
+    ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="what has been stopped rests"),
         Check(

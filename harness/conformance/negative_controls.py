@@ -99,6 +99,10 @@ CONTROLS: tuple[Control, ...] = (
         plant=gravity(-1.0),
         caught_by=(_FALL, "gravity_is_a_vector"),
         applies_to_cases=(
+            "stand_quadruped",
+            "stack_overhang",
+            "stack_card_house",
+            "stack_pyramid",
             "flight_*",
             "friction_*",
             "rest_*",
@@ -122,7 +126,7 @@ CONTROLS: tuple[Control, ...] = (
         plant=surfaces(rougher),
         caught_by=("friction_has_its_size",),
         needs=Feature.BOX,
-        applies_to_cases=("friction_isotropy", "impact_oblique", *_SLIDES),
+        applies_to_cases=("stack_tip_or_slide", "friction_painleve", "friction_isotropy", "impact_oblique", *_SLIDES),
     ),
     Control(
         name="twice_the_time_step",
@@ -130,6 +134,8 @@ CONTROLS: tuple[Control, ...] = (
         plant=twice_the_step,
         caught_by=("step_advances_exactly_dt", _FALL),
         applies_to_cases=(
+            "orbit_kepler",
+            "joint_double_pendulum_chaotic",
             "flight_*",
             "spin_heavy_top",
             "spin_principal",
@@ -158,7 +164,7 @@ CONTROLS: tuple[Control, ...] = (
         fault="w is handed out in B",
         plant=wrapped(BodyAngularVelocity),
         caught_by=("angular_velocity_is_in_W", "initial_state_comes_back"),
-        applies_to_cases=("spin_fast", "impact_gas", "impact_momentum", "impact_oblique", *_TOPS),
+        applies_to_cases=("stand_hit", "spin_fast", "impact_gas", "impact_momentum", "impact_oblique", *_TOPS),
     ),
     Control(
         name="quaternion_scalar_last",
@@ -172,7 +178,7 @@ CONTROLS: tuple[Control, ...] = (
         fault="the first two rows and columns of the inertia are exchanged",
         plant=bodies(swap_inertia),
         caught_by=("inertia_is_in_B",),
-        applies_to_cases=("spin_asymmetric_top", "spin_intermediate_axis"),
+        applies_to_cases=("stand_hit", "spin_asymmetric_top", "spin_intermediate_axis"),
     ),
     Control(
         name="hidden_damping",
@@ -180,6 +186,8 @@ CONTROLS: tuple[Control, ...] = (
         plant=losing_speed,
         caught_by=("hidden_damping_is_off",),
         applies_to_cases=(
+            "orbit_kepler",
+            "joint_double_pendulum_chaotic",
             "flight_*",
             "spin_principal",
             "joint_spring",

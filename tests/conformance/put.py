@@ -2,15 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
-from harness.adapter import Adapter, Feature, Settings
+from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.case import Case
+from harness.control import Controlled
 from harness.record import Measurement
-from harness.run import judge, truth_of
+from harness.run import judge
 from harness.scene import Scene
 from harness.simulate import simulate
 from harness.trajectory import Trajectory
+from harness.truth_keeper import truth_of
 
 __all__ = ["Answer", "put"]
 
@@ -49,6 +51,8 @@ def put(
     chosen = dict(case.parameters) | ({"seed": 0} if case.ensemble > 1 else {}) | dict(parameters or {})
     scene = case.scene(**chosen)
     simulation = adapter.build(scene, settings)
+    if case.control is not None:
+        simulation = cast(Simulation, Controlled(simulation, case.control(**chosen), settings.dt, len(scene.bodies)))
     try:
         actual, broke = simulate(
             simulation,

@@ -53,9 +53,9 @@ def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
     confine(trial.experiment.memory, log)
     try:
         bench = Bench(discover.case(trial.case), discover.adapter(trial.engine), trial)
+        steps = calibrate(bench, trial.experiment.sample_seconds)
         if core is not None:
             os.sched_setaffinity(0, {core})
-        steps = calibrate(bench, trial.experiment.sample_seconds)
         pipe.send(steps)
         gc.disable()
         while (block := pipe.recv()) is not None:

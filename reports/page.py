@@ -4,13 +4,14 @@ import importlib
 import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["Page", "pages"]
+__all__ = ["Page", "navigation", "pages"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,3 +49,9 @@ def pages() -> tuple[Page, ...]:
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"pages: name {twice[0]!r} is taken twice, expected each name once")
     return tuple(sorted(found, key=lambda page: (page.order, page.name)))
+
+
+@lru_cache(maxsize=1)
+def navigation(store: "Store") -> tuple[Page, ...]:
+    """The pages that stand in the navigation of a report; asked once for a report, since every page of it shows them."""
+    return tuple(page for page in pages() if page.listed and page.concerns(store))

@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from reports.contents import engines
-from reports.page import pages
+from reports.page import navigation
 from reports.palette import looks
 from reports.status import STATUSES, outcome
 from reports.text import amount, plain_value, plural, settings_text, slug, visible
@@ -81,7 +81,7 @@ def fill(template: str, store: "Store", **context: Any) -> str:
         .get_template(template)
         .render(
             policy=POLICY,
-            navigation=[page for page in pages() if page.listed and page.concerns(store)],
+            navigation=navigation(store),
             engines=named,
             looks=looks(named),
             statuses=STATUSES,

@@ -7,7 +7,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -75,13 +75,15 @@ def _patterns(rng: np.random.Generator) -> dict[str, tuple[Array, Array]]:
 
 def _agree(world: engine.World, origins: Array, directions: Array, max_range: float) -> None:
     """Same hits, distances to rounding of lengths of 20 m (4e-15), a grazing ray's root taken of it: 1e-12 by experience of
-    the oracle's own error; who ties to that is either's choice.
+    the oracle's own error; a plane that a ray grazes may lie kilometres away, which round by themselves (four roundings). Who
+    ties to that is either's choice.
     """
     got = world.cast(origins, directions, max_range)
     want = world.cast(origins, directions, max_range, method="brute_force")
     hit = np.isfinite(want.distance)
     assert (np.isfinite(got.distance) == hit).all()
-    assert np.abs(got.distance[hit] - want.distance[hit]).max(initial=0.0) < 1e-12
+    near = np.abs(got.distance[hit] - want.distance[hit]) - 4 * np.finfo(float).eps * want.distance[hit]
+    assert near.max(initial=-math.inf) < 1e-12
     same = (got.body == want.body) & (got.shape == want.shape)
     assert same[~hit].all()
     assert (got.normal[~hit] == 0).all()
@@ -93,6 +95,7 @@ def _agree(world: engine.World, origins: Array, directions: Array, max_range: fl
 
 
 @settings(max_examples=25, deadline=None)
+@example(seed=1, max_range=math.inf)  # a plane at kilometres
 @given(seed=st.integers(0, 2**31), max_range=st.sampled_from([math.inf, 6.0, 0.5]))
 def test_tiles_find_what_brute_force_finds_in_any_pattern(seed: int, max_range: float) -> None:
     world = _scene(seed)

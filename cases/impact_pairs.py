@@ -17,6 +17,7 @@ from harness.metrics.position import POSITION_FINAL
 from harness.metrics.velocity import VELOCITY_FINAL
 from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 RATIO, RESTITUTIONS = 1000.0, (0.0, 0.5, 0.8, 1.0)
 MASS, RADIUS, SPACING = 1.0, 0.1, 1.0
@@ -70,9 +71,7 @@ def scene(ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) ->
 
 def expected(time: Floats, ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) -> Trajectory:
     """The closed form: straight flight, one impulse, straight flight."""
-    stage = scene(ratio, restitutions)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    truth = at_rest(scene(ratio, restitutions), time)
     for row, (kind, left, right) in enumerate(_pairs(ratio, restitutions)):
         meeting = (GAP + WIDER * row) / SPEED
         before, since = np.minimum(truth.time, meeting), np.maximum(truth.time - meeting, 0.0)

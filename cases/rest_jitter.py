@@ -10,6 +10,7 @@ from harness.metrics.jitter import HEIGHT_SPREAD, REST_DRIFT, RMS_SECOND_DIFFERE
 from harness.metrics.penetration import PENETRATION
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 BOXES, FRICTION, MASS, HALF = 5, 0.5, 1.0, 0.1
@@ -41,10 +42,7 @@ def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
 
 def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
     """Rest."""
-    stage = scene(n, friction)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
-    return truth
+    return at_rest(scene(n, friction), time)
 
 
 CASE = Case(

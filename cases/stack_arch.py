@@ -11,15 +11,15 @@ import math
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.collapse import COLLAPSE_TIME
-from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
-from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.case import Axis, Case
+from harness.checks.rest import settled_speed, stands, supported
+from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import STACK_HEIGHT_ERROR
 from harness.scene import EARTH_GRAVITY, Body, ConvexHull, PlacedShape, Plane, Scene, Surface, axis_angle, principal_inertia
 from harness.scene.values import Matrix3
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 THICKNESS, BLOCKS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 9, 1.0, 0.4, 2000.0, 0.8
@@ -86,11 +86,7 @@ def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float 
 
 def expected(time: Floats, thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Trajectory:
     """Rest, as it is above the least thickness."""
-    stage = scene(thickness, blocks, friction)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
-    truth.q_WB[:] = [body.q_WB for body in stage.bodies]
-    return truth
+    return at_rest(scene(thickness, blocks, friction), time)
 
 
 CASE = Case(
@@ -107,24 +103,9 @@ CASE = Case(
     steady=SETTLED,
     hard=Axis(parameter="thickness", unit="1", easy=0.3, extreme=0.1),
     checks=(
-        Check(
-            metric=COLLAPSE_TIME,
-            at_most=lambda dt: DURATION - dt,
-            because="the arch stands for the whole run, which ends within a step of its nominal length",
-        ),
-        Check(
-            metric=RMS_SPEED,
-            at_most=lambda dt: G * dt,
-            because="g dt, what one step of gravity gives a block before its supports take it away",
-            start=SETTLED,
-        ),
-        Check(
-            metric=SUPPORT_FORCE_ERROR,
-            at_most=lambda dt: dt / (DURATION - SETTLED),
-            because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
-            "stay under one step of gravity",
-            start=SETTLED,
-        ),
+        stands(DURATION, "the arch stands"),
+        settled_speed(SETTLED, "a block"),
+        supported(SETTLED, DURATION),
     ),
     observe=(STACK_HEIGHT_ERROR, PENETRATION, REST_DRIFT),
     headline="stack_height_error",

@@ -9,9 +9,8 @@ import math
 from collections.abc import Iterator
 
 from harness.case import Axis, Case, Check
-from harness.metrics.collapse import COLLAPSE_TIME
-from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
-from harness.metrics.jitter import REST_DRIFT, RMS_SPEED
+from harness.checks.rest import settled_speed, stands, supported
+from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY
 from harness.scene import (
@@ -27,6 +26,7 @@ from harness.scene import (
     sphere_inertia,
 )
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 ROWS, FRICTION, MASS = 3, 0.5, 1.0
@@ -98,10 +98,7 @@ def scene(rows: float = ROWS, friction: float = FRICTION) -> Scene:
 
 def expected(time: Floats, rows: float = ROWS, friction: float = FRICTION) -> Trajectory:
     """Rest."""
-    stage = scene(rows, friction)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
-    return truth
+    return at_rest(scene(rows, friction), time)
 
 
 CASE = Case(
@@ -118,30 +115,15 @@ CASE = Case(
     steady=SETTLED,
     hard=Axis(parameter="rows", unit="1", easy=1, extreme=10),
     checks=(
-        Check(
-            metric=COLLAPSE_TIME,
-            at_most=lambda dt: DURATION - dt,
-            because="the pyramids stand for the whole run, which ends within a step of its nominal length",
-        ),
+        stands(DURATION, "the pyramids stand"),
         Check(
             metric=REST_DRIFT,
             at_most=lambda dt: math.sqrt(3.0) * ROWS * G * dt**2,
             because="before a contact can push, a body falls for one step, g dt^2; if the contacts of each row gave as much, "
             "the top would sink by that for each row, and sqrt(3) times as deep between walls of 54.7 degrees",
         ),
-        Check(
-            metric=RMS_SPEED,
-            at_most=lambda dt: G * dt,
-            because="g dt, what one step of gravity gives a body before its supports take it away",
-            start=SETTLED,
-        ),
-        Check(
-            metric=SUPPORT_FORCE_ERROR,
-            at_most=lambda dt: dt / (DURATION - SETTLED),
-            because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
-            "stay under one step of gravity",
-            start=SETTLED,
-        ),
+        settled_speed(SETTLED),
+        supported(SETTLED, DURATION),
     ),
     observe=(PENETRATION, LEAN, RESIDUAL_KINETIC_ENERGY),
     headline="rest_drift",

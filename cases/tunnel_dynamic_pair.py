@@ -19,6 +19,7 @@ from harness.metrics.passage import (
 )
 from harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 SPEED, PHASES, RADIUS, MASS = 50.0, 64, 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
@@ -64,9 +65,7 @@ def scene(speed: float = SPEED, phases: int = PHASES, continuous: bool = True, s
 
 def expected(time: Floats, speed: float = SPEED, phases: int = PHASES, continuous: bool = True, seed: int = 0) -> Trajectory:
     """The closed form: straight flight, then rest, face to face (equal masses, no restitution)."""
-    stage = scene(speed, phases, continuous, seed)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    truth = at_rest(scene(speed, phases, continuous, seed), time)
     for i, way in enumerate(_ways(speed, phases, seed)):
         for place, side in ((2 * i, -1.0), (2 * i + 1, 1.0)):
             truth.p_WB[:, place, 0] -= side * np.minimum(speed * truth.time, way)

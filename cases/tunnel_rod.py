@@ -17,6 +17,7 @@ from harness.metrics.passage import PASSAGE_PROBABILITY, PASSAGE_PROBABILITY_HIG
 from harness.metrics.position import POSITION_FINAL
 from harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 SPIN, PHASES = 60.0, 64
 MASS, RADIUS, HALF_LENGTH, POST_RADIUS, LEVER = 0.5, 0.01, 0.5, 0.01, 0.4
@@ -83,10 +84,7 @@ def scene(spin: float = SPIN, phases: int = PHASES, continuous: bool = True, see
 
 def expected(time: Floats, spin: float = SPIN, phases: int = PHASES, continuous: bool = True, seed: int = 0) -> Trajectory:
     """The closed form: an even turn, then rest against both posts (no restitution)."""
-    stage = scene(spin, phases, continuous, seed)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
-    truth.q_WB[:] = [body.q_WB for body in stage.bodies]
+    truth = at_rest(scene(spin, phases, continuous, seed), time)
     for place, angle in enumerate(_angles(spin, phases, seed), start=2):
         half = np.minimum(spin * truth.time, angle) / 2
         turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)

@@ -18,6 +18,7 @@ from harness.metrics.tunnelling import (
 )
 from harness.scene import Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 SPEED, PHASES, THICKNESS, RADIUS, MASS = 50.0, 64, 0.01, 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
@@ -76,9 +77,7 @@ def expected(
     seed: int = 0,
 ) -> Trajectory:
     """The closed form: straight flight, then rest at the face of the wall (no restitution)."""
-    stage = scene(speed, phases, thickness, continuous, seed)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    truth = at_rest(scene(speed, phases, thickness, continuous, seed), time)
     for place, way in enumerate(_starts(speed, phases, seed), start=1):
         truth.p_WB[:, place, 0] += np.minimum(speed * truth.time, way)
         truth.v_WB[:, place, 0] = np.where(speed * truth.time < way, speed, 0.0)

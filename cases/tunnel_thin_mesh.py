@@ -33,6 +33,7 @@ from harness.scene import (
     sphere_inertia,
 )
 from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 SPEED, SLIDE, PHASES, THICKNESS = 20.0, 1.0, 32, 0.01
@@ -133,9 +134,7 @@ def expected(
     seed: int = 0,
 ) -> Trajectory:
     """The closed form: free fall until the ground, then an even slide on it."""
-    stage = scene(speed, slide, phases, thickness, continuous, seed)
-    truth = Trajectory.of(time, len(stage.bodies))
-    truth.p_WB[:] = [body.p_WB for body in stage.bodies]
+    truth = at_rest(scene(speed, slide, phases, thickness, continuous, seed), time)
     for place, fall in enumerate(_falls(phases, seed), start=2):
         falling = np.minimum(truth.time, fall)
         truth.p_WB[:, place, 0] += slide * truth.time

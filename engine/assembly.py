@@ -69,28 +69,26 @@ def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
         return False
     if options.threads > 1 or options.sleeping:
         return True
-    dynamic = {body.name for body in bodies if body.motion == "dynamic"}
-    first: dict[str, str] = {}
+    above = {body.name: body.name for body in bodies if body.motion == "dynamic"}
 
     def root(name: str) -> str:
-        while first.get(name, name) != name:
-            name = first[name]
+        while above[name] != name:
+            above[name] = above[above[name]]
+            name = above[name]
         return name
 
-    machines = 0
-    for joint in joints:
-        ends = {root(name) for name in (joint.parent, joint.child) if name in dynamic}
-        machines += 1 - sum(name in first for name in ends) if ends else 0
+    held = [[name for name in (joint.parent, joint.child) if name in above] for joint in joints]
+    for ends in held:
         for name in ends:
-            first[name] = min(ends)
-    return machines > 1
+            above[root(name)] = root(ends[0])
+    return len({root(name) for ends in held for name in ends}) > 1
 
 
 def assemble_world(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
-    options: Options, apart: Sequence[tuple[str, str]] = (),
+    options: Options, apart: Sequence[tuple[str, str]] = (), islands: bool = False,
 ) -> tuple[FloatArray, IntArray]:  # fmt: skip
-    """The arena of a world at its start. Raises: ValueError, NotSupported."""
+    """The arena of a world at its start, with room for islands where it has any. Raises: ValueError, NotSupported."""
     _check_pairs(surfaces, apart)
     n, nj = len(bodies), len(joints)
     index: dict[str, int] = {}
@@ -120,9 +118,7 @@ def assemble_world(
         if not joint.collide and joint.parent in index and joint.child in index
     ]
     float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
-    island_float_rooms, island_int_rooms = _island_rooms(
-        n, nj, pairs, options, pairs > 0 and wants_islands(bodies, joints, options)
-    )
+    island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options, islands)
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
         (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (8, rows), (pairs, 54), (4 * pairs + 1, 36),

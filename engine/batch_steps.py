@@ -30,7 +30,7 @@ def address_of(function: Any, signature: Any) -> Any:
     compiled = function.get_compile_result(signature)
     if compiled.signature.return_type != signature.return_type:
         raise TypeError(f"{function.__name__} returns {compiled.signature.return_type}, expected {signature.return_type}")
-    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+    return compiled._asdict()["library"].get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
 
 
 def address_of_step(step: Any) -> Any:

@@ -5,6 +5,7 @@ made of its text until an entry is linked, which takes in every kernel that it r
 That takes a fifth off the first step, and what comes out does not depend on what else the process has compiled.
 """
 
+from collections.abc import Callable
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -20,16 +21,11 @@ ENVIRONMENT = "_ZN08NumbaEnv"
 @cache
 def kernel_compiler() -> type:
     """Numba's compiler for functions that are only ever linked into others."""
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
 
-    class KernelCompiler(CompilerBase):
-        def define_pipelines(self) -> list[Any]:
-            state: Any = self.state
-            state.library = _kernel_library()(state.targetctx.codegen(), state.func_id.func_qualname)
-            passes: Any = DefaultPassBuilder
-            return [passes.define_nopython_pipeline(state)]
+    def prepare(state: Any) -> None:
+        state["library"] = _kernel_library()(state.targetctx.codegen(), state.func_id.func_qualname)
 
-    return KernelCompiler
+    return _compiler(prepare)
 
 
 @cache
@@ -38,15 +34,11 @@ def stream_compiler() -> type:
 
     It optimises such a function before the entry takes it in: rays are a fifth faster that way.
     """
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
 
-    class StreamCompiler(CompilerBase):
-        def define_pipelines(self) -> list[Any]:
-            self.state.flags.noalias = True
-            passes: Any = DefaultPassBuilder
-            return [passes.define_nopython_pipeline(self.state)]
+    def prepare(state: Any) -> None:
+        state.flags.noalias = True
 
-    return StreamCompiler
+    return _compiler(prepare)
 
 
 @cache
@@ -56,17 +48,27 @@ def entry_compiler() -> type:
     Otherwise a loaded function would call those copies of a kernel that the process has met first, which come from another
     context and may round otherwise: a step would give other bits in the process that compiled it.
     """
+
+    def prepare(state: Any) -> None:
+        library = _entry_library()(state.targetctx.codegen(), state.func_id.func_qualname)
+        library.enable_object_caching()
+        state["library"] = library
+
+    return _compiler(prepare)
+
+
+def _compiler(prepare: Callable[[Any], None]) -> type:
+    """Numba's compiler, its state prepared before the passes are chosen."""
     from numba.core.compiler import CompilerBase, DefaultPassBuilder
 
-    class EntryCompiler(CompilerBase):
+    class Compiler(CompilerBase):
         def define_pipelines(self) -> list[Any]:
             state: Any = self.state
-            state.library = _entry_library()(state.targetctx.codegen(), state.func_id.func_qualname)
-            state.library.enable_object_caching()
+            prepare(state)
             passes: Any = DefaultPassBuilder
             return [passes.define_nopython_pipeline(state)]
 
-    return EntryCompiler
+    return Compiler
 
 
 @cache

@@ -168,8 +168,8 @@ def _nothing_collected() -> Iterator[None]:
 def _loaded_lightly(function: Function) -> Function:
     """The compiled function that comes from the cache without the compiler's own preparations.
 
-    Before it looks into the cache, Numba imports all that it may compile, SciPy's linear algebra among it, for the length of a
-    thousand steps. What is compiled needs none of it, and the compiler itself prepares again.
+    Before it looks into the cache, Numba imports all that it may compile, SciPy's linear algebra among it: 0.26 s of 0.36 s to
+    the first step of ten boxes. What is compiled needs none of it, and the compiler itself prepares again.
     """
     cache = getattr(function, "_cache", None)
     if cache is None:

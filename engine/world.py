@@ -93,7 +93,9 @@ class World:
         apart: Sequence[tuple[str, str]] = (),
     ) -> None:
         self.options = options or Options()
-        self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart)
+        self.touching = self.options.contacts and _may_touch(bodies)
+        islands = self.touching and wants_islands(bodies, joints, self.options)
+        self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
         self._joints = {joint.name: j for j, joint in enumerate(joints)}
         self._names = [body.name for body in bodies]
         kinds = int_table(self._ints, at.SHAPE_KIND)
@@ -101,7 +103,6 @@ class World:
         self._tree: RayTree | None = None
         self._bodies = tuple(bodies)
         self._drawn = self if all(body.visual is None for body in bodies) else None
-        self.touching = self.options.contacts and _may_touch(bodies)
         self.jointed = bool(joints)
         self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
         self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
@@ -116,7 +117,6 @@ class World:
             from engine.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        islands = self.touching and wants_islands(bodies, joints, self.options)
         self._step = self._exact or _choose_step(self.touching, self.jointed, self.options, self.spheres, islands)
         self._swept = None
         if self.touching and self.options.continuous == "swept":

@@ -1,0 +1,1 @@
+"""Bounds that more than one case is judged by, each derived once."""

@@ -1,0 +1,14 @@
+"""Rest: every body stays where the scene puts it."""
+
+from harness.scene import Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["at_rest"]
+
+
+def at_rest(scene: Scene, time: Floats) -> Trajectory:
+    """The bodies of a scene in their places at each time [s], with no speed."""
+    truth = Trajectory.of(time, len(scene.bodies))
+    truth.p_WB[:] = [body.p_WB for body in scene.bodies]
+    truth.q_WB[:] = [body.q_WB for body in scene.bodies]
+    return truth

@@ -5,6 +5,7 @@ goes on with one run until its end and then starts anew; any other starts anew f
 same part of the motion.
 """
 
+import math
 import time
 from collections.abc import Callable
 from functools import partial
@@ -16,10 +17,14 @@ from harness.case import Case, Rays
 from harness.control import Controlled
 from harness.study import Trial
 
-__all__ = ["TOGETHER", "Bench", "caster", "clock_steps"]
+__all__ = ["TOGETHER", "Bench", "calibrate", "caster", "clock_steps"]
 
 TOGETHER = 4
 """Steps that a batch of worlds takes in one call: a policy that acts 60 times a second at 240 Hz."""
+LONGEST = 10.0
+"""A single run of a scene is cut off after this many times the sample's length."""
+PATIENCE = 3.0
+"""A sample is made shorter where building anew for each of its runs would make it take more than this many times its length."""
 
 
 def clock_steps(simulation: Simulation | Batch, steps: int) -> tuple[float, float]:
@@ -127,3 +132,28 @@ class Bench:
             one_cpu, one_wall = clock_steps(self._simulation.simulation, part)
             cpu, wall, count = cpu + one_cpu, wall + one_wall, count - part
         return cpu, wall
+
+
+def calibrate(bench: Bench, seconds: float) -> int:
+    """Warm up and find how many steps or casts last `seconds` of CPU time: whole runs of a scene, unless one is too long.
+
+    They last less where most of a sample would go by outside the clock, in building short runs anew.
+    """
+    bench.start()
+    bench.clock(1)
+    if bench.steady:
+        count, spent = 1, bench.clock(1)[0]
+        while spent < seconds / 4:
+            count *= 4
+            spent = bench.clock(count)[0]
+        outside = bench.starting / bench.whole
+        return max(1, min(math.ceil(count * seconds / spent), int(PATIENCE * seconds / (spent / count + outside))))
+    done, spent = 1, 0.0
+    while done < bench.whole and spent < LONGEST * seconds:
+        count = min(max(1, bench.whole // 20), bench.whole - done)
+        spent += bench.clock(count)[0]
+        done += count
+    if done < bench.whole:
+        return done
+    runs = min(math.ceil(seconds / max(spent, 1e-7)), int(PATIENCE * seconds / max(spent + bench.starting, 1e-7)))
+    return bench.whole * max(1, runs)

@@ -7,7 +7,6 @@ time, every process takes one sample. What is clocked, and what is not, stands i
 
 import contextlib
 import gc
-import math
 import os
 import random
 import resource
@@ -21,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from harness import discover
-from harness.bench import Bench
+from harness.bench import Bench, calibrate
 from harness.case import Unit
 from harness.interrupt import stop_if_asked
 from harness.record import Sample, Timing
@@ -29,12 +28,8 @@ from harness.study import Trial
 from harness.trajectory import Floats
 from harness.worker import confine, context
 
-__all__ = ["Clocked", "calibrate", "clock_group", "summarise"]
+__all__ = ["Clocked", "clock_group", "summarise"]
 
-_LONGEST = 10.0
-"""A single run of a scene is cut off after this many times the sample's length."""
-_PATIENCE = 3.0
-"""A sample is made shorter where building anew for each of its runs would make it take more than this many times its length."""
 _NOISY = 0.1
 """Half width of the interval, or spread of the canary, relative to its middle, from which a timing counts as unstable."""
 
@@ -73,31 +68,6 @@ def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
         bench.stop()
     except Exception as error:
         pipe.send(f"{type(error).__name__}: {error}")
-
-
-def calibrate(bench: Bench, seconds: float) -> int:
-    """Warm up and find how many steps or casts last `seconds` of CPU time: whole runs of a scene, unless one is too long.
-
-    They last less where most of a sample would go by outside the clock, in building short runs anew.
-    """
-    bench.start()
-    bench.clock(1)
-    if bench.steady:
-        count, spent = 1, bench.clock(1)[0]
-        while spent < seconds / 4:
-            count *= 4
-            spent = bench.clock(count)[0]
-        outside = bench.starting / bench.whole
-        return max(1, min(math.ceil(count * seconds / spent), int(_PATIENCE * seconds / (spent / count + outside))))
-    done, spent = 1, 0.0
-    while done < bench.whole and spent < _LONGEST * seconds:
-        count = min(max(1, bench.whole // 20), bench.whole - done)
-        spent += bench.clock(count)[0]
-        done += count
-    if done < bench.whole:
-        return done
-    runs = min(math.ceil(seconds / max(spent, 1e-7)), int(_PATIENCE * seconds / max(spent + bench.starting, 1e-7)))
-    return bench.whole * max(1, runs)
 
 
 @dataclass(slots=True)

@@ -8,8 +8,8 @@ import pytest
 
 from harness import discover
 from harness.adapter import Settings
-from harness.bench import TOGETHER, Bench, caster
-from harness.clock import calibrate, summarise
+from harness.bench import TOGETHER, Bench, calibrate, caster
+from harness.clock import summarise
 from harness.record import Sample
 from harness.study import Experiment, Trial
 

@@ -17,7 +17,7 @@ from harness.case import Case, Rays
 from harness.control import Controlled
 from harness.study import Trial
 
-__all__ = ["TOGETHER", "Bench", "calibrate", "caster", "clock_steps"]
+__all__ = ["TOGETHER", "Bench", "calibrate", "caster", "clock_steps", "rough_cost"]
 
 TOGETHER = 4
 """Steps that a batch of worlds takes in one call: a policy that acts 60 times a second at 240 Hz."""
@@ -56,7 +56,7 @@ class Bench:
 
     Terms:
         whole: clocked steps of a full run. units: what one step or cast counts for. steady: may a run go on over samples?
-        starting: CPU seconds that it last took to build and to go to where the clock starts.
+        starting: CPU seconds that it last took to build and to go to where the clock starts. unit: what is counted. dt [s].
     """
 
     def __init__(self, case: Case, adapter: Adapter, trial: Trial) -> None:
@@ -65,6 +65,7 @@ class Bench:
         self._rays = None if case.rays is None else case.rays(**trial.parameters)
         self._control = None if case.control is None else case.control(**trial.parameters)
         self._worlds = case.count_of_worlds(trial.parameters)
+        self.unit, self.dt = case.unit(trial.parameters), trial.settings.dt
         self.steady = case.steady is not None or self._rays is not None
         dt = trial.settings.dt
         self._before = 0 if case.steady is None else round(case.steady / dt)
@@ -157,3 +158,11 @@ def calibrate(bench: Bench, seconds: float) -> int:
         return done
     runs = min(math.ceil(seconds / max(spent, 1e-7)), int(PATIENCE * seconds / max(spent + bench.starting, 1e-7)))
     return bench.whole * max(1, runs)
+
+
+def rough_cost(bench: Bench, seconds: float = 5e-3) -> float:
+    """CPU seconds per simulated second, per unit where that is no step: the middle of three short samples, taken at once."""
+    steps = calibrate(bench, seconds)
+    taken = sorted(bench.clock(steps)[0] for _ in range(3))[1] / (steps * bench.units)
+    bench.stop()
+    return taken if bench.unit != "step" else taken / bench.dt

@@ -25,6 +25,7 @@ from harness.record import Record
 from harness.run import outcome
 from harness.store import Store, write_atomically, write_tables
 from harness.study import Study, StudyError, Trial
+from harness.sweep import due_for_clock, next_trials
 
 __all__ = ["Shard", "carry_out"]
 
@@ -48,38 +49,85 @@ def _study_toml(study: Study) -> bytes:
     return tomli_w.dumps(told(asdict(study))).encode()
 
 
-def _accuracy(trials: Sequence[Trial], reasons: Mapping[str, str | None], journal: Journal, folder: Path, workers: int) -> None:
+def _accuracy(
+    what: str,
+    trials: Sequence[Trial],
+    reasons: Mapping[str, str | None],
+    journal: Journal,
+    folder: Path,
+    workers: int,
+) -> None:
     waiting = [trial for trial in trials if trial.trial not in journal.records]
     for trial in waiting:
         reason = reasons[trial.engine]
         if reason is not None:
             journal.append(outcome(trial, "unavailable", reason))
     waiting = [trial for trial in waiting if reasons[trial.engine] is None]
-    with Progress("accuracy", len(waiting)) as progress:
+    if not waiting:
+        return
+    with Progress(what, len(waiting)) as progress:
         for record in run_isolated(waiting, folder, workers):
             if record.status != "interrupted":
                 journal.append(record)
             progress.advance(f"{record.case} {record.engine}/{record.track} {record.status}")
 
 
-def _timing(trials: Sequence[Trial], records: Mapping[str, Record], journal: Journal, folder: Path) -> None:
+def _timing(
+    trials: Sequence[Trial], records: Mapping[str, Record], journal: Journal, folder: Path, cases: Mapping[str, Case]
+) -> None:
+    near = due_for_clock(trials, records, cases)
     due = [
         trial
         for trial in trials
         if trial.experiment.timing
+        and (not trial.experiment.sweep or trial.trial in near)
         and trial.trial not in journal.timings
         and trial.trial in records
         and records[trial.trial].status in _TIMED
     ]
+    order: dict[tuple[object, ...], int] = {}
+    due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
     with Progress("timing", len(due)) as progress:
-        for _, group in groupby(due, key=lambda t: (t.experiment.name, t.case, repr(t.parameters), t.settings.dt)):
+        for _, group in groupby(due, key=_together):
             for timing in clock_group(tuple(group), folder, shuffle):
                 journal.append(timing)
                 troubles += [timing.note] if timing.note else []
                 progress.advance(f"{records[timing.trial].case} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
+
+
+def _together(trial: Trial) -> tuple[object, ...]:
+    """What trials have in common that are clocked side by side: the step as well, but in a sweep that is a knob like others."""
+    dt = None if trial.experiment.sweep else trial.settings.dt
+    return trial.experiment.name, trial.case, repr(trial.parameters), dt
+
+
+def _share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
+    """One of n parts: every n-th trial, but in a sweep every n-th case, since its engines are clocked side by side."""
+    part, parts = shard
+    cases = list(dict.fromkeys(trial.case for trial in trials))
+    plain = [trial for trial in trials if not trial.experiment.sweep][part - 1 :: parts]
+    return plain + [trial for trial in trials if trial.experiment.sweep and cases.index(trial.case) % parts == part - 1]
+
+
+def _swept(
+    trials: list[Trial],
+    reasons: Mapping[str, str | None],
+    journal: Journal,
+    folder: Path,
+    workers: int,
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],
+) -> list[Trial]:
+    """The trials with those that sweeps went on to, round by round, all with a record."""
+    found, number = list(trials), 0
+    while more := next_trials(found, read_journal(journal.path), cases, adapters):
+        number += 1
+        _accuracy(f"sweep, round {number}", more, reasons, journal, folder, workers)
+        found += more
+    return found
 
 
 def carry_out(
@@ -104,7 +152,7 @@ def carry_out(
     if (folder / "journal.jsonl").exists() and not resume:
         raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
     versions = {name: version_of(adapter)[0] for name, adapter in adapters.items()}
-    trials = list(study.trials(cases, adapters, versions))[shard[0] - 1 :: shard[1]]
+    trials = _share(list(study.trials(cases, adapters, versions)), shard)
     if not trials:
         raise StudyError(f"study '{study.name}': no trial; its cases and engines, or --case, --engine and --shard, leave none")
     folder.mkdir(parents=True, exist_ok=True)
@@ -118,8 +166,9 @@ def carry_out(
         _write_json(folder / "catalogue.json", {"cases": rows, "engines": engines})
         _write_json(folder / "machine.json", machine)
         reasons = {name: row["unavailable"] for name, row in engines.items()}
-        _accuracy(trials, reasons, journal, folder, workers)
-        _timing(trials, read_journal(journal.path), journal, folder)
+        _accuracy("accuracy", trials, reasons, journal, folder, workers)
+        trials = _swept(trials, reasons, journal, folder, workers, cases, adapters)
+        _timing(trials, read_journal(journal.path), journal, folder, cases)
     finally:
         journal.close()
         write_tables(folder)

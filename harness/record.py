@@ -38,6 +38,7 @@ class Measurement:
     """A metric's value in one trial; `at_most` and `passed` are None where it is only observed.
 
     Where a higher value is better, `at_most` holds the bound that the value must reach and `because` says so.
+    truth_error: how far off the truth itself may be, in the metric's unit.
     """
 
     metric: str
@@ -46,6 +47,7 @@ class Measurement:
     at_most: float | None = None
     passed: bool | None = None
     because: str = ""
+    truth_error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,6 +107,8 @@ class Record:
         track: 'default', 'tuned', or the name of a variant of the study.
         warnings: what the engine said. detail: trace or tail of standard error, for people.
         unit: what was clocked: 'step', 'ray' or 'world-step'; cpu_per_unit [s] with its interval: the price of one.
+        rough_cost: CPU seconds per simulated second (per unit, where that is no step), from one sample beside the accuracy run
+        of a sweep; where to look next is decided by it, and nothing else.
     """
 
     trial: str
@@ -136,6 +140,7 @@ class Record:
     cpu_per_unit: float | None = None
     cpu_per_unit_low: float | None = None
     cpu_per_unit_high: float | None = None
+    rough_cost: float | None = None
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 

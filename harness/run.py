@@ -1,6 +1,7 @@
 """The accuracy run: one trial in this process, from scene to record; nothing is clocked here."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import cast
@@ -68,36 +69,44 @@ def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) 
         try:
             value = check.metric(scene, part, truth)
             passed: bool | None = check.passes(value, actual.dt)
-            error = own.get(check.metric.unit, 0.0)
-            if error > 0.0 and check.metric.better == "lower" and _compares(check.metric, scene, part):
-                bound += error
+            off = _off(check.metric, own, scene, part)
+            if off > 0.0 and check.metric.better == "lower":
+                bound += off
                 passed = bool(np.isfinite(value)) and value <= bound
-                because = f"{because}; and {error:.2g} {check.metric.unit} that the truth itself may be off"
+                because = f"{because}; and {off:.2g} {check.metric.unit} that the truth itself may be off"
         except NotMeasurable as error:
-            value, passed, because = math.nan, None, f"not measurable: {error}"
+            value, passed, because, off = math.nan, None, f"not measurable: {error}", 0.0
         found.append(
             Measurement(
-                metric=check.metric.name, value=value, unit=check.metric.unit, at_most=bound, passed=passed, because=because
+                metric=check.metric.name,
+                value=value,
+                unit=check.metric.unit,
+                at_most=bound,
+                passed=passed,
+                because=because,
+                truth_error=off,
             )
         )
     checked = {check.metric.name for check in case.checks}
     for metric in case.observe:
         if metric.name not in checked:
             try:
-                value, because = metric(scene, actual, expected), ""
+                value, because, off = metric(scene, actual, expected), "", _off(metric, own, scene, actual)
             except NotMeasurable as error:
-                value, because = math.nan, f"not measurable: {error}"
-            found.append(Measurement(metric=metric.name, value=value, unit=metric.unit, because=because))
+                value, because, off = math.nan, f"not measurable: {error}", 0.0
+            found.append(Measurement(metric=metric.name, value=value, unit=metric.unit, because=because, truth_error=off))
     return tuple(found)
 
 
-def _compares(metric: Metric, scene: Scene, actual: Trajectory) -> bool:
-    """Whether a metric measures against the truth: without one it cannot be measured."""
+def _off(metric: Metric, own: Mapping[str, float], scene: Scene, actual: Trajectory) -> float:
+    """How far off the truth may be in what a metric measures; 0 where it needs no truth: without one it can be measured too."""
+    if metric.unit not in own:
+        return 0.0
     try:
         metric(scene, actual, None)
     except NotMeasurable:
-        return True
-    return False
+        return own[metric.unit]
+    return 0.0
 
 
 def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:

@@ -23,7 +23,7 @@ TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not i
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
-_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high")
+_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost")
 
 
 def write_atomically(path: Path, content: bytes) -> None:

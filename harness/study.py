@@ -60,6 +60,8 @@ class Experiment:
         dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at
         instead of its own, each a list; all combinations are run. timing: also clock it, by `samples` samples of
         `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process.
+        sweep: how many settings beyond these may be tried for each case on an engine, in search of its Pareto front (see
+        `harness.sweep`); then only what lies near the front is clocked.
     """
 
     name: Name
@@ -75,6 +77,7 @@ class Experiment:
     sample_seconds: Positive = 0.05
     deadline: Positive = 60.0
     memory: Positive = 4096.0
+    sweep: int = Field(default=0, ge=0, le=10_000)
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -173,7 +176,10 @@ def steps_of(experiment: Experiment, case: Case) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:
-    """One cell: a case at one set of parameters, on one engine, under one group of settings."""
+    """One cell: a case at one set of parameters, on one engine, under one group of settings.
+
+    Terms: round: of the sweep that proposed it, 0 for what the study names itself.
+    """
 
     trial: str
     study: str
@@ -185,6 +191,12 @@ class Trial:
     track: str
     settings: Settings
     seed: int
+    round: int = 0
+
+    def varied(self, track: str, settings: Settings, number: int) -> "Trial":
+        """The same question under other settings, in round `number`; its name follows from this trial's and from them."""
+        name = digest({"from": self.trial, "track": track, "settings": replace(settings, source="").plain()})
+        return replace(self, trial=name, track=track, settings=settings, round=number)
 
     @classmethod
     def of(cls, study: Study, experiment: Experiment, cell: "_Cell") -> "Trial":

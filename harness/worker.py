@@ -8,6 +8,7 @@ import signal
 import sys
 import traceback
 from contextlib import suppress
+from dataclasses import replace
 from multiprocessing.context import ForkServerContext
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import psutil
 
 from harness import discover
 from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
+from harness.bench import Bench, rough_cost
 from harness.case import Case
 from harness.record import Record, Status
 from harness.run import outcome, run_trial
@@ -79,7 +81,10 @@ def isolated_trial(trial: Trial, folder: Path, log: Path) -> Record:
         case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
-        return run_trial(trial, case, adapter, folder)
+        record = run_trial(trial, case, adapter, folder)
+        if trial.experiment.sweep and record.status in ("passed", "failed"):
+            record = replace(record, rough_cost=rough_cost(Bench(case, adapter, trial)))
+        return record
     except MemoryError:
         return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for")
     except Exception as error:

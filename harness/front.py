@@ -1,0 +1,52 @@
+"""The Pareto front of error and cost: which answers no other beats, and what a wanted error costs between them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["near_front", "on_front", "price"]
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+def near_front(error: Sequence[float], cost: Sequence[float], factor: float = 1.0) -> Flags:
+    """Which points no other makes superfluous: one that errs no more and is cheaper by more than `factor`.
+
+    Args: error, cost: shape (n,), positive and finite. factor: at least 1.
+    Returns: shape (n,).
+    """
+    errors, costs = np.asarray(error, dtype=np.float64), np.asarray(cost, dtype=np.float64)
+    no_worse = errors[None, :] <= errors[:, None]
+    cheaper = costs[None, :] * factor < costs[:, None]
+    return np.asarray(~np.any(no_worse & cheaper, axis=1), dtype=np.bool_)
+
+
+def on_front(error: Sequence[float], cost: Sequence[float]) -> Flags:
+    """Which points no other beats in one of error and cost while being no worse in the other; of equal points the first.
+
+    Args: error, cost: shape (n,), positive and finite.
+    Returns: shape (n,).
+    """
+    found = np.zeros(len(error), dtype=np.bool_)
+    least = np.inf
+    for k in sorted(range(len(error)), key=lambda k: (cost[k], error[k])):
+        if error[k] < least:
+            found[k], least = True, error[k]
+    return found
+
+
+def price(error: Floats, cost: Floats, target: Floats) -> Floats:
+    """What errors cost on a front: between its points the logarithm of the cost is linear in that of the error.
+
+    A target that the cheapest point already meets costs what this point does; nan where no point is as accurate.
+
+    Args: error, cost: shape (n,), n >= 1, positive; the points of a front in any order. target: shape (t,).
+    Returns: shape (t,), in the unit of the cost.
+    """
+    up = np.argsort(error, kind="stable")
+    # What is more accurate and cheaper, as a redrawn cost may be, serves a coarser target as well.
+    costs = np.minimum.accumulate(cost[up])
+    found: Floats = np.exp(np.interp(np.log(target), np.log(error[up]), np.log(costs), left=np.nan))
+    return found

@@ -1,0 +1,217 @@
+"""Which settings to try for work-precision: a coarse design, then steps along the Pareto front until it stays where it is.
+
+For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares is
+turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, means nothing here and is left
+alone. From then on each point of the front tries its neighbours: half and twice its time step, and the next value to both
+sides of every knob that matters. That ends when a round brings nothing to the front, or the experiment's number of points is
+spent. Costs are those that the accuracy run noted in passing; what they leave near the front is clocked properly afterwards.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import Any
+
+from harness.adapter import Adapter, Settings
+from harness.case import Case
+from harness.front import near_front, on_front
+from harness.record import Record
+from harness.study import Trial
+
+__all__ = ["SMALLEST", "due_for_clock", "next_trials", "turned"]
+
+SMALLEST = 1e-8
+"""Share of a case's scale below which a smaller error counts as no better."""
+MOVED = 0.95
+"""A front has moved where a new point costs less than this share of what its error cost before."""
+PER_ROUND = 8
+"""New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
+LONGEST = 4.0
+"""A run that is foreseen to take more CPU seconds than this is not tried."""
+BEYOND = 4.0
+"""How far beyond both ends of a case's ladder the time step may go."""
+MARGIN = 1.5
+"""A point is clocked unless another that errs no more seems cheaper by more than this."""
+CLOCKED = 12
+"""Points of an engine that are clocked at most; those of the front come first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A trial with its error as a share of the scale and its rough cost, in CPU seconds per simulated second or unit."""
+
+    trial: Trial
+    record: Record
+    error: float
+    cost: float
+
+
+Group = Sequence[Trial]
+"""The trials of one case, at one set of parameters, on one engine."""
+
+
+def turned(settings: Settings, knob: str, value: Any) -> Settings:
+    """The settings with one knob ('iterations', 'options.cone', ...) at another value."""
+    source = f"'{knob}' turned by a sweep"
+    if knob.startswith("options."):
+        return replace(settings, options={**settings.options, knob.removeprefix("options."): value}, source=source)
+    return replace(settings, **{knob: value}, source=source)
+
+
+def position(settings: Settings, knob: str) -> Any:
+    """The value at which a knob stands; None where that is left to the engine."""
+    if knob.startswith("options."):
+        return settings.options.get(knob.removeprefix("options."))
+    return getattr(settings, knob)
+
+
+def groups(trials: Sequence[Trial]) -> Iterator[list[Trial]]:
+    """The trials of sweeping experiments, one list a case and engine."""
+
+    def key(trial: Trial) -> tuple[str, ...]:
+        return trial.experiment.name, trial.case, repr(trial.parameters), trial.engine
+
+    for _, group in groupby(sorted((t for t in trials if t.experiment.sweep), key=key), key=key):
+        yield list(group)
+
+
+def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Point]:
+    """What of a group has a finite error and a cost."""
+    found = []
+    for trial in group:
+        record = records.get(trial.trial)
+        if record is None or record.status not in ("passed", "failed") or not record.rough_cost:
+            continue
+        error = next((abs(m.value) for m in record.measurements if m.metric == case.headline), float("nan")) / case.scale
+        if error < float("inf"):
+            found.append(Point(trial, record, max(error, SMALLEST), record.rough_cost))
+    return found
+
+
+def next_trials(
+    trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> list[Trial]:
+    """The next round over all cases and engines; empty when every front stays where it is."""
+    found: list[Trial] = []
+    for group in groups(trials):
+        found += _next_of_group(group, records, cases[group[0].case], adapters[group[0].engine])
+    return found
+
+
+def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adapter: Adapter) -> list[Trial]:
+    here = points(group, records, case)
+    room = group[0].experiment.sweep - sum(trial.round > 0 for trial in group)
+    if not here or room <= 0:
+        return []
+    last = max(trial.round for trial in group)
+    base = _base(here, case)
+    if last == 0:
+        wanted = list(_screening(base, adapter))
+    elif last > 1 and not _moved(here, last):
+        return []
+    else:
+        wanted = list(_neighbours(here, _live(group, records, base, adapter), case, adapter))
+    tried = [_key(trial.settings) for trial in group]
+    found: list[Trial] = []
+    limit = room if last == 0 else min(room, PER_ROUND)
+    for origin, settings in wanted:
+        if _key(settings) not in tried and len(found) < limit:
+            tried.append(_key(settings))
+            found.append(origin.varied(_label(origin, settings, adapter), settings, last + 1))
+    return found
+
+
+def _base(here: Sequence[Point], case: Case) -> Point:
+    """The point that knobs are first turned at: 'tuned' where it stands, at the step next to the case's own."""
+    first = [point for point in here if point.trial.round == 0]
+    tuned = [point for point in first if point.trial.track == "tuned"]
+    return min(tuned or first or here, key=lambda point: abs(point.trial.settings.dt / case.dt - 1))
+
+
+def _key(settings: Settings) -> str:
+    return repr(replace(settings, source="").plain())
+
+
+def _label(origin: Trial, settings: Settings, adapter: Adapter) -> str:
+    """The track that a point descends from, and all knobs that stand elsewhere now."""
+    track = origin.track.split(",")[0]
+    own = adapter.tracks[track]
+    changed = [knob for knob in adapter.knobs if position(settings, knob) != position(own, knob)]
+    words = (f"{knob.removeprefix('options.')} {position(settings, knob)}" for knob in changed)
+    return ", ".join((track, *words))
+
+
+def _screening(base: Point, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+    """Every knob, turned once."""
+    for knob in adapter.knobs:
+        for value in _beside(base, knob, adapter)[:1]:
+            yield base.trial, turned(base.trial.settings, knob, value)
+
+
+def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
+    """The values next to where a knob stands; the ends of its range where it stands at none of them."""
+    values = adapter.knobs[knob]
+    now = position(point.trial.settings, knob)
+    if now is None:
+        now = position(Settings(**point.record.resolved), knob) if point.record.resolved else None
+    if now in values:
+        place = values.index(now)
+        return [values[k] for k in (place + 1, place - 1) if 0 <= k < len(values)]
+    return [value for value in dict.fromkeys((values[0], values[-1])) if value != now]
+
+
+def _live(group: Group, records: Mapping[str, Record], base: Point, adapter: Adapter) -> list[str]:
+    """The knobs that changed the trajectory when they were first turned."""
+    live = []
+    for knob in adapter.knobs:
+        for value in _beside(base, knob, adapter)[:1]:
+            key = _key(turned(base.trial.settings, knob, value))
+            trial = next((trial for trial in group if _key(trial.settings) == key), None)
+            record = None if trial is None else records.get(trial.trial)
+            if record is not None and record.trajectory_hash not in (None, base.record.trajectory_hash):
+                live.append(knob)
+    return live
+
+
+def _moved(here: Sequence[Point], last: int) -> bool:
+    """Did the last round make an error cheaper than it was, by more than the noise of rough costs?"""
+    before = [point for point in here if point.trial.round < last]
+    return any(
+        all(old.cost * MOVED > point.cost for old in before if old.error <= point.error)
+        for point in here
+        if point.trial.round == last
+    )
+
+
+def _neighbours(here: Sequence[Point], live: Sequence[str], case: Case, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+    """Around each point of the front, in turn: the time step first, then knob after knob."""
+    flags = on_front([p.error for p in here], [p.cost for p in here])
+    front = sorted((point for point, on in zip(here, flags, strict=True) if on), key=lambda point: point.cost)
+    coarsest, finest = BEYOND * max(case.ladder), min(case.ladder) / BEYOND
+    moves: list[list[tuple[Trial, Settings]]] = []
+    for point in front:
+        settings = point.trial.settings
+        near: list[tuple[Trial, Settings]] = []
+        for dt in (settings.dt / 2, settings.dt * 2):
+            foreseen = point.cost * case.duration * settings.dt / dt
+            if finest * (1 - 1e-9) <= dt <= coarsest * (1 + 1e-9) and foreseen < LONGEST:
+                near.append((point.trial, settings.with_dt(dt)))
+        near += [(point.trial, turned(settings, knob, value)) for knob in live for value in _beside(point, knob, adapter)]
+        moves.append(near)
+    for turn in range(max((len(near) for near in moves), default=0)):
+        yield from (near[turn] for near in moves if turn < len(near))
+
+
+def due_for_clock(trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case]) -> set[str]:
+    """The swept trials that are clocked: those near the front, and both tracks at the case's own time step."""
+    due: set[str] = set()
+    for group in groups(trials):
+        case = cases[group[0].case]
+        here = sorted(points(group, records, case), key=lambda point: point.cost)
+        errors, costs = [p.error for p in here], [p.cost for p in here]
+        front, near = on_front(errors, costs), near_front(errors, costs, MARGIN)
+        ranked = [p for p, on in zip(here, front, strict=True) if on]
+        ranked += [p for p, on, close in zip(here, front, near, strict=True) if close and not on]
+        due |= {point.trial.trial for point in ranked[:CLOCKED]}
+        due |= {p.trial.trial for p in here if p.trial.round == 0 and p.trial.settings.dt == case.dt}
+    return due

@@ -1,0 +1,109 @@
+"""The performance profile: which share of all wanted answers an engine gives within a time, and which case that hangs on.
+
+A wanted answer is a pair of a case and an error that at least one engine reaches; its price is that of the price list.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from harness.store import Store
+from harness.tables.price import Price, Prices
+
+__all__ = ["BRIEF", "COLUMNS", "Share", "brief", "profile", "rows", "sentences"]
+
+FACTORS = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0)
+"""Times the cheapest engine."""
+SECONDS = tuple(10.0**k for k in range(-7, 3))
+"""CPU seconds per simulated second; 1 is real time."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Share:
+    """How much an engine answers within a limit.
+
+    Terms:
+        limit: 'times the cheapest' or 'CPU s per simulated s', within: its value. share: of the pairs. low, high: the least and
+        the greatest share when one case is left out, and without_low, without_high: which one. pairs: how many there are.
+    """
+
+    engine: str
+    limit: str
+    within: float
+    share: float
+    low: float
+    high: float
+    without_low: str
+    without_high: str
+    pairs: int
+
+
+COLUMNS = tuple(field.name for field in fields(Share))
+
+
+def profile(prices: Sequence[Price]) -> list[Share]:
+    """All shares.
+
+    Source: E. D. Dolan & J. J. More, Benchmarking optimization software with performance profiles, Mathematical Programming 91
+    (2002) 201; the factor's share is theirs, with leaving cases out in turn beside it.
+    """
+    reached = dict.fromkeys((p.case, p.where, p.target) for p in prices if p.cheapest)
+    found = []
+    for engine in dict.fromkeys(p.engine for p in prices):
+        mine = {(p.case, p.where, p.target): p for p in prices if p.engine == engine}
+        for limit, values in (("times the cheapest", FACTORS), ("CPU s per simulated s", SECONDS)):
+            timely = [pair for pair in reached if limit != "CPU s per simulated s" or mine[pair].unit == "simulated second"]
+            cost = [mine[pair].ratio if limit == "times the cheapest" else mine[pair].cost for pair in timely]
+            for within in values:
+                done = [one is not None and one <= within * (1 + 1e-12) for one in cost]
+                found.append(_share(engine, limit, within, [f"{case} {where}".strip() for case, where, _ in timely], done))
+    return [share for share in found if share.pairs]
+
+
+def _share(engine: str, limit: str, within: float, cases: Sequence[str], done: Sequence[bool]) -> Share:
+    left = {}
+    for case in dict.fromkeys(cases):
+        kept = [one for one, its in zip(done, cases, strict=True) if its != case]
+        if kept:
+            left[case] = float(np.mean(kept))
+    share = float(np.mean(done)) if done else 0.0
+    least, most = min(left, key=lambda case: left[case], default=""), max(left, key=lambda case: left[case], default="")
+    return Share(
+        engine=engine,
+        limit=limit,
+        within=within,
+        share=share,
+        low=left.get(least, share),
+        high=left.get(most, share),
+        without_low=least,
+        without_high=most,
+        pairs=len(done),
+    )
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(share) for share in profile(Prices(store).prices)]
+
+
+BRIEF = ("engine", "within", "", "share", "least, without", "most, without")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    return [
+        row["engine"],
+        f"{row['within']:g}",
+        row["limit"],
+        f"{row['share']:.0%}",
+        f"{row['low']:.0%} {row['without_low']}",
+        f"{row['high']:.0%} {row['without_high']}",
+    ]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What the shares are shares of."""
+    pairs = max((row["pairs"] for row in rows), default=0)
+    return [f"Shares of the {pairs} pairs of case and error that at least one engine reaches."] if pairs else []

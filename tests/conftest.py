@@ -1,4 +1,4 @@
-"""What all tests share: the command line as a person calls it, and a third party's faulty engines."""
+"""What all tests share: the command line as a person calls it, a third party's faulty engines, and a run of known prices."""
 
 import os
 import subprocess
@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
+
+from tests.known_prices import KnownPrices, run_known_prices
 
 PLUGINS = Path(__file__).parent / "stress" / "plugins"
 """A folder with installed-looking plug-ins; on PYTHONPATH it is found like any package."""
@@ -36,3 +38,9 @@ def plumbline(with_plugins: Mapping[str, str]) -> Command:
         )
 
     return call
+
+
+@pytest.fixture(scope="session")
+def known_prices(tmp_path_factory: pytest.TempPathFactory) -> KnownPrices:
+    """A run of engines whose price of an error is known, and the laws that they follow."""
+    return run_known_prices(tmp_path_factory.mktemp("known_prices") / "run")

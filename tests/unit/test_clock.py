@@ -5,7 +5,7 @@ import multiprocessing
 
 from harness.adapter import Settings
 from harness.clock import Clocked, summarise
-from harness.record import Sample
+from harness.record import Sample, Timing
 from harness.study import Experiment, Trial
 
 TRIAL = Trial(
@@ -50,6 +50,31 @@ def test_a_wide_interval_a_restless_canary_and_too_few_samples_are_each_marked_u
     restless = [dataclasses.replace(SAMPLE, canary=canary) for canary in (0.001, 0.002, 0.001, 0.002, 0.003)]
     for samples in (wide, restless, [SAMPLE] * 2):
         assert summarise(TRIAL, samples).unstable_timing is True
+
+
+def test_a_price_that_differs_between_two_processes_is_marked_unstable() -> None:
+    """Five samples of each: the median is redrawn from one process or the other, so its interval spans both prices."""
+
+    def dearer(factor: float) -> Timing:
+        second = dataclasses.replace(SAMPLE, process=1, cpu=factor * SAMPLE.cpu)
+        return summarise(TRIAL, [SAMPLE] * 5 + [second] * 5)
+
+    assert dearer(2.0).unstable_timing is True
+    assert (dearer(2.0).cpu_low, dearer(2.0).cpu_high) == (0.5, 1.0)
+    # Half of 1.3 - 1 is 13 % of their middle, half of 1.1 - 1 is 5 %; a tenth is the line.
+    assert dearer(1.3).unstable_timing is True
+    assert dearer(1.1).unstable_timing is False
+
+
+def test_a_canary_that_moved_between_two_processes_marks_a_price_that_did_not() -> None:
+    def moved(factor: float) -> Timing:
+        second = dataclasses.replace(SAMPLE, process=1, canary=factor * SAMPLE.canary)
+        return summarise(TRIAL, [SAMPLE] * 5 + [second] * 5)
+
+    assert moved(2.0).unstable_timing is True
+    assert moved(2.0).cpu_per_sim_s == 0.5
+    assert moved(1.2).unstable_timing is True  # the middle half of the samples spans a fifth, over a middle of 1.1
+    assert moved(1.05).unstable_timing is False
 
 
 def test_no_sample_is_said_and_not_made_up() -> None:

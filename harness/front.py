@@ -1,4 +1,4 @@
-"""The Pareto front of error and cost: which answers no other beats, and what a wanted error costs between them."""
+"""The Pareto front of error and cost: which answers no other beats, and what a wanted error costs between two of them."""
 
 from collections.abc import Sequence
 
@@ -38,15 +38,15 @@ def on_front(error: Sequence[float], cost: Sequence[float]) -> Flags:
 
 
 def price(error: Floats, cost: Floats, target: Floats) -> Floats:
-    """What errors cost on a front: between its points the logarithm of the cost is linear in that of the error.
+    """What errors cost under settings that differ in the time step alone: the logarithm of the cost is linear in the error's.
 
-    A target that the cheapest point already meets costs what this point does; nan where no point is as accurate.
+    A target that the cheapest answer already meets costs what that one does; nan where none is as accurate.
 
-    Args: error, cost: shape (n,), n >= 1, positive; the points of a front in any order. target: shape (t,).
+    Args: error, cost: shape (n,), n >= 1, positive; in any order. target: shape (t,).
     Returns: shape (t,), in the unit of the cost.
     """
     up = np.argsort(error, kind="stable")
-    # What is more accurate and cheaper, as a redrawn cost may be, serves a coarser target as well.
+    # Where the more accurate is the cheaper, it serves the coarser target as well.
     costs = np.minimum.accumulate(cost[up])
     found: Floats = np.exp(np.interp(np.log(target), np.log(error[up]), np.log(costs), left=np.nan))
     return found

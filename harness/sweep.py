@@ -32,8 +32,8 @@ BEYOND = 4.0
 """How far beyond both ends of a case's ladder the time step may go."""
 MARGIN = 1.5
 """A point is clocked unless another that errs no more seems cheaper by more than this."""
-CLOCKED = 12
-"""Points of an engine that are clocked at most; those of the front come first."""
+CLOCKED = 8
+"""Points of an engine that are chosen for the clock at most; those of the front come first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +203,8 @@ def _neighbours(here: Sequence[Point], live: Sequence[str], case: Case, adapter:
 
 
 def due_for_clock(trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case]) -> set[str]:
-    """The swept trials that are clocked: those near the front, and both tracks at the case's own time step."""
+    """The swept trials that are clocked: those near the front, with the coarser step that a price is interpolated towards, and
+    both tracks at the case's own time step."""
     due: set[str] = set()
     for group in groups(trials):
         case = cases[group[0].case]
@@ -212,6 +213,15 @@ def due_for_clock(trials: Sequence[Trial], records: Mapping[str, Record], cases:
         front, near = on_front(errors, costs), near_front(errors, costs, MARGIN)
         ranked = [p for p, on in zip(here, front, strict=True) if on]
         ranked += [p for p, on, close in zip(here, front, near, strict=True) if close and not on]
-        due |= {point.trial.trial for point in ranked[:CLOCKED]}
+        chosen = ranked[:CLOCKED]
+        chosen += [coarser for point in chosen if (coarser := _coarser(point, here)) is not None]
+        due |= {point.trial.trial for point in chosen}
         due |= {p.trial.trial for p in here if p.trial.round == 0 and p.trial.settings.dt == case.dt}
     return due
+
+
+def _coarser(point: Point, here: Sequence[Point]) -> Point | None:
+    """The same settings at the next coarser time step."""
+    own = point.trial.settings
+    same = (p for p in here if p.trial.track == point.trial.track and p.trial.settings.dt > own.dt)
+    return min(same, key=lambda p: p.trial.settings.dt, default=None)

@@ -1,4 +1,7 @@
-"""The price list: what an error costs on each engine in each case, interpolated on its Pareto front, or "never reached".
+"""The price list: what an error costs on each engine in each case, interpolated between time steps, or "never reached".
+
+An engine's price is that of its cheapest group of settings. Between two time steps of one group it is interpolated; between
+two groups nothing lies that could be bought.
 
 Errors are those of the case's headline, as shares of the case's scale; costs are CPU seconds per simulated second (of a unit
 where that is no step). Both have error bars: costs those of their samples, errors that of the truth itself.
@@ -197,36 +200,30 @@ class Prices:
         units = {str(unit) for unit in part["unit"].dropna()}
         unit = "simulated second" if units <= {"step"} else " or ".join(sorted(units))
         here = [point for point in self.points if (point.case, point.where) == (case, where)]
-        fronts = {
-            engine: sorted((p for p in here if p.engine == engine and p.front), key=lambda p: p.error)
-            for engine in dict.fromkeys(part["engine"])
+        draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
+        lists = {
+            engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(part["engine"])
         }
-        draw = Draws([point for front in fronts.values() for point in front], self._samples)
-        targets = np.array(TARGETS)
-        middle = {engine: draw.middle(front, targets) for engine, front in fronts.items() if front}
-        drawn = {engine: draw.prices(front, targets) for engine, front in fronts.items() if front}
         for k, target in enumerate(TARGETS):
-            reached = {engine: costs[k] for engine, costs in middle.items() if math.isfinite(costs[k])}
+            reached = {engine: one.middle[k] for engine, one in lists.items() if math.isfinite(one.middle[k])}
             cheapest = min(reached, key=lambda engine: reached[engine], default="")
-            for engine, front in fronts.items():
+            for engine, one in lists.items():
                 blank: dict[str, Any] = {f.name: None for f in fields(Price)}
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
                 row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
-                if not front:
+                if one.best is None:
                     yield Price(**(row | without(part[part["engine"] == engine], here, engine)))
                     continue
-                row |= {"best_error": front[0].error}
+                row |= {"best_error": one.best.error}
                 if engine not in reached:
-                    yield Price(**(row | {"verdict": "never reached", "trial": front[0].trial, "track": front[0].track}))
+                    yield Price(**(row | {"verdict": "never reached", "trial": one.best.trial, "track": one.best.track}))
                     continue
-                low, high = interval(drawn[engine][:, k])
-                ratio_low, ratio_high = interval(drawn[engine][:, k] / drawn[cheapest][:, k])
-                under = max((p for p in front if p.error <= target), key=lambda p: p.error)
-                over = min((p for p in front if p.error > target), key=lambda p: p.error, default=None)
+                under, over = one.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
-                if target < under.off:
-                    verdict = "within the truth's error"
-                row |= {"verdict": verdict, "cost": reached[engine], "low": low, "high": high}
+                low, high = interval(one.drawn[:, k])
+                ratio_low, ratio_high = interval(one.drawn[:, k] / lists[cheapest].drawn[:, k])
+                row |= {"verdict": "within the truth's error" if target < under.off else verdict}
+                row |= {"cost": reached[engine], "low": low, "high": high}
                 row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
                 row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
@@ -281,16 +278,37 @@ class Draws:
             medians = [relative(values[places], known) for places in chosen] or [1.0] * DRAWS
             self._costs[point.trial] = point.cost * np.array(medians)
 
-    def middle(self, front: Sequence[Point], targets: Floats) -> Floats:
-        """The prices of the samples that were taken, shape (t,)."""
-        return price(np.array([p.error for p in front]), np.array([p.cost for p in front]), targets)
-
-    def prices(self, front: Sequence[Point], targets: Floats) -> Floats:
-        """The prices of each draw, shape (DRAWS, t)."""
-        errors, offs = np.array([p.error for p in front]), np.array([p.off for p in front])
-        costs = np.stack([self._costs[p.trial] for p in front], axis=1)
+    def of(self, points: Sequence[Point], targets: Floats) -> Floats:
+        """The prices of each draw for points that differ in the time step alone, shape (DRAWS, t)."""
+        errors, offs = np.array([p.error for p in points]), np.array([p.off for p in points])
+        costs = np.stack([self._costs[p.trial] for p in points], axis=1)
         shifted = np.maximum(errors[None, :] + self._shift[:, None] * offs[None, :], LEAST)
         return np.stack([price(shifted[d], costs[d], targets) for d in range(DRAWS)])
+
+
+class List:
+    """The prices of one engine in one case.
+
+    Terms:
+        best: its most accurate clocked point, None without one. middle: its prices, shape (t,), nan where it does not get
+        there; drawn: those of each draw, shape (DRAWS, t).
+    """
+
+    def __init__(self, points: Sequence[Point], draw: Draws, targets: Floats) -> None:
+        clocked = [point for point in points if point.clocked]
+        self.best = min(clocked, key=lambda p: p.error, default=None)
+        self._groups = [[p for p in clocked if p.track == track] for track in dict.fromkeys(p.track for p in clocked)]
+        none = np.full((1, len(targets)), math.nan)
+        middles = [price(np.array([p.error for p in g]), np.array([p.cost for p in g]), targets) for g in self._groups]
+        self._middles = np.stack(middles) if middles else none
+        self.middle: Floats = np.fmin.reduce(self._middles)
+        self.drawn: Floats = np.fmin.reduce([draw.of(group, targets) for group in self._groups]) if middles else none
+
+    def beside(self, k: int, target: float) -> tuple[Point, Point | None]:
+        """The point that the k-th price leans on, and the next one of the same group that errs more than the target."""
+        group = self._groups[int(np.nanargmin(self._middles[:, k]))]
+        under = min((p for p in group if p.error <= target), key=lambda p: p.cost)
+        return under, min((p for p in group if p.error > target), key=lambda p: p.error, default=None)
 
 
 def relative(values: Floats, middle: float) -> float:

@@ -17,6 +17,8 @@ __all__ = ["BRIEF", "COLUMNS", "WITHIN", "Step", "brief", "largest_steps", "rows
 
 WITHIN = 0.01
 """Of the case's scale."""
+FEWEST = 4
+"""Steps that a setting was run at; what a sweep tried at one or two says little of the others."""
 _WHOLE = ("passed", "failed")
 
 
@@ -48,7 +50,7 @@ COLUMNS = tuple(field.name for field in fields(Step))
 
 
 def largest_steps(store: Store) -> list[Step]:
-    """One row for each setting of an engine that was run at two steps or more in a case that has an error."""
+    """One row for each setting of an engine that was run at `FEWEST` steps or more in a case that has an error."""
     prices = Prices(store)
     known = {point.trial: point for point in prices.points}
     found = []
@@ -57,7 +59,7 @@ def largest_steps(store: Store) -> list[Step]:
             continue
         for (engine, track), runs in part.groupby(["engine", "track"], sort=False):
             ladder = runs[~runs["status"].isin(("unsupported", "unavailable", "interrupted"))].sort_values("dt")
-            if ladder["dt"].nunique() >= 2:
+            if ladder["dt"].nunique() >= FEWEST:
                 found.append(_step(case, where, str(engine), str(track), ladder, known))
     return found
 

@@ -2,9 +2,8 @@
 
 import pytest
 
+from harness.tables import price
 from tests.known_prices import LAWS, KnownPrices
-
-price = pytest.importorskip("harness.tables.price", reason="no price list in this version")
 
 CLOSE = 0.03
 

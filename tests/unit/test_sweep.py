@@ -1,0 +1,172 @@
+"""The sweep against an engine made of formulas: it tries what matters, leaves what does not, and ends."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from harness.adapter import Adapter, Feature, Settings, Simulation
+from harness.case import Case
+from harness.metrics.position import POSITION_MAX
+from harness.record import Measurement, Record
+from harness.scene import Body, Scene
+from harness.study import Experiment, Study, Trial
+from harness.sweep import due_for_clock, next_trials, turned
+
+CASE = Case(
+    name="flight_made",
+    title="",
+    question="",
+    source="",
+    truth="closed form",
+    scene=lambda: Scene(bodies=(Body(name="ball", mass=1.0),)),
+    checks=(),
+    duration=1.0,
+    headline=POSITION_MAX.name,
+    ladder=(1 / 60, 1 / 120, 1 / 240),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Made(Adapter):
+    """An engine whose errors and costs are formulas."""
+
+    name: str = "made"
+    title: str = "Made"
+    distribution: str = "none"
+    features: Feature = Feature.NONE
+    tracks: dict[str, Settings] = field(default_factory=lambda: {"default": Settings(), "tuned": Settings(integrator="good")})
+    knobs: dict[str, tuple[Any, ...]] = field(
+        default_factory=lambda: {
+            "integrator": ("bad", "good", "best"),
+            "iterations": (1, 2, 4),
+            "options.colour": ("red", "blue"),
+        }
+    )
+
+    def version(self) -> str:
+        """Always the same."""
+        return "1"
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        """Never called here."""
+        raise NotImplementedError
+
+
+def answer(trial: Trial) -> Record:
+    """Order 1 or 2 by integrator, 'best' ten times better for twice the cost; iterations only cost; colour is idle."""
+    settings = trial.settings
+    integrator = settings.integrator or "bad"
+    error = {"bad": settings.dt, "good": settings.dt**2, "best": settings.dt**2 / 10}[integrator]
+    cost = {"bad": 1.0, "good": 1.0, "best": 2.0}[integrator] * (1 + 0.1 * (settings.iterations or 1)) * 1e-6 / settings.dt
+    return Record(
+        trial=trial.trial,
+        study="s",
+        experiment="e",
+        case=trial.case,
+        parameters={},
+        engine=trial.engine,
+        engine_version="1",
+        track=trial.track,
+        dt=settings.dt,
+        settings=settings.plain(),
+        resolved={"integrator": integrator, "iterations": settings.iterations or 1, "options": {"colour": "red"}},
+        status="passed",
+        reason="",
+        trajectory_hash=f"{settings.dt} {integrator} {settings.iterations or 1}",
+        rough_cost=cost,
+        measurements=(Measurement(metric=POSITION_MAX.name, value=error, unit="m"),),
+    )
+
+
+def unfolded(sweep: int, records: dict[str, Record] | None = None) -> tuple[list[Trial], dict[str, Record]]:
+    """All trials of a study of this one case and engine, rounds and all, with their records."""
+    study = Study(name="s", experiments=(Experiment(name="e", dt="ladder", sweep=sweep),))
+    cases, adapters = {CASE.name: CASE}, {"made": Made()}
+    trials, known = list(study.trials(cases, adapters, {"made": "1"})), dict(records or {})
+    known |= {trial.trial: answer(trial) for trial in trials}
+    while more := next_trials(trials, known, cases, adapters):
+        assert not {trial.trial for trial in more} & {trial.trial for trial in trials}
+        known |= {trial.trial: answer(trial) for trial in more}
+        trials += more
+    return trials, known
+
+
+def settings_of(trials: Iterable[Trial]) -> set[str]:
+    """The distinct groups of settings."""
+    return {repr(replace(trial.settings, source="").plain()) for trial in trials}
+
+
+def test_it_finds_the_better_knob_and_the_finer_step() -> None:
+    """The best integrator at the finest step allowed, a quarter of the ladder's, is reached from neighbours alone."""
+    trials, known = unfolded(sweep=200)
+    best = min(trials, key=lambda trial: known[trial.trial].measurements[0].value)
+    assert (best.settings.integrator, best.settings.dt) == ("best", 1 / 960)
+    assert max(trial.settings.dt for trial in trials) == 4 / 60
+
+
+def test_an_idle_knob_is_turned_once_and_no_settings_twice() -> None:
+    """The colour leaves the trajectory as it was."""
+    trials, _ = unfolded(sweep=200)
+    assert sum(trial.settings.options.get("colour") is not None for trial in trials) == 1
+    assert len(settings_of(trials)) == len(trials)
+
+
+def test_it_ends_by_itself_and_within_its_number_of_points() -> None:
+    """With room to spare it stops when the front does; without, at the number given."""
+    free, _ = unfolded(sweep=10_000)
+    assert 6 < len(free) < 200
+    few, _ = unfolded(sweep=7)
+    assert len(few) == 6 + 7
+    none, _ = unfolded(sweep=0)
+    assert len(none) == 6
+
+
+def test_the_same_records_give_the_same_trials() -> None:
+    """So that a run that was stopped goes on where it stood."""
+    trials, known = unfolded(sweep=40)
+    again, _ = unfolded(sweep=40, records=known)
+    assert [trial.trial for trial in again] == [trial.trial for trial in trials]
+
+
+def test_labels_name_track_and_what_was_turned() -> None:
+    """A reader finds the settings by the track's name."""
+    trials, _ = unfolded(sweep=200)
+    words = {trial.track for trial in trials if trial.round}
+    assert {"tuned, integrator best", "tuned, iterations 2", "tuned, colour blue"} <= words
+    assert all(word.split(",")[0] in ("default", "tuned") for word in words)
+
+
+def test_a_refused_knob_is_left_alone() -> None:
+    """A record without a trajectory says that the adapter would not have it."""
+    study = Study(name="s", experiments=(Experiment(name="e", dt="ladder", sweep=200),))
+    cases, adapters = {CASE.name: CASE}, {"made": Made()}
+    trials = list(study.trials(cases, adapters, {"made": "1"}))
+    known = {trial.trial: answer(trial) for trial in trials}
+    while more := next_trials(trials, known, cases, adapters):
+        for trial in more:
+            refused = trial.settings.iterations is not None
+            known[trial.trial] = replace(
+                answer(trial),
+                status="failed" if refused else "passed",
+                trajectory_hash=None if refused else answer(trial).trajectory_hash,
+                measurements=() if refused else answer(trial).measurements,
+            )
+        trials += more
+    assert sum(trial.settings.iterations is not None for trial in trials) == 1
+
+
+def test_only_what_lies_near_the_front_is_clocked() -> None:
+    """And both tracks at the case's own step; more iterations cost and bring nothing, so none of them is."""
+    trials, known = unfolded(sweep=200)
+    due = due_for_clock(trials, known, {CASE.name: CASE})
+    chosen = [trial for trial in trials if trial.trial in due]
+    assert {trial.track for trial in chosen if trial.settings.dt == CASE.dt} >= {"default", "tuned"}
+    assert not any((trial.settings.iterations or 1) > 2 for trial in chosen)
+    assert min(trial.settings.dt for trial in chosen) == 1 / 960
+
+
+def test_turning_keeps_the_rest() -> None:
+    """Options are added one by one."""
+    settings = Settings(iterations=5, options={"cone": "elliptic"})
+    assert turned(settings, "options.colour", "red").options == {"cone": "elliptic", "colour": "red"}
+    assert turned(settings, "iterations", 9).options == {"cone": "elliptic"}

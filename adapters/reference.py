@@ -565,6 +565,7 @@ ADAPTER = _Reference(
         ),
     },
     knobs={
+        "solver": (EXACT, SEQUENTIAL, SOLVER),
         "substeps": (1, 2, 4, 8, 16),
         "iterations": (1, 2, 4, 8),
         "integrator": (

@@ -2,7 +2,9 @@
 
 Protocol: each trial of a group gets a process of its own, with one thread; it warms up, calibrates how many runs of the scene
 make one sample, and then waits, pinned to one core and without a garbage collector. Block by block, in a new random order each
-time, every process takes one sample. What is clocked, and what is not, stands in `harness.bench`.
+time, every process takes one sample. A trial of several workers is that many such processes, each pinned to a core of its own
+while there are enough: in its block all take the same number of steps, let go at once. What is clocked, and what is not, stands
+in `harness.bench`.
 """
 
 import contextlib
@@ -15,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +31,7 @@ from harness.study import Trial
 from harness.trajectory import Floats
 from harness.worker import confine, context
 
-__all__ = ["Clocked", "clock_group", "summarise"]
+__all__ = ["Clocked", "Team", "clock_group", "joined", "summarise"]
 
 _NOISY = 0.1
 """Half width of the interval, or spread of the canary, relative to its middle, from which a timing counts as unstable."""
@@ -43,20 +46,36 @@ def _canary() -> float:
     return time.perf_counter() - start
 
 
-def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
-    """Send the steps of a sample once, then a sample for each block that comes down the pipe; an exception is sent as text."""
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a child stands: its core, whether it is its trial's first, and the gate where workers wait for each other."""
+
+    core: int | None
+    first: bool = True
+    gate: Barrier | None = None
+
+
+def _child(pipe: Connection, trial: Trial, place: Place, log: Path) -> None:
+    """Send the steps of a sample once, then a sample for each block and number of steps that come down the pipe.
+
+    An exception is sent as text.
+    """
     confine(trial.experiment.memory, log)
     try:
         bench = Bench(discover.case(trial.case), discover.adapter(trial.engine), trial)
         steps = calibrate(bench, trial.experiment.sample_seconds)
-        if core is not None:
-            os.sched_setaffinity(0, {core})
+        if place.core is not None:
+            os.sched_setaffinity(0, {place.core})
         pipe.send(steps)
         gc.disable()
-        while (block := pipe.recv()) is not None:
+        while (order := pipe.recv()) is not None:
+            block, steps = order
             if not bench.steady:
-                bench.stop()
-            canary = _canary()
+                bench.start()
+            # Of workers only the first tries the machine, while the others wait: together they would try each other.
+            canary = _canary() if place.first else 0.0
+            if place.gate is not None:
+                place.gate.wait(trial.experiment.deadline)
             switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw
             cpu, wall = bench.clock(steps)
             switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw - switches
@@ -67,6 +86,8 @@ def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
             )
         bench.stop()
     except Exception as error:
+        if place.gate is not None:
+            place.gate.abort()
         pipe.send(f"{type(error).__name__}: {error}")
 
 
@@ -74,16 +95,14 @@ def _child(pipe: Connection, trial: Trial, core: int | None, log: Path) -> None:
 class Clocked:
     """The parent's end of one child that gives samples when it is asked."""
 
-    trial: Trial
     process: BaseProcess
     pipe: Connection
     trouble: str = ""
 
-    def sample(self, block: int, seconds: float) -> object:
-        """The message that answers a block's number, or None as `answer`; a child that died while it waited is trouble too."""
+    def ask(self, block: int, steps: int) -> None:
+        """Ask for a sample of so many steps; that a child has died while it waited is for `answer` to say."""
         with contextlib.suppress(BrokenPipeError, ConnectionError):
-            self.pipe.send(block)
-        return self.answer(seconds)
+            self.pipe.send((block, steps))
 
     def answer(self, seconds: float) -> object:
         """The next message, or None with `trouble` set after death, an exception or the deadline."""
@@ -113,6 +132,56 @@ class Clocked:
         self.pipe.close()
 
 
+def joined(samples: Sequence[Sample]) -> Sample:
+    """The sample of workers that stepped at once: CPU time and units of all, the wall time of the slowest."""
+    return replace(
+        samples[0],
+        units=sum(s.units for s in samples),
+        cpu=sum(s.cpu for s in samples),
+        wall=max(s.wall for s in samples),
+        canary=max(s.canary for s in samples),
+        switches=sum(s.switches for s in samples),
+    )
+
+
+@dataclass(slots=True)
+class Team:
+    """The children of one trial, one a worker, that give a sample together.
+
+    Terms:
+        gate: where they wait for each other; kept for as long as they live. steps: of each in a sample; those of the first, so
+        that all have the same to do.
+    """
+
+    trial: Trial
+    children: Sequence[Clocked]
+    gate: Barrier | None = None
+    steps: int = 0
+
+    @property
+    def trouble(self) -> str:
+        """Of all children, each once."""
+        return "; ".join(dict.fromkeys(child.trouble for child in self.children if child.trouble))
+
+    def calibrated(self, seconds: float) -> None:
+        """Wait until every child is ready."""
+        answers = [child.answer(seconds) for child in self.children]
+        self.steps = answers[0] if isinstance(answers[0], int) else 0
+
+    def sample(self, block: int, seconds: float) -> Sample | None:
+        """What all did in this block, or None with `trouble` set."""
+        for child in self.children:
+            child.ask(block, self.steps)
+        answers = [child.answer(seconds) for child in self.children]
+        samples = [answer for answer in answers if isinstance(answer, Sample)]
+        return joined(samples) if len(samples) == len(answers) else None
+
+    def stop(self) -> None:
+        """End all children."""
+        for child in self.children:
+            child.stop()
+
+
 def _interval(values: Floats) -> tuple[float, float]:
     """95 % bootstrap interval of the median."""
     from scipy.stats import bootstrap
@@ -124,7 +193,10 @@ def _interval(values: Floats) -> tuple[float, float]:
 
 
 def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Unit = "step") -> Timing:
-    """Median and 95 % bootstrap interval of CPU seconds per unit of work, per simulated second too where that is a step."""
+    """Median and 95 % bootstrap interval of CPU seconds per unit of work.
+
+    Per simulated second too, wherever the work is that of stepping and nothing stood beside it.
+    """
     if not samples:
         return Timing(trial=trial.trial, note=note or "no sample was taken")
     cpu = np.array([s.cpu / (s.steps * s.units) for s in samples])
@@ -143,7 +215,7 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
         note=note,
         samples=tuple(samples),
     )
-    if unit == "ray":
+    if unit not in ("step", "world-step") or trial.workers > 1:
         return timing
     dt = trial.settings.dt
     return replace(
@@ -156,41 +228,52 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
     )
 
 
-def _start(trial: Trial, folder: Path, core: int | None) -> Clocked:
-    forkserver = context()
-    ours, theirs = forkserver.Pipe()
+def _cores() -> list[int | None]:
+    """The cores to pin children to, one after the other; the last first, since systems load the first ones."""
+    if not hasattr(os, "sched_getaffinity"):
+        return [None]
+    return [*sorted(os.sched_getaffinity(0), reverse=True)]
+
+
+def _start(trial: Trial, folder: Path) -> Team:
+    forkserver, cores = context(), _cores()
+    gate = forkserver.Barrier(trial.workers) if trial.workers > 1 else None
     log = folder / f".timing-{trial.trial}.log"
-    process = forkserver.Process(target=_child, args=(theirs, trial, core, log), daemon=True)
-    process.start()
-    theirs.close()
-    return Clocked(trial, process, ours)
+    children = []
+    for worker in range(trial.workers):
+        ours, theirs = forkserver.Pipe()
+        place = Place(cores[worker % len(cores)], worker == 0, gate)
+        process = forkserver.Process(target=_child, args=(theirs, trial, place, log), daemon=True)
+        process.start()
+        theirs.close()
+        children.append(Clocked(process, ours))
+    return Team(trial, children, gate)
 
 
 def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -> Iterator[Timing]:
     """Time the trials of one group, interleaved; one `Timing` each, also for those that gave trouble."""
     experiment = trials[0].experiment
-    core = max(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else None
     samples: dict[str, list[Sample]] = {trial.trial: [] for trial in trials}
     notes: dict[str, str] = {}
     for number in range(experiment.processes):
-        children = [_start(trial, folder, core) for trial in trials if not notes.get(trial.trial)]
+        teams = [_start(trial, folder) for trial in trials if not notes.get(trial.trial)]
         try:
-            for child in children:
-                child.answer(experiment.deadline)
+            for team in teams:
+                team.calibrated(experiment.deadline)
             for block in range(experiment.samples):
                 stop_if_asked()
-                ready = [child for child in children if not child.trouble]
-                for child in shuffle.sample(ready, len(ready)):
-                    message = child.sample(block, experiment.deadline)
-                    if isinstance(message, Sample):
-                        samples[child.trial.trial].append(replace(message, process=number))
-            for child in children:
-                if child.trouble:
-                    notes[child.trial.trial] = child.trouble
+                ready = [team for team in teams if not team.trouble]
+                for team in shuffle.sample(ready, len(ready)):
+                    sample = team.sample(block, experiment.deadline)
+                    if sample is not None:
+                        samples[team.trial.trial].append(replace(sample, process=number))
+            for team in teams:
+                if team.trouble:
+                    notes[team.trial.trial] = team.trouble
         finally:
-            for child in children:
-                child.stop()
-                (folder / f".timing-{child.trial.trial}.log").unlink(missing_ok=True)
+            for team in teams:
+                team.stop()
+                (folder / f".timing-{team.trial.trial}.log").unlink(missing_ok=True)
     for trial in trials:
-        unit = discover.case(trial.case).unit(trial.parameters)
+        unit = discover.case(trial.case).unit(trial.parameters, trial.clocks)
         yield summarise(trial, samples[trial.trial], notes.get(trial.trial, ""), unit)

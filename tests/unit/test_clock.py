@@ -4,7 +4,7 @@ import dataclasses
 import multiprocessing
 
 from harness.adapter import Settings
-from harness.clock import Clocked, summarise
+from harness.clock import Clocked, Team, summarise
 from harness.record import Sample
 from harness.study import Experiment, Trial
 
@@ -64,7 +64,7 @@ def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
     process.start()
     process.join()
     theirs.close()
-    child = Clocked(TRIAL, process, ours)
-    assert child.sample(0, 1.0) is None
-    assert "exit code 0" in child.trouble
-    child.stop()
+    team = Team(TRIAL, [Clocked(process, ours)])
+    assert team.sample(0, 1.0) is None
+    assert "exit code 0" in team.trouble
+    team.stop()

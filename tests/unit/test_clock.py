@@ -4,7 +4,7 @@ import dataclasses
 import multiprocessing
 
 from harness.adapter import Settings
-from harness.clock import Clocked, Team, summarise
+from harness.clock import Clocked, Team, joined, summarise
 from harness.record import Sample
 from harness.study import Experiment, Trial
 
@@ -56,6 +56,52 @@ def test_no_sample_is_said_and_not_made_up() -> None:
     timing = summarise(TRIAL, [], "process ended with exit code -11")
     assert timing.cpu_per_sim_s is None
     assert "exit code -11" in timing.note
+
+
+def test_workers_share_their_cpu_time_and_wait_for_the_slowest() -> None:
+    """Two of 100 steps each, 0.5 s of CPU time each, done after 1 and 1.25 s: 200 steps in 1.25 s."""
+    late = dataclasses.replace(SAMPLE, wall=1.25, canary=0.0, switches=3)
+    both = joined([SAMPLE, late])
+    assert both == dataclasses.replace(SAMPLE, units=2, cpu=1.0, wall=1.25, switches=3)
+    timing = summarise(dataclasses.replace(TRIAL, workers=2), [both] * 3)
+    assert timing.cpu_per_unit == 0.5 / 100
+    assert timing.cpu_per_sim_s is None
+    assert joined([SAMPLE]) == SAMPLE
+
+
+class Scripted(Clocked):
+    """A child that answers from a list and notes what it is asked."""
+
+    def __init__(self, name: str, answers: list[object], told: list[tuple[str, str, object]]) -> None:
+        self.name, self.answers, self.told, self.trouble = name, answers, told, ""
+
+    def ask(self, block: int, steps: int) -> None:
+        self.told.append((self.name, "asked", (block, steps)))
+
+    def answer(self, seconds: float) -> object:
+        message = self.answers.pop(0)
+        self.told.append((self.name, "answered", message))
+        if isinstance(message, str):
+            self.trouble = message
+            return None
+        return message
+
+
+def test_workers_are_all_asked_for_the_same_steps_before_any_is_waited_for() -> None:
+    told: list[tuple[str, str, object]] = []
+    team = Team(TRIAL, [Scripted("a", [40, SAMPLE], told), Scripted("b", [55, SAMPLE], told)])
+    team.calibrated(1.0)
+    told.clear()
+    assert team.sample(3, 1.0) == dataclasses.replace(SAMPLE, units=2, cpu=1.0)
+    assert [(name, what) for name, what, _ in told] == [("a", "asked"), ("b", "asked"), ("a", "answered"), ("b", "answered")]
+    assert [content for _, what, content in told if what == "asked"] == [(3, 40), (3, 40)]
+
+
+def test_one_worker_in_trouble_is_the_trials_trouble_and_no_sample() -> None:
+    team = Team(TRIAL, [Scripted("a", [40, SAMPLE], []), Scripted("b", [40, "MemoryError: no more"], [])])
+    team.calibrated(1.0)
+    assert team.sample(0, 1.0) is None
+    assert team.trouble == "MemoryError: no more"
 
 
 def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:

@@ -1,8 +1,16 @@
 """The clock: its statistics are what they claim on samples whose answer is known; no time is asserted."""
 
+import contextlib
 import dataclasses
 import multiprocessing
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
 
+import pytest
+
+from harness import clock
 from harness.adapter import Settings
 from harness.clock import Clocked, Team, joined, summarise
 from harness.record import Sample
@@ -95,6 +103,63 @@ def test_workers_are_all_asked_for_the_same_steps_before_any_is_waited_for() -> 
     assert team.sample(3, 1.0) == dataclasses.replace(SAMPLE, units=2, cpu=1.0)
     assert [(name, what) for name, what, _ in told] == [("a", "asked"), ("b", "asked"), ("a", "answered"), ("b", "answered")]
     assert [content for _, what, content in told if what == "asked"] == [(3, 40), (3, 40)]
+
+
+class Idle:
+    """A bench on which nothing is stepped."""
+
+    units, steady = 1, True
+
+    def __init__(self, *of: object) -> None:
+        pass
+
+    def clock(self, count: int) -> tuple[float, float]:
+        return count * 1e-3, count * 1e-3
+
+    def stop(self) -> None:
+        pass
+
+
+@pytest.fixture
+def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
+    """Two children of one trial that wait for each other, as threads of this process."""
+    monkeypatch.setattr(clock, "discover", SimpleNamespace(case=str, adapter=str))
+    monkeypatch.setattr(clock, "Bench", Idle)
+    monkeypatch.setattr(clock, "confine", lambda *_: None)
+    monkeypatch.setattr(clock, "calibrate", lambda *_: 40)
+    monkeypatch.setattr(clock.gc, "disable", lambda: None)
+    gate, children, threads = threading.Barrier(2), [], []
+    for first in (True, False):
+        ours, theirs = multiprocessing.Pipe()
+        place = clock.Place(None, first, gate)  # type: ignore[arg-type]
+        threads.append(threading.Thread(target=clock._child, args=(theirs, TRIAL, place, Path())))
+        threads[-1].start()
+        children.append(Clocked(None, ours))  # type: ignore[arg-type]
+    yield children
+    for child, thread in zip(children, threads, strict=True):
+        with contextlib.suppress(BrokenPipeError):
+            child.pipe.send(None)
+        thread.join()
+
+
+def test_no_worker_starts_before_all_are_there(idle_children: list[Clocked]) -> None:
+    early, late = idle_children
+    assert [child.answer(10.0) for child in idle_children] == [40, 40]
+    early.ask(0, 7)
+    assert not early.pipe.poll(0.3)
+    late.ask(0, 7)
+    found = [child.answer(10.0) for child in (early, late)]
+    assert [(s.block, s.steps, s.wall) for s in found if isinstance(s, Sample)] == [(0, 7, 0.007)] * 2
+    assert [s.canary > 0 for s in found if isinstance(s, Sample)] == [True, False]
+
+
+def test_a_worker_that_fails_does_not_keep_the_others_waiting(idle_children: list[Clocked]) -> None:
+    team = Team(TRIAL, idle_children)
+    team.calibrated(10.0)
+    idle_children[0].ask(0, 7)
+    idle_children[1].pipe.send("no order")
+    assert [child.answer(10.0) for child in idle_children] == [None, None]
+    assert all(name in team.trouble for name in ("BrokenBarrierError", "ValueError"))
 
 
 def test_one_worker_in_trouble_is_the_trials_trouble_and_no_sample() -> None:

@@ -153,7 +153,7 @@ class Simulation(Protocol):
         """The settings that the engine really uses, defaults filled in, read back from the engine where it lets us."""
 
     def step(self, count: int = 1) -> None:
-        """Advance by count * dt. Raises: Diverged."""
+        """Advance by count * dt; a count of 0 changes nothing. Raises: Diverged."""
 
     def state(self, out: State) -> None:
         """Write the present state into the arrays of `out`."""

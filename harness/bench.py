@@ -1,4 +1,5 @@
-"""What the clock runs in a trial: steps of a scene, rays cast into it, or steps of many worlds of it.
+"""What the clock runs in a trial: steps of a scene, with or without reading its state, rays cast into it, steps of many worlds
+of it, or calls that take no step.
 
 Building, the time before a case is steady, and the law of forces that act from outside are outside the clock. A steady case
 goes on with one run until its end and then starts anew; any other starts anew for each sample, so that all samples have the
@@ -6,6 +7,7 @@ same part of the motion.
 """
 
 import math
+import sys
 import time
 from collections.abc import Callable
 from functools import partial
@@ -16,6 +18,7 @@ from harness.batch import Batch
 from harness.case import Case, Rays
 from harness.control import Controlled
 from harness.study import Trial
+from harness.trajectory import State
 
 __all__ = ["TOGETHER", "Bench", "calibrate", "caster", "clock_steps", "rough_cost"]
 
@@ -51,12 +54,23 @@ def caster(simulation: Simulation, rays: Rays) -> Callable[[], object]:
     return prepared
 
 
+def reader(simulation: Simulation, out: State) -> Callable[[], object]:
+    """A function that takes one step and reads the state of all bodies."""
+
+    def step_and_read() -> None:
+        simulation.step()
+        simulation.state(out)
+
+    return step_and_read
+
+
 class Bench:
     """A trial under the clock.
 
     Terms:
-        whole: clocked steps of a full run. units: what one step or cast counts for. steady: may a run go on over samples?
-        starting: CPU seconds that it last took to build and to go to where the clock starts. unit: what is counted. dt [s].
+        whole: clocked steps of a full run, without end for casts and empty calls. units: what one step or cast counts for.
+        steady: may a run go on over samples? unit: what is counted. dt [s].
+        starting: CPU seconds that it last took to build and to go to where the clock starts.
     """
 
     def __init__(self, case: Case, adapter: Adapter, trial: Trial) -> None:
@@ -65,14 +79,16 @@ class Bench:
         self._rays = None if case.rays is None else case.rays(**trial.parameters)
         self._control = None if case.control is None else case.control(**trial.parameters)
         self._worlds = case.count_of_worlds(trial.parameters)
-        self.unit, self.dt = case.unit(trial.parameters), trial.settings.dt
-        self.steady = case.steady is not None or self._rays is not None
+        self.unit, self.dt = case.unit(trial.parameters, trial.clocks), trial.settings.dt
+        endless = self._rays is not None or trial.clocks == "call"
+        self.steady = case.steady is not None or endless
         dt = trial.settings.dt
         self._before = 0 if case.steady is None else round(case.steady / dt)
-        self.whole = max(1, round(case.duration / dt) - self._before)
+        self.whole = sys.maxsize if endless else max(1, round(case.duration / dt) - self._before)
         self.units = self._worlds if self._rays is None else len(self._rays.origins)
         self._simulation: Any = None
-        self._cast: Callable[[], object] | None = None
+        self._call: Callable[[], object] | None = None
+        self._advance: Callable[[int], tuple[float, float]]
         self._here = 0
         self.starting = 0.0
 
@@ -84,11 +100,17 @@ class Bench:
         if self._worlds > 1:
             self._simulation = self._adapter.build_batch(scene, settings, self._worlds)
         else:
-            self._simulation = self._adapter.build(scene, settings)
+            plain = self._simulation = self._adapter.build(scene, settings)
+            if self._trial.clocks == "reading":
+                self._advance = partial(clock_calls, reader(plain, State.empty(len(scene.bodies))))
+            else:
+                self._advance = partial(clock_steps, plain)
+            if self._trial.clocks == "call":
+                self._call = partial(plain.step, 0)
             if self._control is not None:
                 self._simulation = Controlled(self._simulation, self._control, settings.dt, len(scene.bodies))
         if self._rays is not None:
-            self._cast = caster(self._simulation, self._rays)
+            self._call = caster(self._simulation, self._rays)
         elif self._before:
             self._simulation.step(self._before)
         self._here = 0
@@ -98,16 +120,16 @@ class Bench:
         """Free what was built."""
         if self._simulation is not None:
             self._simulation.close()
-        self._simulation = self._cast = None
+        self._simulation = self._call = None
 
     def clock(self, count: int) -> tuple[float, float]:
-        """CPU and wall seconds of `count` steps or casts."""
+        """CPU and wall seconds of `count` steps, casts or empty calls."""
         cpu = wall = 0.0
         while count > 0:
             if self._simulation is None or self._here >= self.whole:
                 self.start()
-            if self._cast is not None:
-                return clock_calls(self._cast, count)
+            if self._call is not None:
+                return clock_calls(self._call, count)
             part = min(count, self.whole - self._here)
             one_cpu, one_wall = self._step(part)
             cpu, wall = cpu + one_cpu, wall + one_wall
@@ -119,7 +141,7 @@ class Bench:
         if self._control is not None:
             return self._controlled(count)
         if self._worlds == 1:
-            return clock_steps(self._simulation, count)
+            return self._advance(count)
         calls, rest = divmod(count, TOGETHER)
         cpu, wall = clock_calls(partial(self._simulation.step, TOGETHER), calls)
         last = clock_steps(self._simulation, rest) if rest else (0.0, 0.0)
@@ -130,13 +152,13 @@ class Bench:
         cpu = wall = 0.0
         while count > 0:
             part = self._simulation.renew(count)
-            one_cpu, one_wall = clock_steps(self._simulation.simulation, part)
+            one_cpu, one_wall = self._advance(part)
             cpu, wall, count = cpu + one_cpu, wall + one_wall, count - part
         return cpu, wall
 
 
 def calibrate(bench: Bench, seconds: float) -> int:
-    """Warm up and find how many steps or casts last `seconds` of CPU time: whole runs of a scene, unless one is too long.
+    """Warm up and find how many steps, casts or calls last `seconds` of CPU time: whole runs of a scene unless too long.
 
     They last less where most of a sample would go by outside the clock, in building short runs anew.
     """

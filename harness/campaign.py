@@ -99,9 +99,8 @@ def _timing(
 
 
 def _together(trial: Trial) -> tuple[object, ...]:
-    """What trials have in common that are clocked side by side: the step as well, but in a sweep that is a knob like others."""
-    dt = None if trial.experiment.sweep else trial.settings.dt
-    return trial.experiment.name, trial.case, repr(trial.parameters), dt
+    """What trials have in common that are clocked side by side: the question, whatever the settings."""
+    return trial.experiment.name, trial.case, repr(trial.parameters)
 
 
 def _share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:

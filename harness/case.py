@@ -12,10 +12,13 @@ from harness.retelling import Retelling
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["Axis", "Case", "Check", "Converged", "Rays", "Unit"]
+__all__ = ["Axis", "Case", "Check", "Clocks", "Converged", "Rays", "Unit"]
 
-Unit = Literal["step", "ray", "world-step"]
-"""What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds."""
+Unit = Literal["step", "ray", "world-step", "read-step", "call"]
+"""What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds, one step with the state of
+all bodies read after it, one call that takes no step."""
+Clocks = Literal["work", "reading", "call"]
+"""What runs under the clock: the case's own work, its steps with all states read after each, or `step(0)`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,8 +129,10 @@ class Case:
         """How many worlds are stepped together."""
         return int(parameters[self.worlds]) if self.worlds else 1
 
-    def unit(self, parameters: Mapping[str, Any]) -> Unit:
+    def unit(self, parameters: Mapping[str, Any], clocks: Clocks = "work") -> Unit:
         """What the clock counts."""
+        if clocks != "work":
+            return "read-step" if clocks == "reading" else "call"
         if self.rays is not None:
             return "ray"
         return "world-step" if self.count_of_worlds(parameters) > 1 else "step"

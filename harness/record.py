@@ -55,7 +55,8 @@ class Sample:
     """One timing sample: `steps` steps or casts took `cpu` and `wall` [s] in process number `process`, block number `block`.
 
     Terms:
-        units: rays of one cast, worlds of one step; 1 where one scene is stepped.
+        units: rays of one cast, worlds of one step; 1 where one scene is stepped; that many times more where several processes
+        step side by side: `cpu` is then that of all of them, `wall` that of the slowest.
     """
 
     process: int
@@ -106,9 +107,10 @@ class Record:
         simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
         track: 'default', 'tuned', or the name of a variant of the study.
         warnings: what the engine said. detail: trace or tail of standard error, for people.
-        unit: what was clocked: 'step', 'ray' or 'world-step'; cpu_per_unit [s] with its interval: the price of one.
         rough_cost: CPU seconds per simulated second (per unit, where that is no step), from one sample beside the accuracy run
         of a sweep; where to look next is decided by it, and nothing else.
+        unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
+        clocks, workers: of the trial.
     """
 
     trial: str
@@ -141,6 +143,8 @@ class Record:
     cpu_per_unit_low: float | None = None
     cpu_per_unit_high: float | None = None
     rough_cost: float | None = None
+    clocks: str = "work"
+    workers: int = 1
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from itertools import product
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as validated
 
 from harness.adapter import Adapter, Settings
-from harness.case import Case
+from harness.case import Case, Clocks
 from harness.control import wrench_after
 from harness.record import digest
 from harness.scene.file import dump_json
@@ -62,6 +62,8 @@ class Experiment:
         `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process.
         sweep: how many settings beyond these may be tried for each case on an engine, in search of its Pareto front (see
         `harness.sweep`); then only what lies near the front is clocked.
+        clocks: what runs under the clock, each a trial of its own. workers: how many processes step the scene side by side,
+        each number a trial of its own.
     """
 
     name: Name
@@ -72,6 +74,8 @@ class Experiment:
     dt: Literal["case", "ladder"] | tuple[Positive, ...] = "case"
     parameters: dict[str, tuple[bool | int | float | str, ...]] = Field(default_factory=dict)
     timing: bool = True
+    clocks: tuple[Clocks, ...] = ("work",)
+    workers: tuple[Annotated[int, Field(ge=1, le=1000)], ...] = (1,)
     samples: int = Field(default=5, ge=1, le=10_000)
     processes: int = Field(default=1, ge=1, le=100)
     sample_seconds: Positive = 0.05
@@ -112,11 +116,13 @@ class Study:
                     continue
                 for parameters, seed in parameters_of(experiment, case):
                     question = _question(case, parameters)
+                    clocked = list(_clocked(experiment, case, parameters))
                     for dt, (track, engine, settings) in product(steps_of(experiment, case), sides):
                         cell = _Cell(
                             case, parameters, seed, question, engine.name, versions[engine.name], track, settings.with_dt(dt)
                         )
-                        yield Trial.of(self, experiment, cell)
+                        for clocks, workers in clocked:
+                            yield Trial.of(self, experiment, cell, clocks, workers)
 
     def _sides(self, experiment: Experiment, engines: Sequence[Adapter]) -> Iterator[tuple[str, Adapter, Settings]]:
         """Tracks, then variants, each with the engines that have it and the settings that it means there."""
@@ -143,6 +149,17 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
         chosen = dict(case.parameters) | dict(zip(experiment.parameters, values, strict=True))
         for seed in range(case.ensemble):
             yield chosen | ({"seed": seed} if case.ensemble > 1 else {}), seed
+
+
+def _clocked(experiment: Experiment, case: Case, parameters: Mapping[str, Any]) -> Iterator[tuple[Clocks, int]]:
+    """What is clocked, and in how many processes side by side. Raises: StudyError."""
+    for clocks, workers in product(experiment.clocks, experiment.workers):
+        if clocks != "work" and case.unit(parameters) != "step":
+            raise StudyError(
+                f"experiment '{experiment.name}': clocks '{clocks}' of case '{case.name}', whose unit is a "
+                f"{case.unit(parameters)}, expected 'work' alone"
+            )
+        yield clocks, workers
 
 
 def _question(case: Case, parameters: Mapping[str, Any]) -> str:
@@ -178,7 +195,9 @@ def steps_of(experiment: Experiment, case: Case) -> tuple[float, ...]:
 class Trial:
     """One cell: a case at one set of parameters, on one engine, under one group of settings.
 
-    Terms: round: of the sweep that proposed it, 0 for what the study names itself.
+    Terms:
+        clocks: what its timing run clocks, in `workers` processes side by side. round: of the sweep that proposed it, 0 for
+        what the study names itself.
     """
 
     trial: str
@@ -191,6 +210,8 @@ class Trial:
     track: str
     settings: Settings
     seed: int
+    clocks: Clocks = "work"
+    workers: int = 1
     round: int = 0
 
     def varied(self, track: str, settings: Settings, number: int) -> "Trial":
@@ -199,8 +220,9 @@ class Trial:
         return replace(self, trial=name, track=track, settings=settings, round=number)
 
     @classmethod
-    def of(cls, study: Study, experiment: Experiment, cell: "_Cell") -> "Trial":
+    def of(cls, study: Study, experiment: Experiment, cell: "_Cell", clocks: Clocks = "work", workers: int = 1) -> "Trial":
         """The trial with its name: a digest of all that decides its answer, the scene and versions included."""
+        beside = ({"clocks": clocks} if clocks != "work" else {}) | ({"workers": workers} if workers != 1 else {})
         name = digest(
             {
                 "study": study.name,
@@ -214,6 +236,7 @@ class Trial:
                 "settings": replace(cell.settings, source="").plain(),
                 "seed": cell.seed,
             }
+            | beside
         )
         return cls(
             trial=name,
@@ -226,6 +249,8 @@ class Trial:
             track=cell.track,
             settings=cell.settings,
             seed=cell.seed,
+            clocks=clocks,
+            workers=workers,
         )
 
 

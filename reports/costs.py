@@ -16,7 +16,15 @@ if TYPE_CHECKING:
 __all__ = ["UNITS", "growths", "qualities", "standings", "titled"]
 
 Row = dict[str, Any]
-UNITS = {"step": "step", "ray": "ray", "world-step": "step of one world"}
+UNITS = {
+    "step": "step",
+    "ray": "ray",
+    "world-step": "step of one world",
+    "cast": "cast of all rays",
+    "batch-step": "step of all worlds",
+    "read-step": "step whose state is read",
+    "call": "call that takes no step",
+}
 LANE = 15
 """Height of a line of text in a chart [px]."""
 QUALITIES = 4
@@ -152,7 +160,7 @@ def qualities(store: "Store", scaling: Scaling) -> list[Figure]:
     """Penetration against price, for the scenes in which most engines and settings have both."""
     scenes: dict[tuple[str, str], list[Cost]] = {}
     for row in scaling.costs:
-        if row.cpu is not None and row.penetration is not None:
+        if row.cpu is not None and row.penetration is not None and not row.beside:
             scenes.setdefault((row.case, row.where), []).append(row)
     several = {scene: rows for scene, rows in scenes.items() if len({row.engine for row in rows}) > 1}
     richest = sorted(several, key=lambda scene: -len({row.engine for row in several[scene]}) * 1000 - len(several[scene]))

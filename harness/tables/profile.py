@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from harness.prices import Price, Prices
 from harness.store import Store
-from harness.tables.price import Price, Prices
 
 __all__ = ["BRIEF", "COLUMNS", "Share", "brief", "profile", "rows", "sentences"]
 

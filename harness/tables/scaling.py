@@ -2,12 +2,15 @@
 
 A price alone says little, so each stands beside what it buys: how deep bodies stand in one another, how much still moves, or,
 where nothing touches, the case's own error. Ratios are taken within blocks of samples, which cancels what the machine did.
+
+What was clocked beside the work (steps whose state is read, empty calls, several processes side by side) is compared with the
+same engine's plain step and with nobody else's.
 """
 
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +19,7 @@ import pandas as pd
 
 from harness.store import Store
 from harness.trajectory import Floats
-from harness.trend import fit_order
+from harness.trend import FEWEST, fit_order
 
 __all__ = [
     "BRIEF",
@@ -39,6 +42,10 @@ RESIDUAL = ("rms_speed",)
 SMALLEST = {"penetration": 1e-6, "residual": 1e-5, "error": 1e-6}
 """Below a micrometre, 10 micrometres a second, or a millionth of an error's unit, two answers count as equally good."""
 DRAWS = 2000
+CLOCKED = {"work": "step alone", "reading": "step and reading", "call": "empty call"}
+"""What runs under the clock, in the words that set the rows apart."""
+WHOLE = {"ray": ("cast", "rays"), "world-step": ("batch-step", "worlds")}
+"""Where the number of what is counted is swept, the price of all together, and the name of that number."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,6 +67,9 @@ class Cost:
         that penetrates no more and moves no more (or, without contact, errs no more) than this row; ours names it.
         penetration [m]; residual [m/s]: root mean square speed of the worst body when all should rest; error: the case's
         headline metric. best: is this the engine's fastest setting whose checks hold?
+        clocks, workers: as in `harness.study.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain step of
+        the same engine and setting, where something else was clocked. rate [1/s]: units that all processes get done in a second
+        of wall time; efficiency: that over `workers` times the rate of one process; where several stepped side by side.
     """
 
     case: str
@@ -84,6 +94,18 @@ class Cost:
     reason: str
     dt: float
     trial: str
+    experiment: str = ""
+    clocks: str = "work"
+    workers: int = 1
+    units: int = 1
+    to_plain: Ratio | None = None
+    rate: float | None = None
+    efficiency: Ratio | None = None
+
+    @property
+    def beside(self) -> bool:
+        """Does it belong to a study of what stands beside the work?"""
+        return "clocked" in self.parameters or "workers" in self.parameters
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,7 +128,10 @@ class Exponent:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sweep:
-    """Rows of all engines that differ in one numeric parameter, by its size; where: what else tells them from the case."""
+    """Rows of all engines that differ in one numeric parameter, by its size; where: what else tells them from the case.
+
+    Where the parameter decides how many rays or worlds there are, the rows show that number and the price of all of them.
+    """
 
     case: str
     where: str
@@ -119,6 +144,8 @@ COLUMNS = (
     "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
     "to_fastest_high", "to_ours", "to_ours_low", "to_ours_high", "ours", "penetration_m", "residual_m_s", "error",
     "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
+    "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
+    "efficiency_high",
 )  # fmt: skip
 """Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None."""
 
@@ -161,12 +188,12 @@ class Scaling:
         return found
 
     @cached_property
-    def _blocks(self) -> Mapping[str, Mapping[tuple[int, int], float]]:
-        """CPU time [s] of a unit by trial and (process, block)."""
-        found: dict[str, dict[tuple[int, int], float]] = {}
+    def _samples(self) -> Mapping[str, Mapping[tuple[int, int], Mapping[str, Any]]]:
+        """Samples by trial and (process, block)."""
+        found: dict[str, dict[tuple[int, int], Mapping[str, Any]]] = {}
         for s in self._store.samples.to_dict("records"):
-            units = s["units"] if pd.notna(s.get("units")) else 1
-            found.setdefault(s["trial"], {})[s["process"], s["block"]] = s["cpu"] / (s["steps"] * units)
+            units = int(s["units"]) if pd.notna(s.get("units")) else 1
+            found.setdefault(s["trial"], {})[s["process"], s["block"]] = s | {"units": units}
         return found
 
     def _own(self, case: str) -> Mapping[str, Any]:
@@ -182,10 +209,10 @@ class Scaling:
     def _groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """Trials that were clocked together: one case at one set of parameters and one time step."""
         for (case, _), part in self._store.trials.groupby(["case", "experiment"], sort=False):
-            given = [json.loads(text) for text in part["parameters"]]
+            given = _given(part)
             swept = self._swept(case, given)
             where = [", ".join(_named(name, one.get(name)) for name in swept) for one in given]
-            keyed = part.assign(where=where, size=[[_size(one.get(name)) for name in swept] for one in given])
+            keyed = part.assign(where=where, given=given, size=[[_size(one.get(name)) for name in swept] for one in given])
             for (place, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
                 yield case, place, group
 
@@ -196,18 +223,18 @@ class Scaling:
         for case, where, group in self._groups():
             rows = [self._cost(case, where, row) for row in group.to_dict("records")]
             if any(row.cpu is not None for row in rows):
-                found += self._compared(rows)
-        return tuple(found)
+                found += rows if any(row.beside for row in rows) else self._compared(rows)
+        return tuple(self._beside(found))
 
     def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
         values = self._values.get(row["trial"], {})
         headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
         trouble = [text for text in json.loads(row["warnings"]) if str(text).startswith("timing: ")]
-        unstable = row["unstable_timing"]
+        unstable, workers = row["unstable_timing"], int(row.get("workers", 1))
         return Cost(
             case=case,
             where=where,
-            parameters=json.loads(row["parameters"]),
+            parameters=row["given"],
             engine=row["engine"],
             track=row["track"],
             unit=str(row["unit"]) if pd.notna(row.get("unit")) else "",
@@ -227,14 +254,46 @@ class Scaling:
             reason="; ".join([row["reason"], *trouble]) if row["status"] != "passed" else "; ".join(trouble),
             dt=float(row["dt"]),
             trial=row["trial"],
+            experiment=row["experiment"],
+            clocks=row.get("clocks", "work"),
+            workers=workers,
+            units=next((s["units"] for s in self._samples.get(row["trial"], {}).values()), workers) // workers,
         )
 
-    def _ratio(self, row: Cost, base: Cost) -> Ratio | None:
-        mine, other = self._blocks.get(row.trial, {}), self._blocks.get(base.trial, {})
+    def _ratio(self, row: Cost, base: Cost, clock: str = "cpu") -> Ratio | None:
+        mine, other = self._samples.get(row.trial, {}), self._samples.get(base.trial, {})
         both = sorted(mine.keys() & other.keys())
         if not both:
             return None
-        return ratio(np.array([mine[key] for key in both]), np.array([other[key] for key in both]))
+        cost, other_cost = ([of[k][clock] / (of[k]["steps"] * of[k]["units"]) for k in both] for of in (mine, other))
+        return ratio(np.array(cost), np.array(other_cost))
+
+    def _rate(self, row: Cost) -> float | None:
+        """Units in a second of wall time."""
+        samples = self._samples.get(row.trial, {}).values()
+        return float(np.median([s["steps"] * s["units"] / s["wall"] for s in samples])) if samples else None
+
+    def _beside(self, rows: Sequence[Cost]) -> Iterator[Cost]:
+        """What stands beside the work, compared with the plain step of one process in the same blocks."""
+
+        def side(row: Cost) -> tuple[object, ...]:
+            kept = {name: value for name, value in row.parameters.items() if name not in ("clocked", "workers")}
+            return row.case, row.experiment, row.engine, row.track, row.dt, json.dumps(kept, sort_keys=True)
+
+        plain = {side(row): row for row in rows if row.beside and (row.clocks, row.workers) == ("work", 1)}
+        for row in rows:
+            changed: dict[str, Any] = {}
+            base = plain.get(side(row)) if row.beside and row.cpu is not None else None
+            if base is not None and row.clocks != "work":
+                changed["to_plain"] = self._ratio(row, base)
+            if base is not None and row.clocks == "work" and "workers" in row.parameters:
+                # A unit's wall time, all processes counted, over that of one process: the inverse of the speed-up.
+                slower = self._ratio(row, base, "wall")
+                if slower is not None:
+                    low, high = (1 / (row.workers * end) for end in (slower.high, slower.low))
+                    changed["efficiency"] = Ratio(value=1 / (row.workers * slower.value), low=low, high=high)
+                changed["rate"] = self._rate(row)
+            yield replace(row, **changed)
 
     def _compared(self, rows: Sequence[Cost]) -> list[Cost]:
         timed = sorted((row for row in rows if row.cpu is not None), key=lambda row: row.cpu or 0.0)
@@ -244,7 +303,7 @@ class Scaling:
         for row in [*timed, *(row for row in rows if row.cpu is None)]:
             rival = next((own for own in sound if own.engine in self._ours and no_worse(own, row)), None)
             compared.append(
-                _with(
+                replace(
                     row,
                     to_fastest=self._ratio(row, sound[0]) if sound else None,
                     to_ours=self._ratio(row, rival) if rival is not None else None,
@@ -260,21 +319,23 @@ class Scaling:
         """The rows along each numeric parameter that was run at three values or more while the others were kept."""
         found: dict[tuple[str, str, str, str, float], list[Cost]] = {}
         for row in self.costs:
-            for name, value in row.parameters.items():
+            for name, value in row.parameters.items() if not row.beside else ():
                 if row.cpu is not None and isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
                     others = {n: v for n, v in row.parameters.items() if n != name}
                     key = (row.case, json.dumps(others, sort_keys=True), row.unit, name, row.dt)
                     found.setdefault(key, []).append(row)
         return tuple(
-            Sweep(
-                case=case,
-                where=", ".join(_named(n, v) for n, v in json.loads(others).items() if self._own(case).get(n) != v),
-                unit=unit,
-                parameter=name,
-                rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
+            _whole(
+                Sweep(
+                    case=case,
+                    where=", ".join(_named(n, v) for n, v in json.loads(others).items() if self._own(case).get(n) != v),
+                    unit=unit,
+                    parameter=name,
+                    rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
+                )
             )
             for (case, others, unit, name, _), rows in found.items()
-            if len({row.parameters[name] for row in rows}) >= 3
+            if len({row.parameters[name] for row in rows}) >= FEWEST
         )
 
     @cached_property
@@ -293,14 +354,13 @@ class Scaling:
         found = []
         for cost in self.costs:
             row = {name: value for name, value in asdict(cost).items() if name in COLUMNS and not isinstance(value, dict)}
-            for name in ("to_fastest", "to_ours"):
+            for name in ("to_fastest", "to_ours", "to_plain", "efficiency"):
                 one: Ratio | None = getattr(cost, name)
                 if one is not None:
                     row |= {name: one.value, f"{name}_low": one.low, f"{name}_high": one.high}
             prices = {"cpu_s": cost.cpu, "cpu_low_s": cost.low, "cpu_high_s": cost.high}
-            found.append(
-                blank | row | prices | {"row": "cost", "penetration_m": cost.penetration, "residual_m_s": cost.residual}
-            )
+            named = {"penetration_m": cost.penetration, "residual_m_s": cost.residual, "rate_per_s": cost.rate}
+            found.append(blank | row | prices | {"row": "cost"} | named)
         for fit in self.exponents:
             row = {name: getattr(fit, name) for name in ("case", "engine", "track", "unit", "exponent")}
             where = ", ".join(filter(None, (fit.where, f"{fit.parameter} from {fit.start:g} to {fit.end:g}")))
@@ -326,6 +386,10 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
     costs = ""
     if row["cpu_s"] is not None:
         costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
+        if row["to_plain"] is not None:
+            costs += f", {row['to_plain']:.3g} x the step alone"
+        if row["efficiency"] is not None:
+            costs += f", {row['rate_per_s']:,.0f} a second, efficiency {row['efficiency']:.2f}"
     ahead = "" if row["to_ours"] is None else f"{row['to_ours']:.3g} ({row['ours']})"
     return (
         scene,
@@ -374,13 +438,42 @@ def _named(name: str, value: Any) -> str:
     return value if isinstance(value, str) else f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
 
 
+def _given(part: pd.DataFrame) -> list[dict[str, Any]]:
+    """The parameters of trials; two more say what was clocked and in how many processes, where that is not the plain step."""
+    given: list[dict[str, Any]] = [json.loads(text) for text in part["parameters"]]
+    for name, column, plain in (("clocked", "clocks", "work"), ("workers", "workers", 1)):
+        if column in part and (part[column] != plain).any():
+            given = [one | {name: CLOCKED.get(value, value)} for one, value in zip(given, part[column], strict=True)]
+    return given
+
+
+def _whole(sweep: Sweep) -> Sweep:
+    """Prices of all rays or worlds together over their number, where that is what the parameter decides."""
+    if sweep.unit not in WHOLE or len({row.units for row in sweep.rows}) < FEWEST:
+        return sweep
+    unit, name = WHOLE[sweep.unit]
+    kept = [{n: v for n, v in row.parameters.items() if n != sweep.parameter} for row in sweep.rows]
+    rows = [
+        replace(
+            row,
+            unit=unit,
+            parameters=others | {name: row.units},
+            cpu=_times(row.cpu, row.units),
+            low=_times(row.low, row.units),
+            high=_times(row.high, row.units),
+        )
+        for row, others in zip(sweep.rows, kept, strict=True)
+    ]
+    return replace(sweep, unit=unit, parameter=name, rows=tuple(sorted(rows, key=lambda row: row.units)))
+
+
+def _times(value: float | None, count: int) -> float | None:
+    return None if value is None else value * count
+
+
 def _size(value: Any) -> tuple[int, float, str]:
     """Numbers by size, before words by alphabet."""
     return (0, float(value), "") if isinstance(value, int | float) else (1, 0.0, str(value))
-
-
-def _with(row: Cost, **changed: Any) -> Cost:
-    return Cost(**({f.name: getattr(row, f.name) for f in fields(row)} | changed))
 
 
 def no_worse(own: Cost, other: Cost) -> bool:

@@ -10,8 +10,8 @@ from typing import Any
 
 import pandas as pd
 
+from harness.prices import Point, Prices
 from harness.store import Store
-from harness.tables.price import Point, Prices
 
 __all__ = ["BRIEF", "COLUMNS", "WITHIN", "Step", "brief", "largest_steps", "rows", "sentences"]
 

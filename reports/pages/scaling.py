@@ -38,8 +38,11 @@ def render(store: "Store") -> Mapping[str, str]:
         leads=leads(store, scaling.costs),
         exponents=scaling.exponents,
         costs=scaling.costs,
+        looked=[row for row in scaling.costs if row.to_plain is not None],
+        shared=[row for row in scaling.costs if row.efficiency is not None],
         titles={(row.case, row.where): titled(store, row.case, row.where) for row in scaling.costs},
         units=UNITS,
+        cores=store.machine.get("cores"),
     )
     figures = [*([standing] if standing is not None else []), *grown, *bought]
     return {"scaling.html": page, "scaling.csv": sheet(scaling)} | {figure.path: figure.svg for figure in figures}

@@ -37,7 +37,24 @@ deadline = {deadline}
 name = "rays"
 cases = ["system_rays"]
 tracks = ["tuned"]
-parameters = {{ thin = [256] }}
+parameters = {{ thin = [64, 128, 256] }}
+samples = 2
+sample_seconds = 0.002
+deadline = {deadline}
+[[experiments]]
+name = "overhead"
+cases = ["flight_box"]
+tracks = ["default"]
+clocks = ["work", "reading", "call"]
+samples = 2
+sample_seconds = 0.002
+deadline = {deadline}
+[[experiments]]
+name = "side-by-side"
+cases = ["stack_pile"]
+tracks = ["default"]
+parameters = {{ n = [4] }}
+workers = [1, 3]
 samples = 2
 sample_seconds = 0.002
 deadline = {deadline}
@@ -63,17 +80,31 @@ def test_every_scene_and_setting_has_a_price_for_its_own_unit(folder: Path, plum
     assert {(row["where"], row["track"], row["unit"]) for row in costs} == {
         *((f"n {n}", track, "step") for n in (4, 6, 8) for track in ("default", "cg")),
         ("n 4, worlds 3", "default", "world-step"),
-        ("thin 256", "tuned", "ray"),
+        *((f"thin {thin}", "tuned", "ray") for thin in (64, 128, 256)),
+        ("step alone", "default", "step"),
+        ("step and reading", "default", "read-step"),
+        ("empty call", "default", "call"),
+        *((f"n 4, workers {workers}", "default", "step") for workers in (1, 3)),
     }
     for row in costs:
         assert 0 < row["cpu_low_s"] <= row["cpu_s"] <= row["cpu_high_s"]
-    assert sum(row["best"] for row in costs) == 5  # one a scene
-    assert {row["track"] for row in rows if row["row"] == "exponent"} == {"default", "cg"}
+    assert sum(row["best"] for row in costs) == 7  # one a scene, none beside the work
+    assert {(row["track"], row["unit"]) for row in rows if row["row"] == "exponent"} == {
+        ("default", "step"), ("cg", "step"), ("tuned", "cast"),
+    }  # fmt: skip
+    compared = {row["where"]: row for row in costs if row["to_plain"] is not None}
+    assert compared.keys() == {"step and reading", "empty call"}
+    assert all(0 < row["to_plain_low"] <= row["to_plain"] <= row["to_plain_high"] for row in compared.values())
+    shared = {row["workers"]: row for row in costs if row["efficiency"] is not None}
+    assert shared.keys() == {1, 3}
+    assert shared[1]["efficiency"] == 1.0
+    assert 0 < shared[3]["efficiency_low"] <= shared[3]["efficiency"] <= shared[3]["efficiency_high"]
+    assert all(row["rate_per_s"] > 0 for row in shared.values())
 
 
 def test_the_table_is_printed_in_every_format(folder: Path, plumbline: Command) -> None:
     sheet = list(csv.DictReader(io.StringIO(plumbline("show", folder, "--table", "scaling", "--format", "csv").stdout)))
-    assert len(sheet) == 10
+    assert len(sheet) == 18
     markdown = plumbline("show", folder, "--table", "scaling", "--format", "markdown").stdout
     assert len(markdown.splitlines()) == 2 + len(sheet)
     text = plumbline("show", folder, "--table", "scaling").stdout
@@ -88,4 +119,6 @@ def test_the_report_has_the_page_with_its_charts_and_sheet(folder: Path) -> None
     for name in ("growth-0", "standings"):
         assert f'id="{name}"' in page
         assert (report / "charts" / f"{name}.svg").is_file()
-    assert len((report / "scaling.csv").read_text().splitlines()) == 11
+    assert len((report / "scaling.csv").read_text().splitlines()) == 19
+    for section in ("beside", "shared"):
+        assert f'id="{section}"' in page

@@ -9,9 +9,11 @@ import pytest
 from harness import discover
 from harness.adapter import Settings
 from harness.bench import TOGETHER, Bench, calibrate, caster
+from harness.case import Clocks
 from harness.clock import summarise
 from harness.record import Sample
 from harness.study import Experiment, Trial
+from harness.trajectory import State
 
 DT = 1 / 240
 PILE = discover.case("stack_pile")
@@ -26,6 +28,12 @@ class Counting:
 
     def step(self, count: int = 1) -> None:
         self.told.append(("step", count))
+
+    def state(self, out: Any) -> None:
+        self.told.append(("state", id(out)))
+
+    def wrench(self, *of: Any) -> None:
+        self.told.append(("wrench", 1))
 
     def cast(self, origins: Any, directions: Any, max_range: float) -> None:
         self.told.append(("cast", len(origins)))
@@ -48,7 +56,7 @@ class Maker:
         return Counting(self.told)
 
 
-def bench(case: Any, **parameters: Any) -> tuple[Bench, Maker]:
+def bench(case: Any, clocks: Clocks = "work", **parameters: Any) -> tuple[Bench, Maker]:
     maker = Maker()
     trial = Trial(
         trial="t",
@@ -61,6 +69,7 @@ def bench(case: Any, **parameters: Any) -> tuple[Bench, Maker]:
         track="tuned",
         settings=Settings(dt=DT),
         seed=0,
+        clocks=clocks,
     )
     return Bench(case, maker, trial), maker  # type: ignore[arg-type]
 
@@ -108,6 +117,79 @@ def test_rays_are_cast_instead_of_steps_and_counted_one_by_one() -> None:
     assert steps(maker.told) == []
 
 
+def test_reading_takes_single_steps_and_reads_into_the_same_arrays_after_each() -> None:
+    made, maker = bench(PILE, "reading", n=4)
+    assert (made.units, made.steady) == (1, True)
+    made.clock(3)
+    told = maker.told[2:]  # after building and the way to where the clock starts
+    assert [what for what, _ in told] == ["step", "state"] * 3
+    assert [count for what, count in told if what == "step"] == [1, 1, 1]
+    assert len({out for what, out in told if what == "state"}) == 1
+
+
+def test_reading_under_a_control_leaves_the_law_outside_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, maker = bench(discover.case("system_scaling"), "reading", n=2)
+    made.clock(1)
+    clocked: list[str] = []
+
+    def clock(call: Any, count: int) -> tuple[float, float]:
+        before = len(maker.told)
+        for _ in range(count):
+            call()
+        clocked.extend(what for what, _ in maker.told[before:])
+        return 0.0, 0.0
+
+    monkeypatch.setattr("harness.bench.clock_calls", clock)
+    made.start()
+    begun = len(maker.told)
+    made.clock(9)
+    assert clocked == ["step", "state"] * 9
+    # The control reads the state once for itself each time that it tells the forces.
+    outside = len(maker.told) - begun - 18
+    assert outside == 2 * [what for what, _ in maker.told[begun:]].count("wrench") > 0
+
+
+def test_an_empty_call_takes_no_step_and_never_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, maker = bench(discover.case("flight_box"), "call")
+    made.clock(1000)
+    made.clock(1000)
+    assert steps(maker.told) == [0] * 2000
+    assert [what for what, _ in maker.told if what != "step"] == ["build"]
+    start = Bench.start
+
+    def slow(self: Bench) -> None:
+        start(self)
+        self.starting = 10.0
+
+    monkeypatch.setattr(Bench, "start", slow)
+    monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
+    assert calibrate(made, 0.01) == pytest.approx(10_000, rel=1e-9)  # built once, so building cuts no sample short
+
+
+@pytest.mark.parametrize("engine", ["bullet", "dart", "mujoco", "reference"])
+@pytest.mark.parametrize("case", ["flight_box", "stack_pile"])
+def test_a_call_without_a_step_changes_no_bit_of_what_comes(engine: str, case: str) -> None:
+    adapter, scene = discover.adapter(engine), discover.case(case).scene()
+    if (reason := discover.version_of(adapter)[1]) is not None:
+        pytest.skip(reason)
+    ends = []
+    for empty in (0, 3):
+        simulation, out = adapter.build(scene, adapter.tracks["default"]), State.empty(len(scene.bodies))
+        simulation.step(4)
+        simulation.state(out)
+        before = out.p_WB.copy()
+        for _ in range(empty):
+            simulation.step(0)
+        simulation.state(out)
+        np.testing.assert_array_equal(out.p_WB, before)
+        simulation.step(4)
+        simulation.state(out)
+        assert (out.p_WB != before).any()
+        ends.append([getattr(out, name).tobytes() for name in ("p_WB", "q_WB", "v_WB", "w_WB")])
+        simulation.close()
+    assert ends[0] == ends[1]
+
+
 def test_calibration_takes_whole_runs_of_a_short_case_and_part_of_a_long_steady_one(monkeypatch: pytest.MonkeyPatch) -> None:
     short, _ = bench(discover.case("flight_box"))
     monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
@@ -146,6 +228,9 @@ def test_a_price_is_that_of_one_ray_or_one_world() -> None:
     worlds = summarise(trial, [sample] * 3, unit="world-step")
     assert worlds.cpu_per_unit == pytest.approx(1e-4)
     assert worlds.cpu_per_sim_s == pytest.approx(1e-2)
+    read = summarise(trial, [replace(sample, units=1)] * 3, unit="read-step")
+    assert read.cpu_per_unit == pytest.approx(5e-3)
+    assert read.cpu_per_sim_s is None  # the price of a simulated second is that of stepping alone
     alone = summarise(trial, [replace(sample, units=1)] * 3)
     assert alone.unit == "step"
     assert alone.cpu_per_unit == pytest.approx(alone.cpu_per_sim_s * 0.01)  # type: ignore[operator]

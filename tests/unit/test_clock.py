@@ -1,12 +1,21 @@
 """The clock: its statistics are what they claim on samples whose answer is known; no time is asserted."""
 
+import contextlib
 import dataclasses
 import multiprocessing
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
 
+import pytest
+
+from harness import team as clockwork
 from harness.adapter import Settings
-from harness.clock import Clocked, summarise
+from harness.clock import summarise
 from harness.record import Sample, Timing
 from harness.study import Experiment, Trial
+from harness.team import Clocked, Team, joined
 
 TRIAL = Trial(
     trial="t",
@@ -41,6 +50,7 @@ def test_the_interval_covers_the_median() -> None:
     timing = summarise(TRIAL, [dataclasses.replace(SAMPLE, cpu=0.5 + 0.001 * k) for k in range(9)])
     assert timing.cpu_low is not None
     assert timing.cpu_high is not None
+    assert timing.cpu_per_sim_s is not None
     assert timing.cpu_low < 0.504 == timing.cpu_per_sim_s < timing.cpu_high
     assert timing.unstable_timing is False
 
@@ -83,13 +93,113 @@ def test_no_sample_is_said_and_not_made_up() -> None:
     assert "exit code -11" in timing.note
 
 
+def test_workers_share_their_cpu_time_and_wait_for_the_slowest() -> None:
+    """Two of 100 steps each, 0.5 s of CPU time each, done after 1 and 1.25 s: 200 steps in 1.25 s."""
+    late = dataclasses.replace(SAMPLE, wall=1.25, canary=0.0, switches=3)
+    both = joined([SAMPLE, late])
+    assert both == dataclasses.replace(SAMPLE, units=2, cpu=1.0, wall=1.25, switches=3)
+    timing = summarise(dataclasses.replace(TRIAL, workers=2), [both] * 3)
+    assert timing.cpu_per_unit == 0.5 / 100
+    assert timing.cpu_per_sim_s is None
+    assert joined([SAMPLE]) == SAMPLE
+
+
+class Scripted(Clocked):
+    """A child that answers from a list and notes what it is asked."""
+
+    def __init__(self, name: str, answers: list[object], told: list[tuple[str, str, object]]) -> None:
+        self.name, self.answers, self.told, self.trouble = name, answers, told, ""
+
+    def ask(self, number: int, block: int, steps: int) -> None:
+        self.told.append((self.name, "asked", (number, block, steps)))
+
+    def answer(self, seconds: float) -> object:
+        message = self.answers.pop(0)
+        self.told.append((self.name, "answered", message))
+        return message
+
+
+def test_workers_are_all_asked_for_the_same_steps_before_any_is_waited_for() -> None:
+    told: list[tuple[str, str, object]] = []
+    team = Team(TRIAL, [Scripted("a", [40, SAMPLE], told), Scripted("b", [55, SAMPLE], told)])
+    team.calibrated(1.0)
+    told.clear()
+    assert team.sample(3, 1.0) == dataclasses.replace(SAMPLE, units=2, cpu=1.0)
+    assert [(name, what) for name, what, _ in told] == [("a", "asked"), ("b", "asked"), ("a", "answered"), ("b", "answered")]
+    assert [content for _, what, content in told if what == "asked"] == [(0, 3, 40), (0, 3, 40)]
+
+
+class Idle:
+    """A bench on which nothing is stepped."""
+
+    units, steady = 1, True
+
+    def __init__(self, *of: object) -> None:
+        pass
+
+    def clock(self, count: int) -> tuple[float, float]:
+        return count * 1e-3, count * 1e-3
+
+    def stop(self) -> None:
+        pass
+
+
+@pytest.fixture
+def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
+    """Two children of one trial that wait for each other, as threads of this process."""
+    monkeypatch.setattr(clockwork, "discover", SimpleNamespace(case=str, adapter=str))
+    monkeypatch.setattr(clockwork, "Bench", Idle)
+    monkeypatch.setattr(clockwork, "confine", lambda *_: None)
+    monkeypatch.setattr(clockwork, "calibrate", lambda *_: 40)
+    monkeypatch.setattr("gc.disable", lambda: None)
+    gate, children, threads = threading.Barrier(2), [], []
+    for first in (True, False):
+        ours, theirs = multiprocessing.Pipe()
+        place = clockwork.Place(None, first, gate)  # type: ignore[arg-type]
+        threads.append(threading.Thread(target=clockwork._child, args=(theirs, [TRIAL], place, Path())))
+        threads[-1].start()
+        children.append(Clocked(None, ours))  # type: ignore[arg-type]
+    yield children
+    for child, thread in zip(children, threads, strict=True):
+        with contextlib.suppress(BrokenPipeError):
+            child.pipe.send(None)
+        thread.join()
+
+
+def test_no_worker_starts_before_all_are_there(idle_children: list[Clocked]) -> None:
+    early, late = idle_children
+    assert [child.answer(10.0) for child in idle_children] == [40, 40]
+    early.ask(0, 0, 7)
+    assert not early.pipe.poll(0.3)
+    late.ask(0, 0, 7)
+    found = [child.answer(10.0) for child in (early, late)]
+    assert [(s.block, s.steps, s.wall) for s in found if isinstance(s, Sample)] == [(0, 7, 0.007)] * 2
+    assert [s.canary > 0 for s in found if isinstance(s, Sample)] == [True, False]
+
+
+def test_a_worker_that_fails_does_not_keep_the_others_waiting(idle_children: list[Clocked]) -> None:
+    team = Team(TRIAL, idle_children)
+    team.calibrated(10.0)
+    idle_children[0].ask(0, 0, 7)
+    idle_children[1].pipe.send("no order")
+    answers = " ".join(str(child.answer(10.0)) for child in idle_children)
+    assert all(name in answers for name in ("BrokenBarrierError", "ValueError"))
+
+
+def test_one_worker_in_trouble_is_the_trials_trouble_and_no_sample() -> None:
+    team = Team(TRIAL, [Scripted("a", [40, SAMPLE], []), Scripted("b", [40, "MemoryError: no more"], [])])
+    team.calibrated(1.0)
+    assert team.sample(0, 1.0) is None
+    assert team.trouble == "MemoryError: no more"
+
+
 def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
     ours, theirs = multiprocessing.Pipe()
     process = multiprocessing.get_context("spawn").Process(target=int)
     process.start()
     process.join()
     theirs.close()
-    child = Clocked(TRIAL, process, ours)
-    assert child.sample(0, 1.0) is None
-    assert "exit code 0" in child.trouble
-    child.stop()
+    team = Team(TRIAL, [Clocked(process, ours)])
+    assert team.sample(0, 1.0) is None
+    assert "exit code 0" in team.trouble
+    team.stop()

@@ -7,8 +7,9 @@ import pytest
 
 from harness.store import Store
 from reports.html import rendered
+from reports.pages.scaling import render
 from tests.run_folder import write_run_folder
-from tests.unit.test_scaling import Scaling, at, scaling  # noqa: F401 -- the fixture
+from tests.unit.test_scaling import Scaling, at, beside, scaling  # noqa: F401 -- the fixtures
 
 
 def test_a_store_without_a_sweep_has_no_such_page_and_no_link_to_it(tmp_path: Path) -> None:
@@ -25,6 +26,21 @@ def test_a_store_with_a_sweep_has_the_page_with_every_row(scaling: Scaling) -> N
     assert "it took too long" in page
     assert "1.25" in texts["charts/growth-0.svg"]
     assert len(texts["scaling.csv"].splitlines()) == 1 + len(scaling.rows())
+
+
+def test_reading_calling_and_sharing_have_tables_of_their_own(beside: Scaling) -> None:  # noqa: F811
+    beside._store.folder.joinpath("machine.json").write_text('{"cores": 2}')
+    page = render(beside._store)["scaling.html"]
+    for words in ('id="beside"', 'id="shared"', "step whose state is read", "call that takes no step", "this machine lent 2"):
+        assert words in page
+    assert "1.2" in page.split('id="beside"')[1]
+    assert "0.5" in page.split('id="shared"')[1]
+
+
+def test_without_such_rows_there_are_no_such_tables(scaling: Scaling) -> None:  # noqa: F811
+    page = render(scaling._store)["scaling.html"]
+    assert 'id="beside"' not in page
+    assert 'id="shared"' not in page
 
 
 def test_a_hostile_name_stays_text(scaling: Scaling, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: F811

@@ -1,6 +1,7 @@
 """The scaling table on run folders made by formula: prices, ratios, quality and exponents are what they were made to be."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -125,6 +126,100 @@ def test_the_exponent_is_the_one_that_the_prices_were_made_with(scaling: Scaling
         assert fit.exponent == pytest.approx(EXPONENT, abs=1e-9)
         assert fit.low <= fit.exponent <= fit.high
         assert (fit.parameter, fit.start, fit.end) == ("n", pytest.approx(10), pytest.approx(10_000))
+
+
+def beside_trial(
+    journal: Journal, clocks: str, workers: int, n: int, cpu: float, wall: float, experiment: str = "beside"
+) -> None:
+    """Five blocks of 100 steps by each worker, `cpu` [s] of each step, all done after 100 `wall`, under common noise."""
+    name = f"{experiment}-{clocks}-{workers}-{n}"
+    plain = record("ours", "fine", n, 1e-5)
+    journal.append(replace(plain, trial=name, experiment=experiment, clocks=clocks, workers=workers))
+    unit = {"work": "step", "reading": "read-step", "call": "call"}[clocks]
+    samples = tuple(
+        Sample(process=0, block=k, steps=100, units=workers, cpu=100 * workers * cpu * shake, wall=100 * wall * shake,
+               canary=1e-3, switches=0)
+        for k, shake in enumerate((1.0, 1.1, 0.9, 1.3, 1.0))
+    )  # fmt: skip
+    journal.append(
+        Timing(trial=name, unit=unit, cpu_per_unit=cpu, cpu_per_unit_low=cpu, cpu_per_unit_high=cpu, samples=samples)
+    )
+
+
+@pytest.fixture
+def beside(tmp_path: Path) -> Scaling:
+    """Reading adds a fifth to a step and a call costs a tenth of it; two processes lose nothing, four share two cores."""
+    journal = Journal(tmp_path)
+    for n, cpu in ((10, 1e-5), (20, 2e-5)):
+        for clocks, share in (("work", 1.0), ("reading", 1.2), ("call", 0.1)):
+            beside_trial(journal, clocks, 1, n, share * cpu, share * cpu)
+    for workers, wall in ((1, 1e-5), (2, 1e-5), (4, 2e-5)):
+        beside_trial(journal, "work", workers, 10, 1e-5, wall, "shared")
+    journal.close()
+    catalogue = {
+        "cases": {"stack_pile": {"parameters": {"n": 100, "worlds": 1}, "headline": "overlap", "title": "Pile"}},
+        "engines": {"ours": {"name": "ours", "ours": True, "title": "ours"}},
+    }
+    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    return Scaling(Store(tmp_path))
+
+
+def test_reading_and_calling_stand_over_the_plain_step_of_the_same_scene(beside: Scaling) -> None:
+    found = {row.where: row.to_plain for row in beside.costs if row.clocks != "work"}
+    assert found.keys() == {f"n {n}, {what}" for n in (10, 20) for what in ("step and reading", "empty call")}
+    for where, over in found.items():
+        assert over is not None
+        # The noise is common, so nothing is left of it.
+        assert (over.low, over.high) == pytest.approx((over.value, over.value))
+        assert over.value == pytest.approx(1.2 if "reading" in where else 0.1)
+    assert all(row.to_plain is None for row in beside.costs if row.clocks == "work")
+
+
+def test_what_stands_beside_the_work_is_nobodys_best_and_no_sweep(beside: Scaling) -> None:
+    assert not any(row.best or row.to_fastest or row.to_ours for row in beside.costs)
+    assert beside.sweeps == ()
+
+
+def test_efficiency_is_the_rate_of_all_over_as_many_times_the_rate_of_one(beside: Scaling) -> None:
+    shared = {row.workers: row for row in beside.costs if row.efficiency is not None}
+    assert {workers: row.where for workers, row in shared.items()} == {k: f"n 10, workers {k}" for k in (1, 2, 4)}
+    for workers, efficiency in ((1, 1.0), (2, 1.0), (4, 0.5)):
+        row = shared[workers]
+        assert row.efficiency is not None
+        assert row.efficiency.value == pytest.approx(efficiency)
+        assert row.efficiency.low <= row.efficiency.value * (1 + 1e-12)
+        assert row.rate == pytest.approx(efficiency * workers * 1e5)
+        assert row.units == 1
+        assert row.cpu == pytest.approx(1e-5)
+    short = [" ".join(map(str, brief(row))) for row in beside.rows()]
+    assert any("200,000 a second, efficiency 0.50" in line for line in short)
+    assert any("1.2 x the step alone" in line for line in short)
+
+
+@pytest.mark.parametrize(
+    ("case", "name", "unit", "told"),
+    [("system_rays", "thin", "ray", ("cast", "rays")), ("stack_pile", "worlds", "world-step", ("batch-step", "worlds"))],
+)
+def test_rays_and_worlds_are_priced_all_together_over_their_number(
+    tmp_path: Path, case: str, name: str, unit: str, told: tuple[str, str]
+) -> None:
+    """A price of count^0.8 for all of them is count^-0.2 for each, which the exponent must not show."""
+    journal = Journal(tmp_path)
+    for count in (512, 4096, 32_768):
+        each = 1e-6 * count**-0.2
+        value = 32_768 / count if name == "thin" else count
+        journal.append(replace(record("ours", "fine", 1, 1e-5), case=case, parameters={name: value}, trial=f"t{count}"))
+        sample = Sample(process=0, block=0, steps=10, units=count, cpu=10 * count * each, wall=1.0, canary=1e-3, switches=0)
+        prices = {"cpu_per_unit": each, "cpu_per_unit_low": each, "cpu_per_unit_high": each}
+        journal.append(Timing(trial=f"t{count}", unit=unit, samples=(sample,), **prices))
+    journal.close()
+    (tmp_path / "catalogue.json").write_text(json.dumps({"cases": {}, "engines": {}}))
+    scaling = Scaling(Store(tmp_path))
+    (fit,) = scaling.exponents
+    assert fit.exponent == pytest.approx(0.8, abs=1e-9)
+    assert (fit.unit, fit.parameter) == told
+    assert (fit.start, fit.end) == pytest.approx((512, 32_768))
+    assert {row.unit for row in scaling.costs} == {unit}  # the rows themselves go on pricing one
 
 
 def test_flat_rows_have_all_columns_and_short_words(scaling: Scaling) -> None:

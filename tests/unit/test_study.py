@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from harness import discover
-from harness.study import Experiment, Study, StudyError, Variant, load_study
+from harness.run import outcome
+from harness.study import Experiment, Study, StudyError, Trial, Variant, load_study
 
 
 def test_every_built_in_study_is_readable() -> None:
@@ -22,6 +23,8 @@ def test_every_built_in_study_is_readable() -> None:
         ("name = 'x'\n[[experiments]]\nname = 'e'\ndt = [-1.0]", ("dt", "greater than 0", "-1.0")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\ntracks = ['fast']", ("tracks", "fast")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\nsample = 3", ("sample", "3")),
+        ("name = 'x'\n[[experiments]]\nname = 'e'\nclocks = ['thinking']", ("clocks", "thinking")),
+        ("name = 'x'\n[[experiments]]\nname = 'e'\nworkers = [0]", ("workers", "0")),
         ("name = = 'x'", ("not readable",)),
     ],
 )
@@ -76,6 +79,32 @@ def test_another_scene_behind_the_same_parameters_is_another_trial() -> None:
     adapters, study = {"mujoco": discover.adapter("mujoco")}, load_study("quick")
     names = [{t.trial for t in study.trials({case.name: c}, adapters, {"mujoco": "1"})} for c in (case, heavier)]
     assert not names[0] & names[1]
+
+
+def test_what_is_clocked_and_by_how_many_are_trials_of_their_own_and_the_plain_one_keeps_its_name() -> None:
+    cases, adapters = {"flight_box": discover.case("flight_box")}, {"mujoco": discover.adapter("mujoco")}
+
+    def trials(**fields: object) -> list[Trial]:
+        experiment = Experiment(name="e", tracks=("tuned",), **fields)  # type: ignore[arg-type]
+        return list(Study(name="s", experiments=(experiment,)).trials(cases, adapters, {"mujoco": "1"}))
+
+    (plain,) = trials()
+    found = trials(clocks=("work", "reading", "call"), workers=(1, 2))
+    assert [(t.clocks, t.workers) for t in found] == [
+        ("work", 1), ("work", 2), ("reading", 1), ("reading", 2), ("call", 1), ("call", 2),
+    ]  # fmt: skip
+    assert len({t.trial for t in found}) == 6
+    assert found[0].trial == plain.trial
+    record = outcome(found[3], "passed", "")
+    assert (record.clocks, record.workers) == ("reading", 2)
+
+
+def test_rays_and_many_worlds_are_clocked_for_their_work_only() -> None:
+    adapters = {"mujoco": discover.adapter("mujoco")}
+    for name, parameters in (("system_rays", {}), ("stack_pile", {"n": (4,), "worlds": (3,)})):
+        study = Study(name="s", experiments=(Experiment(name="e", parameters=parameters, clocks=("reading",)),))
+        with pytest.raises(StudyError, match=f"clocks 'reading' of case '{name}'.*expected 'work' alone"):
+            list(study.trials({name: discover.case(name)}, adapters, {"mujoco": "1"}))
 
 
 VARIANTS = {"mujoco": {"cg": Variant(on="default", solver="cg"), "stiff": Variant(options={"contact_steps": 5.0})}}

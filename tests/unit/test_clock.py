@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import multiprocessing
+import random
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 
 from harness import team as clockwork
 from harness.adapter import Settings
-from harness.clock import summarise
+from harness.clock import clock_group, summarise
 from harness.record import Sample, Timing
 from harness.study import Experiment, Trial
 from harness.team import Clocked, Team, joined
@@ -203,3 +204,85 @@ def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
     assert team.sample(0, 1.0) is None
     assert "exit code 0" in team.trouble
     team.stop()
+
+
+class Mortal(Clocked):
+    """A child that serves several trials and dies of one."""
+
+    def __init__(self, answers: list[object]) -> None:
+        self.answers, self.trouble, self.stopped = answers, "", False
+
+    def ask(self, number: int, block: int, steps: int) -> None:
+        pass
+
+    def answer(self, seconds: float) -> object:
+        message = self.answers.pop(0)
+        if message == "death":
+            self.trouble = "process ended with exit code -11"
+            return self.trouble
+        return message
+
+    def stop(self) -> None:
+        self.stopped = True
+
+
+def named(*names: str) -> list[Trial]:
+    return [dataclasses.replace(TRIAL, trial=name) for name in names]
+
+
+@pytest.fixture
+def births(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
+    """What was started, time after time: a child dies of the trial 'bad' when it should be ready for it."""
+    started: list[list[str]] = []
+
+    def start(trials: list[Trial], folder: Path) -> Iterator[Team]:
+        started.append([trial.trial for trial in trials])
+        child = Mortal([])
+        for number, trial in enumerate(trials):
+            child.answers.append("death" if trial.trial == "bad" else "MemoryError" if trial.trial == "hungry" else 40)
+            yield Team(trial, [child], number)
+
+    monkeypatch.setattr(clockwork, "_start", start)
+    return started
+
+
+def test_who_dies_of_a_trial_leaves_the_others_a_new_process(births: list[list[str]]) -> None:
+    """Also those that were ready before; the culprit is told, once, and an exception costs nobody else anything."""
+    teams = clockwork.ready_teams(named("good", "hungry", "bad", "late"), Path())
+    assert births == [["good", "hungry", "bad", "late"], ["good", "late"]]
+    assert {name: team.trouble for name, team in teams.items()} == {
+        "good": "",
+        "hungry": "MemoryError",
+        "bad": "process ended with exit code -11",
+        "late": "",
+    }
+    assert teams["good"].children == teams["late"].children
+    assert not teams["good"].children[0].trouble
+
+
+def test_a_death_in_a_sample_costs_its_own_trial_alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The others of the same process give all their samples, from a new one."""
+    asked: list[str] = []
+
+    class Host(Mortal):
+        served: list[str]
+        now = ""
+
+        def ask(self, number: int, block: int, steps: int) -> None:
+            asked.append(self.served[number])
+            self.answers.append("death" if self.served[number] == "bad" else dataclasses.replace(SAMPLE, block=block))
+
+    def start(trials: list[Trial], folder: Path) -> Iterator[Team]:
+        child = Host([40] * len(trials))
+        child.served = [trial.trial for trial in trials]
+        yield from [Team(trial, [child], number) for number, trial in enumerate(trials)]
+
+    monkeypatch.setattr(clockwork, "_start", start)
+    monkeypatch.setattr("harness.clock.discover", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step")))
+    experiment = Experiment(name="e", samples=4, processes=2)
+    trials = [dataclasses.replace(trial, experiment=experiment) for trial in named("a", "bad", "c")]
+    timings = {timing.trial: timing for timing in clock_group(trials, tmp_path, random.Random(1))}
+    assert asked.count("bad") == 1
+    assert timings["bad"].note == "process ended with exit code -11"
+    assert [len(timings[name].samples) for name in ("a", "bad", "c")] == [8, 0, 8]
+    assert not timings["a"].note

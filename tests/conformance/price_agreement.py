@@ -40,7 +40,7 @@ def agreement(first: Sequence[Price], second: Sequence[Price]) -> Agreement:
             verdicts = [order(side[*question, a], side[*question, b]) for side in sides]
             sure += all(verdicts)
             flips += [(*question, a, b)] if verdicts[0] * verdicts[1] < 0 else []
-    reached = [{key for key in side} for side in sides]
+    reached = [set(side) for side in sides]
     return {
         "ratios": len(both),
         "apart": apart,

@@ -21,7 +21,7 @@ from harness.front import on_front, price
 from harness.store import Store
 from harness.trajectory import Floats
 
-__all__ = ["TARGETS", "Point", "Price", "Prices"]
+__all__ = ["PER_SECOND", "TARGETS", "Point", "Price", "Prices", "unit_of"]
 
 TARGETS = tuple(10.0**-k for k in range(1, 9))
 """Errors, as shares of a case's scale."""
@@ -29,6 +29,8 @@ LEAST = 1e-9
 """An error below this share of the scale is drawn and priced as this: there is no logarithm of none."""
 DRAWS = 400
 """Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""
+
+PER_SECOND = "simulated second"
 
 Verdict = Literal["priced", "at most", "within the truth's error", "never reached", "not clocked", "no answer"]
 
@@ -67,9 +69,10 @@ class Price:
 
     Terms:
         target: share of the scale. verdict: priced; at most: the cheapest point already errs less; within the truth's error:
-        the target is smaller than what the truth is known to; never reached; not clocked: no point near the front has a time;
-        no answer: no trial gave an error, and reason says why. unit: what cost counts: 'simulated second', or 'ray' and the
-        like. cost with the 95 % interval low..high; ratio: over the cheapest engine at this target, with its interval; 1 for
+        the target is smaller than what the truth is known to; never reached; not clocked: no point that gets there has a time,
+        and reason says what it roughly costs, where that is known; no answer: no trial gave an error, and reason says why.
+        unit: what cost counts: 'simulated second', or 'ray' and the like. cost with the 95 % interval low..high; ratio: over
+        the cheapest engine at this target, with its interval; 1 for
         that engine itself. best_error: the smallest of all its clocked points. track, dt, trial: the point at or below the
         target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
     """
@@ -194,8 +197,7 @@ class Prices:
         return tuple(found)
 
     def _of_case(self, case: str, where: str, part: pd.DataFrame) -> Iterator[Price]:
-        units = {str(unit) for unit in part["unit"].dropna()}
-        unit = "simulated second" if units <= {"step"} else " or ".join(sorted(units))
+        unit = unit_of(part)
         here = [point for point in self.points if (point.case, point.where) == (case, where)]
         draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
         lists = {
@@ -213,7 +215,14 @@ class Prices:
                     continue
                 row |= {"best_error": one.best.error}
                 if engine not in reached:
-                    yield Price(**(row | {"verdict": "never reached", "trial": one.best.trial, "track": one.best.track}))
+                    close = [p for p in here if p.engine == engine and p.error <= target]
+                    least = min(close, key=lambda p: p.cost, default=one.best)
+                    said = (
+                        {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"}
+                        if close
+                        else {"verdict": "never reached"}
+                    )
+                    yield Price(**(row | said | {"trial": least.trial, "track": least.track, "dt": least.dt}))
                     continue
                 under, over = one.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
@@ -224,6 +233,12 @@ class Prices:
                 row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
                 row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
+
+
+def unit_of(part: pd.DataFrame) -> str:
+    """What costs of these trials count: 'simulated second', or 'ray' and the like."""
+    units = {str(unit) for unit in part["unit"].dropna()}
+    return PER_SECOND if units <= {"step"} else " or ".join(sorted(units))
 
 
 def marked(points: Sequence[Point]) -> set[str]:
@@ -266,14 +281,19 @@ class Draws:
             np.concatenate([rng.choice(blocks[p], len(blocks[p])) for p in rng.choice(processes, len(processes))])
             for _ in range(DRAWS if keys else 0)
         ]
+        # Processes may have given different numbers of blocks: shorter draws end in the place of a sample that nobody has.
+        places = np.full((len(chosen), max(map(len, chosen), default=0)), len(keys), dtype=np.int64)
+        for draw, drawn in enumerate(chosen):
+            places[draw, : len(drawn)] = drawn
         self._shift = rng.uniform(-1.0, 1.0, DRAWS)
         self._costs: dict[str, Floats] = {}
         for point in points:
             taken = samples.get(point.trial, {})
-            values = np.array([taken.get(key, math.nan) for key in keys])
-            known = float(np.median(values[np.isfinite(values)])) if len(taken) else 1.0
-            medians = [relative(values[places], known) for places in chosen] or [1.0] * DRAWS
-            self._costs[point.trial] = point.cost * np.array(medians)
+            values = np.array([*(taken.get(key, math.nan) for key in keys), math.nan])
+            middle = medians(values[None, :])[0]
+            drawn = medians(values[places]) / middle if taken else np.ones(DRAWS)
+            # A draw may hold none of this trial's samples: it then says nothing of its cost.
+            self._costs[point.trial] = point.cost * np.where(np.isfinite(drawn), drawn, 1.0)
 
     def of(self, points: Sequence[Point], targets: Floats) -> Floats:
         """The prices of each draw for points that differ in the time step alone, shape (DRAWS, t)."""
@@ -308,10 +328,13 @@ class List:
         return under, min((p for p in group if p.error > target), key=lambda p: p.error, default=None)
 
 
-def relative(values: Floats, middle: float) -> float:
-    """The median of drawn samples over that of all; 1 where this trial has none of those drawn."""
-    finite = values[np.isfinite(values)]
-    return float(np.median(finite)) / middle if len(finite) else 1.0
+def medians(values: Floats) -> Floats:
+    """The median of the numbers in each row, nan where a row has none: shape (n, m) to (n,)."""
+    ordered = np.sort(values, axis=1)  # nan last
+    count, rows = np.isfinite(values).sum(axis=1), np.arange(len(values))
+    lower, upper = ordered[rows, np.maximum(count - 1, 0) // 2], ordered[rows, np.minimum(count // 2, values.shape[1] - 1)]
+    found: Floats = 0.5 * (lower + upper)
+    return found
 
 
 def _with(point: Point, **changed: Any) -> Point:

@@ -7,6 +7,7 @@ sides of every knob that matters. That ends when a round brings nothing to the f
 spent. Costs are those that the accuracy run noted in passing; what they leave near the front is clocked properly afterwards.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -18,7 +19,7 @@ from harness.front import near_front, on_front
 from harness.record import Record
 from harness.study import Trial
 
-__all__ = ["SMALLEST", "due_for_clock", "next_trials", "turned"]
+__all__ = ["SMALLEST", "due_for_clock", "next_trials", "spread", "turned"]
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
@@ -33,7 +34,7 @@ BEYOND = 4.0
 MARGIN = 1.5
 """A point is clocked unless another that errs no more seems cheaper by more than this."""
 CLOCKED = 8
-"""Points of an engine that are chosen for the clock at most; those of the front come first."""
+"""Points of an engine that are chosen for the clock at most; those of the front come first, spread over its errors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,13 +212,26 @@ def due_for_clock(trials: Sequence[Trial], records: Mapping[str, Record], cases:
         here = sorted(points(group, records, case), key=lambda point: point.cost)
         errors, costs = [p.error for p in here], [p.cost for p in here]
         front, near = on_front(errors, costs), near_front(errors, costs, MARGIN)
-        ranked = [p for p, on in zip(here, front, strict=True) if on]
+        ranked = spread([p for p, on in zip(here, front, strict=True) if on])
         ranked += [p for p, on, close in zip(here, front, near, strict=True) if close and not on]
         chosen = ranked[:CLOCKED]
         chosen += [coarser for point in chosen if (coarser := _coarser(point, here)) is not None]
         due |= {point.trial.trial for point in chosen}
         due |= {p.trial.trial for p in here if p.trial.round == 0 and p.trial.settings.dt == case.dt}
     return due
+
+
+def spread(front: Sequence[Point]) -> list[Point]:
+    """The points of a front, its ends first and then always the one farthest from those before, by the error's logarithm.
+
+    Source: T. F. Gonzalez, Clustering to minimize the maximum intercluster distance, Theor. Comput. Sci. 38 (1985) 293.
+    """
+    left = sorted(front, key=lambda point: point.error)
+    found = [left.pop(place) for place in (0, -1) if left]
+    while left:
+        gaps = [min(abs(math.log(point.error / one.error)) for one in found) for point in left]
+        found.append(left.pop(gaps.index(max(gaps))))
+    return found
 
 
 def _coarser(point: Point, here: Sequence[Point]) -> Point | None:

@@ -138,7 +138,8 @@ def row(case: str, engine: str, track: str, dt: float, **changes: Any) -> dict[s
         "status": "passed", "reason": "every check holds", "sim_seconds": 2.0, "steps": round(2 / dt),
         "cpu_per_sim_s": cost, "cpu_low": 0.93 * cost, "cpu_high": 1.09 * cost, "wall_per_sim_s": 1.01 * cost,
         "realtime_factor": 1 / (1.01 * cost), "unstable_timing": False, "trajectory_hash": name,
-        "warnings": "[]", "detail": "",
+        "warnings": "[]", "detail": "", "unit": "step", "cpu_per_unit": cost * dt, "cpu_per_unit_low": 0.93 * cost * dt,
+        "cpu_per_unit_high": 1.09 * cost * dt, "rough_cost": 1.2 * cost,
     }  # fmt: skip
     return plain | changes
 
@@ -152,8 +153,9 @@ def hash_of(*parts: Any) -> int:
 
 def untimed() -> dict[str, Any]:
     """The columns of a trial without a timing run."""
-    none = dict.fromkeys(("cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor"), math.nan)
-    return none | {"unstable_timing": None}
+    columns = ("cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
+    none = dict.fromkeys((*columns, "cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high"), math.nan)
+    return none | {"unstable_timing": None, "unit": None}
 
 
 def tables(hostile: bool) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
@@ -229,7 +231,17 @@ def write_run_folder(folder: Path, *, hostile: bool = False, only: tuple[str, ..
     table = pd.DataFrame([m for m in measurements if m["trial"] in kept]).astype({"passed": "boolean"})
     table.to_parquet(folder / "measurements.parquet", index=False)
     samples = [
-        {"trial": t["trial"], "process": 0, "block": b, "steps": 500, "cpu": 0.05, "wall": 0.051, "canary": 1e-3, "switches": 0}
+        {
+            "trial": t["trial"],
+            "process": 0,
+            "block": b,
+            "steps": 500,
+            "cpu": 0.05,
+            "wall": 0.051,
+            "canary": 1e-3,
+            "switches": 0,
+            "units": 1,
+        }
         for t in trials[:20]
         for b in range(5)
     ]

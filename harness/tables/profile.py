@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.prices import Price, Prices
+from harness.prices import PER_SECOND, Price, Prices
 from harness.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "Share", "brief", "profile", "rows", "sentences"]
+__all__ = ["BRIEF", "COLUMNS", "FACTOR", "TIME", "Share", "brief", "hinges", "profile", "rows", "sentences", "without"]
 
+FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
+"""The two limits."""
 FACTORS = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0)
 """Times the cheapest engine."""
 SECONDS = tuple(10.0**k for k in range(-7, 3))
@@ -25,8 +27,8 @@ class Share:
     """How much an engine answers within a limit.
 
     Terms:
-        limit: 'times the cheapest' or 'CPU s per simulated s', within: its value. share: of the pairs. low, high: the least and
-        the greatest share when one case is left out, and without_low, without_high: which one. pairs: how many there are.
+        limit: FACTOR or TIME, within: its value. share: of the pairs. low, high: the least and
+        the greatest share when one case is left out, and without_low, without_high: which one. pairs: how many were put to it.
     """
 
     engine: str
@@ -53,9 +55,10 @@ def profile(prices: Sequence[Price]) -> list[Share]:
     found = []
     for engine in dict.fromkeys(p.engine for p in prices):
         mine = {(p.case, p.where, p.target): p for p in prices if p.engine == engine}
-        for limit, values in (("times the cheapest", FACTORS), ("CPU s per simulated s", SECONDS)):
-            timely = [pair for pair in reached if limit != "CPU s per simulated s" or mine[pair].unit == "simulated second"]
-            cost = [mine[pair].ratio if limit == "times the cheapest" else mine[pair].cost for pair in timely]
+        for limit, values in ((FACTOR, FACTORS), (TIME, SECONDS)):
+            put = [pair for pair in reached if pair in mine]
+            timely = [pair for pair in put if limit != TIME or mine[pair].unit == PER_SECOND]
+            cost = [mine[pair].ratio if limit == FACTOR else mine[pair].cost for pair in timely]
             for within in values:
                 done = [one is not None and one <= within * (1 + 1e-12) for one in cost]
                 found.append(_share(engine, limit, within, [f"{case} {where}".strip() for case, where, _ in timely], done))
@@ -103,7 +106,35 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
+def hinges(shares: Sequence[Share]) -> list[Share]:
+    """For each engine and limit the share that hangs most on one case."""
+    found: dict[tuple[str, str], Share] = {}
+    for share in shares:
+        key = (share.engine, share.limit)
+        if key not in found or swing(share) > swing(found[key]):
+            found[key] = share
+    return [share for share in found.values() if swing(share) > 0]
+
+
+def swing(share: Share) -> float:
+    """By how much leaving one case out changes a share at most."""
+    return max(share.share - share.low, share.high - share.share)
+
+
+def without(share: Share) -> tuple[str, float]:
+    """The case on which a share hangs most, and what it would be without it."""
+    least = share.share - share.low > share.high - share.share
+    return (share.without_low, share.low) if least else (share.without_high, share.high)
+
+
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What the shares are shares of."""
+    """What the shares are shares of, and which case each engine's share within a factor hangs on."""
     pairs = max((row["pairs"] for row in rows), default=0)
-    return [f"Shares of the {pairs} pairs of case and error that at least one engine reaches."] if pairs else []
+    said = [f"Shares of the {pairs} pairs of case and error that at least one engine reaches."] if pairs else []
+    for share in hinges([Share(**row) for row in rows if row["limit"] == FACTOR]):
+        case, other = without(share)
+        said.append(
+            f"{share.engine} hangs most on {case}: without it, it answers {other:.0%} instead of {share.share:.0%} within "
+            f"{share.within:g} times the cheapest."
+        )
+    return said

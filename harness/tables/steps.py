@@ -3,14 +3,13 @@
 "Up to" means that every smaller step that was run does so as well: a coarse step that happens to hit is no licence.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import pandas as pd
 
-from harness.prices import Point, Prices
+from harness.prices import PER_SECOND, Point, Prices, unit_of
 from harness.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "WITHIN", "Step", "brief", "largest_steps", "rows", "sentences"]
@@ -29,7 +28,7 @@ class Step:
     Terms:
         stable [s]: the largest step with a whole trajectory, accurate [s]: with an error within 1 % of the scale; None where
         not even the finest does. coarsest, finest [s]: what was run, at `runs` steps. realtime: simulated over CPU seconds at
-        the accurate step, where that was clocked or its cost roughly known. error: the error there. trial: that run.
+        the accurate step, clocked or by its rough cost, where it is steps that cost. error: the error there. trial: that run.
     """
 
     case: str
@@ -57,14 +56,17 @@ def largest_steps(store: Store) -> list[Step]:
     for case, where, part in prices.groups():
         if not any(trial in known for trial in part["trial"]):
             continue
+        timed = unit_of(part) == PER_SECOND
         for (engine, track), runs in part.groupby(["engine", "track"], sort=False):
             ladder = runs[~runs["status"].isin(("unsupported", "unavailable", "interrupted"))].sort_values("dt")
             if ladder["dt"].nunique() >= FEWEST:
-                found.append(_step(case, where, str(engine), str(track), ladder, known))
+                found.append(_step(case, where, str(engine), str(track), ladder, known, timed))
     return found
 
 
-def _step(case: str, where: str, engine: str, track: str, ladder: pd.DataFrame, known: Mapping[str, Point]) -> Step:
+def _step(
+    case: str, where: str, engine: str, track: str, ladder: pd.DataFrame, known: Mapping[str, Point], timed: bool
+) -> Step:
     whole = [status in _WHOLE for status in ladder["status"]]
     points = [known.get(trial) for trial in ladder["trial"]]
     close = [one is not None and one.error <= WITHIN for one in points]
@@ -82,7 +84,7 @@ def _step(case: str, where: str, engine: str, track: str, ladder: pd.DataFrame, 
         finest=steps[0],
         runs=len(steps),
         error=there.error if there else None,
-        realtime=1 / there.cost if there and math.isfinite(there.cost) else None,
+        realtime=1 / there.cost if there and timed else None,
         trial=there.trial if there else "",
     )
 

@@ -1,0 +1,117 @@
+"""The price list, the profile and the largest steps on stores written by hand, whose rows are known."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from harness.prices import Prices, medians
+from harness.store import Store
+from harness.sweep import spread
+from harness.tables.profile import FACTOR, hinges, profile, sentences, without
+from harness.tables.profile import rows as profile_rows
+from harness.tables.steps import largest_steps
+from tests.run_folder import row, untimed
+
+Told = tuple[str, str, str, float, float, float | None]
+"""case, engine, track, dt, error, cost; a trial without a cost was not clocked."""
+
+
+class Priced(Store):
+    """A store whose trials are told in a line each; the scale of every case is 1."""
+
+    def __init__(self, told: list[Told], unit: str = "step", rough: float = 1.0) -> None:
+        self.folder = Path("run")
+        trials, measured, samples = [], [], []
+        for case, engine, track, dt, error, cost in told:
+            trial = row(case, engine, track, dt, parameters="{}", unit=unit, rough_cost=rough)
+            name = trial["trial"]
+            if cost is None:
+                trial |= untimed()
+            elif unit == "step":
+                trial |= {"cpu_per_sim_s": cost, "cpu_low": cost, "cpu_high": cost}
+            else:
+                trial |= {"cpu_per_unit": cost, "cpu_per_unit_low": cost, "cpu_per_unit_high": cost}
+            trials.append(trial)
+            measured.append({"trial": name, "metric": "e", "value": error, "unit": "m", "at_most": 1.0, "truth_error": 0.0})
+            samples += [
+                {"trial": name, "process": 0, "block": k, "steps": 1, "units": 1, "cpu": cost} for k in range(3) if cost
+            ]
+        self.__dict__["_read"] = {
+            "trials": pd.DataFrame(trials).astype({"unstable_timing": "boolean"}),
+            "measurements": pd.DataFrame(measured).assign(passed=True, because=""),
+            "samples": pd.DataFrame(samples, columns=["trial", "process", "block", "steps", "units", "cpu"]),
+        }
+        cases = {case: {"title": case, "headline": "e", "scale": 1.0, "dt": 0.01, "parameters": {}} for case, *_ in told}
+        engines = {engine: {"title": engine, "ours": engine == "ours"} for _, engine, *_ in told}
+        self.__dict__["catalogue"] = json.loads(json.dumps({"cases": cases, "engines": engines}))
+        self.__dict__["machine"] = self.__dict__["study"] = {}
+
+
+def ladder(case: str, engine: str, cost: float, *, finest: float = 1e-3, track: str = "tuned") -> list[Told]:
+    """Second order down to the finest step, of which each decade costs ten times the one before."""
+    steps = [dt for dt in (1e-1, 3e-2, 1e-2, 1e-3) if dt >= finest]
+    return [(case, engine, track, dt, 0.5 * dt**2, cost / dt) for dt in steps]
+
+
+def test_an_unclocked_answer_is_not_one_that_was_never_reached() -> None:
+    told = [*ladder("a", "dart", 1.0, finest=1e-2), ("a", "dart", "tuned", 1e-3, 1e-6, None)]
+    rows = {round(-math.log10(p.target)): p for p in Prices(Priced(told, rough=7.0)).prices}
+    assert rows[4].verdict == "priced"
+    assert (rows[5].verdict, rows[5].cost, rows[5].reason, rows[5].dt) == ("not clocked", None, "roughly 7 CPU s", 1e-3)
+    assert rows[7].verdict == "never reached"
+
+
+def test_medians_leave_out_what_is_missing() -> None:
+    values = np.random.default_rng(0).normal(size=(50, 7))
+    values[values > 0.6] = math.nan
+    values[0] = math.nan
+    with pytest.warns(RuntimeWarning):
+        known = np.nanmedian(values, axis=1)
+    np.testing.assert_array_equal(medians(values), known)
+
+
+def test_a_case_that_an_engine_was_not_put_to_is_not_held_against_it() -> None:
+    prices = Prices(Priced([*ladder("a", "dart", 1.0), *ladder("a", "ours", 2.0), *ladder("b", "ours", 1.0)])).prices
+    shares = {(s.engine, s.within): s for s in profile(prices) if s.limit == FACTOR}
+    assert shares["dart", 1.0].share == 1.0
+    # Both reach errors of 1e-1 to 1e-6, six pairs a case: ours is the cheapest in b alone.
+    assert (shares["dart", 1.0].pairs, shares["ours", 1.0].pairs) == (6, 12)
+    assert (shares["ours", 1.0].share, shares["ours", 2.0].share) == (0.5, 1.0)
+
+
+def test_the_case_on_which_a_share_hangs_is_named() -> None:
+    told = [*ladder("a", "dart", 1.0), *ladder("a", "ours", 9.0), *ladder("b", "dart", 9.0), *ladder("b", "ours", 1.0)]
+    store = Priced([*told, *ladder("c", "dart", 1.0), *ladder("c", "ours", 9.0)])
+    found = {share.engine: share for share in hinges(profile(Prices(store).prices)) if share.limit == FACTOR}
+    assert without(found["dart"]) == ("b", 1.0)
+    assert without(found["ours"]) == ("b", 0.0)
+    assert "dart hangs most on b: without it, it answers 100% instead of 67% within 1 times the cheapest." in sentences(
+        profile_rows(store)
+    )
+
+
+def test_rays_have_no_real_time() -> None:
+    of_steps, of_rays = (largest_steps(Priced(ladder("a", "dart", 1e-3), unit=unit)) for unit in ("step", "ray"))
+    assert [step.accurate for step in (*of_steps, *of_rays)] == [1e-1, 1e-1]
+    assert of_steps[0].realtime == pytest.approx(100.0)
+    assert of_rays[0].realtime is None
+
+
+class At:
+    """A point of a front that has an error only."""
+
+    def __init__(self, error: float) -> None:
+        self.error = error
+
+
+def test_a_long_front_is_clocked_at_both_ends_and_evenly_between() -> None:
+    front = [At(10.0**-k) for k in (0, 0.1, 0.2, 0.3, 2, 4, 8)]
+    assert [one.error for one in spread(front)[:4]] == [1e-8, 1.0, 1e-4, 1e-2]  # type: ignore[arg-type]
+    assert len(spread(front)) == 7  # type: ignore[arg-type]
+    nothing: list[Any] = []
+    assert spread(nothing) == []

@@ -13,8 +13,10 @@ from reports.work_precision import priced
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["Entry", "Line", "heat", "price_list", "wins"]
+__all__ = ["SHOWN", "Entry", "Line", "heat", "price_list", "wins"]
 
+SHOWN = 1e-2
+"""The error that the list shows at first: every scene has a line for it."""
 HEATS = ((1.0, "x1"), (2.0, "x2"), (10.0, "x10"), (100.0, "x100"))
 """Times the cheapest, and the shade of a cell up to there."""
 
@@ -44,7 +46,7 @@ class Line:
 
 
 def price_list(store: "Store") -> list[Line]:
-    """All lines, from coarse to fine; below the first error that no engine reaches nothing is left to say."""
+    """All lines, from coarse to fine; below the first error from `SHOWN` on that no engine reaches nothing is left to say."""
     found: dict[tuple[str, str], dict[float, dict[str, Price]]] = {}
     for price in priced(store).prices:
         found.setdefault((price.case, price.where), {}).setdefault(price.target, {})[price.engine] = price
@@ -52,7 +54,7 @@ def price_list(store: "Store") -> list[Line]:
     for (case, where), targets in found.items():
         title = titled(store, case, where)
         for target, prices in sorted(targets.items(), reverse=True):
-            last = all(price.verdict in ("never reached", "no answer") for price in prices.values())
+            last = target <= SHOWN and all(price.verdict in ("never reached", "no answer") for price in prices.values())
             unit = next(iter(prices.values())).unit
             shown = "" if unit == PER_SECOND else f"per {unit}"
             entries = {engine: entry(price) for engine, price in prices.items()}

@@ -1,5 +1,6 @@
 """The page on price: what accuracy costs in time, how often each engine gives it, and how far it may step for it."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -12,20 +13,18 @@ from harness.tables.profile import FACTOR, TIME, hinges, profile, without
 from harness.tables.steps import largest_steps
 from reports.marks import TRACKS
 from reports.page import Page
-from reports.price_list import price_list, wins
+from reports.price_list import SHOWN, price_list, wins
 from reports.profiles import profile_chart
 from reports.sheet import sheet
 from reports.steps import allowances, steps_chart
 from reports.template import fill
+from reports.text import power
 from reports.work_precision import miniatures, priced, scenes
 
 if TYPE_CHECKING:
     from harness.store import Store
 
 __all__ = ["PAGE"]
-
-FIRST = "10⁻²"
-"""The error that the list shows at first: one in a hundred."""
 
 
 def concerns(store: "Store") -> bool:
@@ -40,7 +39,6 @@ def render(store: "Store") -> Mapping[str, str]:
     shares, steps = profile(prices), largest_steps(store)
     profiles = [figure for limit in (FACTOR, TIME) if (figure := profile_chart(store, shares, limit)) is not None]
     largest = steps_chart(store, steps)
-    lines = price_list(store)
     page = fill(
         "price.html",
         store,
@@ -49,8 +47,8 @@ def render(store: "Store") -> Mapping[str, str]:
         pairs=sum(price.cheapest for price in prices),
         hinges=[(share, *without(share)) for share in hinges([share for share in shares if share.limit == FACTOR])],
         profiles=profiles,
-        lines=lines,
-        first=FIRST if any(line.target == FIRST for line in lines) else "",
+        lines=price_list(store),
+        first=power(round(math.log10(SHOWN))),
         miniatures=miniatures(store),
         largest=largest,
         allowances=allowances(store, steps),

@@ -94,7 +94,7 @@ def html_files(report: Path) -> list[Path]:
 
 
 def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(plain: Path, visit: Any) -> None:
-    assert len(html_files(plain)) == 5
+    assert len(html_files(plain)) == 6
     for path in html_files(plain):
         seen = visit(path)
         assert seen.said == [], path.name

@@ -56,9 +56,8 @@ def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:
     texts = rendered(Priced(told()))
     assert 'href="price.html"' in texts["index.html"]
     page = texts["price.html"]
-    assert (
-        page.count("<tr data-status=") == 7 + 2
-    )  # errors of 1e-1 to 1e-6 and the first that nobody reaches; two engines' steps
+    # Lines for errors of 1e-1 to 1e-7, the first that nobody reaches, and the steps of the one engine with four of them.
+    assert page.count("<tr data-status=") == 7 + 1
     assert "never (best 5" in page
     prices = list(csv.DictReader(io.StringIO(texts["price.csv"])))
     assert len(prices) == 8 * 2
@@ -109,6 +108,11 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     assert lines[5].entries["dart"].text.startswith("never (best 5")
     assert heat(lines[5].entries["dart"].price) == "out"
     assert wins(priced(Priced(told())).prices) == [("ours", 6), ("dart", 0)]
+
+
+def test_every_scene_has_a_line_for_the_error_that_the_list_shows_at_first() -> None:
+    told: list[Told] = [("a", "dart", "tuned", dt, 0.9, 1.0) for dt in (1e-2, 1e-3)]
+    assert [(line.target, line.last) for line in price_list(Priced(told))] == [("10⁻¹", False), ("10⁻²", True)]
 
 
 def test_profiles_have_a_line_and_a_band_for_each_engine() -> None:

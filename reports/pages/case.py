@@ -44,6 +44,7 @@ def render(store: "Store") -> Mapping[str, str]:
         by_step = error_by_step(store, mine, f"case-{plain}", case["headline"], unit)
         figures = [by_step] if by_step is not None else []
         figures += [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
+        listed = [line for line in prices if line.case == name]
         recording = store.folder / "recordings" / f"{name}.rrd"
         files[f"trials/{plain}.csv"] = as_csv(mine, measured)
         files |= {figure.path: figure.svg for figure in figures}
@@ -56,7 +57,8 @@ def render(store: "Store") -> Mapping[str, str]:
             before=known[names[place - 1]] if place else None,
             after=known[names[place + 1]] if place + 1 < len(names) else None,
             figures=figures,
-            prices=[line for line in prices if line.case == name],
+            prices=listed,
+            several=len({line.title for line in listed}) > 1,
             orders=orders([row for row in ladders if row.case == name], sides),
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],

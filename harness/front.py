@@ -9,6 +9,8 @@ __all__ = ["near_front", "on_front", "price"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+STEEPEST = 8.0
+"""The order of convergence above which an error jumps rather than converges; no integrator here has more than 5."""
 
 
 def near_front(error: Sequence[float], cost: Sequence[float], factor: float = 1.0) -> Flags:
@@ -40,13 +42,18 @@ def on_front(error: Sequence[float], cost: Sequence[float]) -> Flags:
 def price(error: Floats, cost: Floats, target: Floats) -> Floats:
     """What errors cost under settings that differ in the time step alone: the logarithm of the cost is linear in the error's.
 
-    A target that the cheapest answer already meets costs what that one does; nan where none is as accurate.
+    A target that the cheapest answer already meets costs what that one does; nan where none is as accurate. Where the error
+    falls more steeply than any order would have it (a wall holds from some step on), nothing is known of what lies between:
+    the finer step is the price.
 
     Args: error, cost: shape (n,), n >= 1, positive; in any order. target: shape (t,).
     Returns: shape (t,), in the unit of the cost.
     """
     up = np.argsort(error, kind="stable")
     # Where the more accurate is the cheaper, it serves the coarser target as well.
-    costs = np.minimum.accumulate(cost[up])
-    found: Floats = np.exp(np.interp(np.log(target), np.log(error[up]), np.log(costs), left=np.nan))
-    return found
+    errors, costs, targets = np.log(error[up]), np.log(np.minimum.accumulate(cost[up])), np.log(target)
+    found = np.interp(targets, errors, costs, left=np.nan)
+    jumps = np.append(np.diff(errors) > STEEPEST * -np.diff(costs), False)
+    finer = np.searchsorted(errors, targets, side="right") - 1
+    known: Floats = np.exp(np.where((finer >= 0) & jumps[finer], costs[finer], found))
+    return known

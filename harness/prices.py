@@ -1,7 +1,7 @@
 """The price list: what an error costs on each engine in each case, interpolated between time steps, or "never reached".
 
-An engine's price is that of its cheapest group of settings. Between two time steps of one group it is interpolated; between
-two groups nothing lies that could be bought.
+An engine's price is that of its cheapest group of settings. Between two time steps of one group it is interpolated, where the
+error converges and does not jump; between two groups nothing lies that could be bought.
 
 Errors are those of the case's headline, as shares of the case's scale; costs are CPU seconds per simulated second (of a unit
 where that is no step). Both have error bars: costs those of their samples, errors that of the truth itself.

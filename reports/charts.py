@@ -1,4 +1,4 @@
-"""The charts of the report as Vega-Lite specifications: error against time step, against cost, and across cases."""
+"""The charts of the report as Vega-Lite specifications: error against time step, and across cases."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
@@ -6,24 +6,20 @@ from typing import TYPE_CHECKING, Any
 
 from reports.contents import cases
 from reports.figure import Figure, thin
-from reports.marks import HOVER, POINT, Marks, chart, decades, finished, logarithmic, ticks
+from reports.marks import HOVER, LANE, POINT, Marks, chart, decades, finished, lane_names, lane_texts, logarithmic, ticks
 from reports.points import points
 from reports.status import outcome
-from reports.text import TIMES, amount, visible
+from reports.text import amount, visible
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from harness.store import Store
 
-__all__ = ["across_cases", "error_by_cost", "error_by_step"]
+__all__ = ["across_cases", "error_by_step"]
 
 Row = dict[str, Any]
-LANE = 15
-"""Height of one row of outcomes above a chart [px]."""
-
-STEP = ("dt", "time step [ms]")
-COST = ("cpu", "CPU time per simulated second [s/s]")
+STEP = "time step [ms]"
 
 
 def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str) -> Figure | None:
@@ -32,7 +28,7 @@ def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
     if not drawn:
         return None
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]})
-    spec = layered(store, drawn, STEP, axis_title(metric, unit), bounds=bounds)
+    spec = layered(store, drawn, axis_title(metric, unit), bounds=bounds)
     caption = (
         "Each point is one trial; a line joins the medians of trials that differ in the time step only, "
         "an upright bar spans their seeds. Down is more accurate, "
@@ -40,21 +36,6 @@ def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, 
         "their outcome; errors of exactly zero stand on its lower edge."
     )
     return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")))
-
-
-def error_by_cost(store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str) -> Figure | None:
-    """Error against CPU time, both logarithmic, with the intervals of the timing; None where nothing was timed."""
-    drawn = points(store, rows)
-    if not any(row["cpu"] for row in drawn):
-        return None
-    spec = layered(store, drawn, COST, axis_title(metric, unit), bounds=())
-    caption = (
-        "Work against precision: the lower left corner is where one wants to be. Bars are 95 % intervals of the CPU time and, "
-        "upright, the range over seeds. "
-        "Trials that gave no error stand above the frame as their outcome, "
-        "untimed ones on its right, exact ones on its lower edge."
-    )
-    return Figure(f"{name}-cost", "Error against cost", caption, spec, *table(drawn, ("cpu", "low", "high", "error")))
 
 
 def axis_title(metric: str, unit: str) -> str:
@@ -69,40 +50,33 @@ def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], 
     return columns, [[amount(row[key]) if key in numbers else row[key] for key in keys] for row in drawn]
 
 
-def layered(store: "Store", drawn: list[Row], across: tuple[str, str], y_title: str, *, bounds: Sequence[Any]) -> Row:
-    """Lines, intervals, points and edges over one pair of axes."""
+def layered(store: "Store", drawn: list[Row], y_title: str, *, bounds: Sequence[Any]) -> Row:
+    """Lines, ranges, points and edges over one pair of axes."""
     import altair as alt  # late: half a second that only a report needs
 
-    field, x_title = across
-    placed = [row for row in drawn if row["edge"] == "none" and row[field]]
-    placed = [row for part in grouped(placed, ("series",)).values() for row in thin(part, field, "error")]
+    placed = [row for row in drawn if row["edge"] == "none"]
+    placed = [row for part in grouped(placed, ("series",)).values() for row in thin(part, "dt", "error")]
     style = Marks(store, drawn)
-    x = logarithmic(alt.X, field, x_title, ticks(drawn, field))
+    x = logarithmic(alt.X, "dt", STEP, ticks(drawn, "dt"))
     y = logarithmic(alt.Y, "error", y_title, decades(row["error"] for row in placed))
     marks = style.channels()
     layers: list[Any] = []
     if len(bounds) > 0:
         layers.append(bound_line(bounds, x, y))
-    lines = medians(placed, field)
+    lines = medians(placed)
     layers.append(
         chart(lines)
         .mark_line(strokeWidth=1.6)
         .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash())
     )
-    if field == "cpu":
-        low = alt.X("low:Q", title=x_title)
-        layers.append(chart(placed).mark_rule(strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()))
-    if seeds := spans(placed, field):
+    if seeds := spans(placed):
         least = alt.Y("least:Q", title=y_title)
         layers.append(chart(seeds).mark_rule(strokeWidth=1.4).encode(x=x, y=least, y2="most:Q", color=style.colour()))
     layers.append(chart(placed).mark_point(**POINT).encode(x=x, y=y, **marks))
-    exact = [row for row in drawn if row["edge"] == "exact" and row[field]]
+    exact = [row for row in drawn if row["edge"] == "exact"]
     if exact:
         layers.append(chart(exact).mark_point(**POINT).encode(x=x, y=alt.value("height"), **marks))
-    untimed = [row for row in drawn if row["edge"] == "none" and not row[field]]
-    if untimed:
-        layers.append(chart(untimed).mark_point(**POINT).encode(x=alt.value("width"), y=y, **marks))
-    return finished([*layers, *outcome_lanes(drawn, field, x, style)], height=320)
+    return finished([*layers, *outcome_lanes(drawn, x, style)], height=320)
 
 
 def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
@@ -113,37 +87,12 @@ def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
     return (steps.mark_line(**grey) if several else steps.mark_tick(**grey, width=60)).encode(x=x, y=y)
 
 
-def outcome_lanes(drawn: Sequence[Row], field: str, x: Any, style: "Marks") -> list[Any]:
-    """Trials without an error, above the frame: a lane for each engine and track, a symbol where the trial would stand.
-
-    Trials that have no place along x either, for they were not timed, share one text at the right end of their lane.
-    """
-    import altair as alt
-
+def outcome_lanes(drawn: Sequence[Row], x: Any, style: "Marks") -> list[Any]:
+    """Trials without an error, above the frame: a lane for each engine and track, a symbol where the trial would stand."""
     silent = grouped((row for row in drawn if row["edge"] == "outcome"), ("engine", "track"))
-    lane = alt.Y("lane:Q", scale=None, axis=None)
-    here, nowhere, names = [], [], []
-    for place, ((engine, track), part) in enumerate(silent.items()):
-        height = -10 - LANE * place
-        names.append({"lane": height, "label": f"{engine}, {track}"})
-        here += [row | {"lane": height} for row in part if row[field]]
-        gone = [row for row in part if not row[field]]
-        if gone:
-            counts = grouped(gone, ("status", "symbol"))
-            text = "  ".join(symbol + (f"{TIMES}{len(rows)}" if len(rows) > 1 else "") for (_, symbol), rows in counts.items())
-            reason = "; ".join(dict.fromkeys(f"{row['status']}: {row['reason']}" for row in gone))
-            nowhere.append(gone[0] | {"lane": height, "symbol": text, "reason": reason[:300], "trial": f"{len(gone)} trials"})
-    bold: Row = {"fontSize": 13, "fontWeight": 700}
-    shown: Row = {"text": alt.Text("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
-    layers = []
-    if here:
-        layers.append(chart(here).mark_text(**bold).encode(x=x, y=lane, **shown))
-    if nowhere:
-        layers.append(chart(nowhere).mark_text(**bold, align="right").encode(x=alt.value("width"), y=lane, **shown))
-    if names:
-        label = chart(names).mark_text(align="right", dx=-8, fontSize=10, color="#8a93a0", limit=130)
-        layers.append(label.encode(x=alt.value(0), y=lane, text="label:N"))
-    return layers
+    rows = [row | {"lane": -10 - LANE * place} for place, part in enumerate(silent.values()) for row in part]
+    names = [{"lane": -10 - LANE * place, "label": f"{engine}, {track}"} for place, (engine, track) in enumerate(silent)]
+    return [*lane_texts(rows, "symbol", x, style, style.tooltip()), *lane_names(names)]
 
 
 def grouped(rows: Iterable[Row], keys: Sequence[str]) -> Mapping[tuple[Any, ...], list[Row]]:
@@ -154,20 +103,15 @@ def grouped(rows: Iterable[Row], keys: Sequence[str]) -> Mapping[tuple[Any, ...]
     return found
 
 
-def medians(placed: Iterable[Row], field: str) -> list[Row]:
+def medians(placed: Iterable[Row]) -> list[Row]:
     """One point for each series and time step: medians over seeds."""
-    return [
-        part[0] | {"error": median(row["error"] for row in part), field: median(row[field] for row in part)}
-        for part in grouped(placed, ("series", "dt")).values()
-    ]
+    return [part[0] | {"error": median(row["error"] for row in part)} for part in grouped(placed, ("series", "dt")).values()]
 
 
-def spans(placed: Iterable[Row], field: str) -> list[Row]:
+def spans(placed: Iterable[Row]) -> list[Row]:
     """The range of the error over the seeds of one setting, where there are several."""
     return [
-        part[0]
-        | {field: median(row[field] for row in part)}
-        | {"least": min(row["error"] for row in part), "most": max(row["error"] for row in part)}
+        part[0] | {"least": min(row["error"] for row in part), "most": max(row["error"] for row in part)}
         for part in grouped(placed, ("series", "dt")).values()
         if len(part) > 1
     ]

@@ -10,10 +10,26 @@ from reports.points import labels
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["HOVER", "POINT", "Marks", "chart", "decades", "finished", "logarithmic", "ticks"]
+__all__ = [
+    "HOVER",
+    "LANE",
+    "POINT",
+    "TRACKS",
+    "Marks",
+    "chart",
+    "decades",
+    "finished",
+    "lane_names",
+    "lane_texts",
+    "logarithmic",
+    "ticks",
+]
 
 Row = dict[str, Any]
 POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
+TRACKS = ("default", "tuned")
+LANE = 15
+"""Height of one row of outcomes above a chart [px]."""
 NUMBERS = ("dt", "error", "cpu", "low", "high")
 HOVER = {
     "engine": "engine",
@@ -55,7 +71,9 @@ class Marks:
         import altair as alt
 
         dashes = [[1, 0] if track != "default" else [4, 3] for track in self.tracks]
-        return alt.StrokeDash("track:N", title=None, scale=alt.Scale(domain=self.tracks, range=dashes))
+        # A legend of the many settings of a sweep would be longer than the chart; hovering names them.
+        legend = alt.Legend(values=[track for track in self.tracks if track in TRACKS] or self.tracks[:2])
+        return alt.StrokeDash("track:N", title=None, legend=legend, scale=alt.Scale(domain=self.tracks, range=dashes))
 
     def tooltip(self) -> list[Any]:
         """What hovering shows."""
@@ -92,6 +110,27 @@ def logarithmic(kind: Any, field: str, title: str, values: Row) -> Any:
     import altair as alt
 
     return kind(f"{field}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(**values))
+
+
+def lane_texts(rows: Sequence[Row], field: str, x: Any, style: Marks, tooltip: Any, **words: Any) -> list[Any]:
+    """What became of trials without a point, above the frame at each row's lane; no layer where there is none."""
+    import altair as alt
+
+    if not rows:
+        return []
+    text = chart(rows).mark_text(fontSize=13, fontWeight=700, **words)
+    lane = alt.Y("lane:Q", scale=None, axis=None)
+    return [text.encode(x=x, y=lane, text=alt.Text(f"{field}:N"), color=style.colour(), tooltip=tooltip)]
+
+
+def lane_names(rows: Sequence[Row]) -> list[Any]:
+    """The label of each lane, left of the frame."""
+    import altair as alt
+
+    if not rows:
+        return []
+    label = chart(rows).mark_text(align="right", dx=-8, fontSize=10, color="#8a93a0", limit=130)
+    return [label.encode(x=alt.value(0), y=alt.Y("lane:Q", scale=None, axis=None), text="label:N")]
 
 
 def finished(layers: Sequence[Any], height: int) -> Row:

@@ -9,7 +9,19 @@ from typing import Any
 
 from harness.record import digest
 
-__all__ = ["TIMES", "amount", "plain_value", "csv_cell", "join_words", "plural", "settings_text", "slug", "visible"]
+__all__ = [
+    "TIMES",
+    "amount",
+    "plain_value",
+    "csv_cell",
+    "duration",
+    "join_words",
+    "plural",
+    "power",
+    "settings_text",
+    "slug",
+    "visible",
+]
 
 LONGEST = 2000
 """Characters of one string that are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
@@ -17,6 +29,7 @@ LONGEST = 2000
 TIMES = "\N{MULTIPLICATION SIGN}"
 NONE = "\N{EN DASH}"
 MINUS = "\N{MINUS SIGN}"
+UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -52,6 +65,19 @@ def amount(value: Any, digits: int = 3) -> str:
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
     return f"{mantissa}{TIMES}10{str(int(exponent)).translate(SUPERSCRIPT)}"
+
+
+def duration(seconds: float | None, digits: int = 3) -> str:
+    """A time in the unit that leaves few digits: '12.3 µs', '4 ms', '2.5 s'; a dash where there is none."""
+    if seconds is None or not math.isfinite(seconds) or seconds <= 0:
+        return NONE
+    size, name = next(((size, name) for size, name in UNITS if float(f"{seconds:.{digits - 1}e}") >= size), UNITS[-1])
+    return f"{amount(seconds / size, digits)} {name}"
+
+
+def power(exponent: int) -> str:
+    """A power of ten: '10⁻³'; 1 and 10 are themselves."""
+    return str(10**exponent) if exponent in (0, 1) else f"10{str(exponent).translate(SUPERSCRIPT)}"
 
 
 def plural(count: int, noun: str) -> str:

@@ -107,7 +107,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 
 def hinges(shares: Sequence[Share]) -> list[Share]:
-    """For each engine and limit the share that hangs most on one case."""
+    """For each engine and limit the share that depends most on one case."""
     found: dict[tuple[str, str], Share] = {}
     for share in shares:
         key = (share.engine, share.limit)
@@ -133,8 +133,8 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     said = [f"Shares of the {pairs} pairs of case and error that at least one engine reaches."] if pairs else []
     for share in hinges([Share(**row) for row in rows if row["limit"] == FACTOR]):
         case, other = without(share)
+        limit = "at the lowest price" if share.within == 1 else f"within {share.within:g} times the lowest price"
         said.append(
-            f"{share.engine} hangs most on {case}: without it, it answers {other:.0%} instead of {share.share:.0%} within "
-            f"{share.within:g} times the cheapest."
+            f"{share.engine} depends most on {case}: without it, it answers {other:.0%} instead of {share.share:.0%} {limit}."
         )
     return said

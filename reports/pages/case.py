@@ -11,12 +11,14 @@ import pandas as pd
 
 from harness.tables.orders import Convergence, convergences
 from reports.answers import answers
-from reports.charts import error_by_cost, error_by_step
+from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
 from reports.page import Page
+from reports.price_list import price_list
 from reports.template import case_file, fill
 from reports.text import csv_cell, slug
 from reports.verdict import verdicts
+from reports.work_precision import scenes, work_precision
 
 if TYPE_CHECKING:
     from harness.store import Store
@@ -28,6 +30,7 @@ def render(store: "Store") -> Mapping[str, str]:
     """For each case its page, its charts and its trials as CSV."""
     files: dict[str, str] = {}
     rows, cells, known, ladders = answers(store), verdicts(store), cases(store), convergences(store)
+    prices = price_list(store) if scenes(store) else []
     names = list(known)
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
     for place, name in enumerate(names):
@@ -38,11 +41,10 @@ def render(store: "Store") -> Mapping[str, str]:
             values.setdefault(row["trial"], {})[row["metric"]] = row
         plain = slug(name)
         unit = next((str(unit) for unit in mine["unit"].dropna()), "1")
-        figures = [
-            figure
-            for draw in (error_by_step, error_by_cost)
-            if (figure := draw(store, mine, f"case-{plain}", case["headline"], unit)) is not None
-        ]
+        by_step = error_by_step(store, mine, f"case-{plain}", case["headline"], unit)
+        figures = [by_step] if by_step is not None else []
+        figures += [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
+        listed = [line for line in prices if line.case == name]
         recording = store.folder / "recordings" / f"{name}.rrd"
         files[f"trials/{plain}.csv"] = as_csv(mine, measured)
         files |= {figure.path: figure.svg for figure in figures}
@@ -55,6 +57,8 @@ def render(store: "Store") -> Mapping[str, str]:
             before=known[names[place - 1]] if place else None,
             after=known[names[place + 1]] if place + 1 < len(names) else None,
             figures=figures,
+            prices=listed,
+            several=len({line.title for line in listed}) > 1,
             orders=orders([row for row in ladders if row.case == name], sides),
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],

@@ -1,7 +1,5 @@
 """The page on cost: what a step, a ray or a world costs, how that grows with the scene, and what the price buys."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -9,8 +7,8 @@ from harness.tables.scaling import COLUMNS, Cost, Scaling
 from reports.contents import engines
 from reports.costs import UNITS, growths, qualities, standings, titled
 from reports.page import Page
+from reports.sheet import sheet
 from reports.template import fill
-from reports.text import csv_cell
 
 if TYPE_CHECKING:
     from harness.store import Store
@@ -45,16 +43,9 @@ def render(store: "Store") -> Mapping[str, str]:
         cores=store.machine.get("cores"),
     )
     figures = [*([standing] if standing is not None else []), *grown, *bought]
-    return {"scaling.html": page, "scaling.csv": sheet(scaling)} | {figure.path: figure.svg for figure in figures}
-
-
-def sheet(scaling: Scaling) -> str:
-    """All rows as comma-separated values, with no cell that a spreadsheet takes for a formula."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows([csv_cell(row[name]) for name in COLUMNS] for row in scaling.rows())
-    return text.getvalue()
+    return {"scaling.html": page, "scaling.csv": sheet(COLUMNS, scaling.rows())} | {
+        figure.path: figure.svg for figure in figures
+    }
 
 
 def leads(store: "Store", costs: Sequence[Cost]) -> list[Cost]:

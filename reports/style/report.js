@@ -115,9 +115,10 @@
     search.placeholder = "Filter, e.g. mujoco tuned";
     search.setAttribute("aria-label", "Filter the rows by words");
     const choice = document.createElement("select");
-    choice.setAttribute("aria-label", "Show one outcome");
-    choice.append(new Option("all outcomes", ""));
+    choice.setAttribute("aria-label", "Show one kind of row");
+    choice.append(new Option(table.dataset.all ?? "all outcomes", ""));
     for (const status of new Set(rows.map((row) => row.dataset.status))) choice.append(new Option(status, status));
+    choice.value = table.dataset.first ?? "";
     const count = document.createElement("output");
     const apply = () => {
       const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);

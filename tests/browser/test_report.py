@@ -94,7 +94,7 @@ def html_files(report: Path) -> list[Path]:
 
 
 def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(plain: Path, visit: Any) -> None:
-    assert len(html_files(plain)) == 5
+    assert len(html_files(plain)) == 6
     for path in html_files(plain):
         seen = visit(path)
         assert seen.said == [], path.name
@@ -192,6 +192,26 @@ def test_words_and_outcomes_filter_the_trials(plain: Path, visit: Any) -> None:
     page.locator(".tools input").fill("")
     page.locator(".tools select").select_option("crashed")
     assert rows.count() == 1
+
+
+def test_the_price_list_shows_one_error_at_first_and_each_price_leads_to_its_trial(plain: Path, visit: Any) -> None:
+    page = visit(plain / "price.html").page
+    table = page.locator("table.prices")
+    rows = table.locator("tbody tr:visible")
+    assert [row.locator("td").first.inner_text() for row in rows.all()] == ["10⁻²"] * 3
+    page.locator("#list .tools select").select_option("")
+    assert rows.count() > 3 * 3
+    page.locator("#list .tools input").fill("tower")
+    rows.first.locator("td.x1 a").click()
+    page.wait_for_selector("tr:target details[open]")
+    assert "plumbline reproduce" in page.locator("tr:target").inner_text()
+
+
+def test_a_miniature_leads_to_the_chart_of_its_case(plain: Path, visit: Any) -> None:
+    page = visit(plain / "price.html").page
+    assert page.locator(".mini").count() == 3
+    page.locator(".mini").first.click()
+    page.wait_for_selector("figure.chart:target .plot svg")
 
 
 def test_a_permanent_link_to_a_trial_opens_its_row(plain: Path, visit: Any) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from harness.front import price
 from harness.prices import Prices, medians
 from harness.store import Store
 from harness.sweep import spread
@@ -44,7 +45,7 @@ class Priced(Store):
         self.__dict__["_read"] = {
             "trials": pd.DataFrame(trials).astype({"unstable_timing": "boolean"}),
             "measurements": pd.DataFrame(measured).assign(passed=True, because=""),
-            "samples": pd.DataFrame(samples, columns=["trial", "process", "block", "steps", "units", "cpu"]),
+            "samples": pd.DataFrame(samples, columns=["trial", "process", "block", "steps", "units", "cpu", "canary"]),
         }
         cases = {case: {"title": case, "headline": "e", "scale": 1.0, "dt": 0.01, "parameters": {}} for case, *_ in told}
         engines = {engine: {"title": engine, "ours": engine == "ours"} for _, engine, *_ in told}
@@ -64,6 +65,13 @@ def test_an_unclocked_answer_is_not_one_that_was_never_reached() -> None:
     assert rows[4].verdict == "priced"
     assert (rows[5].verdict, rows[5].cost, rows[5].reason, rows[5].dt) == ("not clocked", None, "roughly 7 CPU s", 1e-3)
     assert rows[7].verdict == "never reached"
+
+
+def test_an_error_that_jumps_costs_what_the_finer_step_does() -> None:
+    """By hand: from 1e-1 to 1e-3 for four times the cost is an order of 3.3, to 1e-9 for twice the cost one of 20."""
+    error, cost = np.array([1e-1, 1e-3, 1e-9]), np.array([1.0, 4.0, 8.0])
+    found = price(error, cost, np.array([1.0, 1e-2, 1e-3, 1e-4, 1e-8, 1e-10]))
+    np.testing.assert_allclose(found, [1.0, 2.0, 4.0, 8.0, 8.0, math.nan])
 
 
 def test_medians_leave_out_what_is_missing() -> None:
@@ -90,7 +98,7 @@ def test_the_case_on_which_a_share_hangs_is_named() -> None:
     found = {share.engine: share for share in hinges(profile(Prices(store).prices)) if share.limit == FACTOR}
     assert without(found["dart"]) == ("b", 1.0)
     assert without(found["ours"]) == ("b", 0.0)
-    assert "dart hangs most on b: without it, it answers 100% instead of 67% within 1 times the cheapest." in sentences(
+    assert "dart depends most on b: without it, it answers 100% instead of 67% at the lowest price." in sentences(
         profile_rows(store)
     )
 

@@ -11,7 +11,7 @@ import pytest
 
 from harness.store import Store
 from reports.answers import answers, at_own_step
-from reports.charts import across_cases, error_by_cost, error_by_step
+from reports.charts import across_cases, error_by_step
 from reports.figure import POINTS, Figure, thin
 from reports.marks import decades
 from reports.palette import ENGINES
@@ -49,16 +49,12 @@ def test_every_trial_of_a_case_stands_on_its_chart_of_errors_once(store: Store, 
     assert len(figure.rows) == len(rows)
 
 
-def test_an_exact_answer_stands_on_the_lower_edge_and_an_untimed_one_on_the_right(store: Store) -> None:
+def test_an_exact_answer_stands_on_the_lower_edge(store: Store) -> None:
     rows = answers(store)
     by_step = error_by_step(store, rows[rows["case"] == "flight_projectile"], "any", "e", "m")
-    by_cost = error_by_cost(store, rows[rows["case"] == "friction_stop"], "any", "e", "m")
     assert by_step is not None
-    assert by_cost is not None
     exact = [one for one in layers(by_step, "point") if one["encoding"]["y"] == {"value": "height"}]
-    untimed = [one for one in layers(by_cost, "point") if one["encoding"]["x"] == {"value": "width"}]
     assert [row["engine"] for one in exact for row in rows_of(by_step, one)] == ["Plumbline reference (ours)"] * 4
-    assert {(row["engine"], row["dt"]) for one in untimed for row in rows_of(by_cost, one)} == {("MuJoCo", 1000 / 1920)}
 
 
 def test_the_seeds_of_one_setting_are_joined_by_their_range_and_their_median(store: Store) -> None:
@@ -71,20 +67,6 @@ def test_the_seeds_of_one_setting_are_joined_by_their_range_and_their_median(sto
     (middle,) = [row for one in layers(figure, "line") for row in rows_of(figure, one)]
     assert (span["least"], span["most"], middle["error"]) == (1.0, 9.0, 2.0)
     assert sorted(drawn(store, figure)) == ["t0", "t1", "t2"]
-
-
-def test_outcomes_without_a_place_are_counted_in_their_lane(store: Store) -> None:
-    rows = answers(store)
-    figure = error_by_cost(store, rows[rows["case"] == "friction_creep"], "any", "e", "m")
-    assert figure is not None
-    told = {
-        (row["engine"], row["track"]): row["symbol"]
-        for one in layers(figure, "text")
-        for row in rows_of(figure, one)
-        if "symbol" in row
-    }
-    assert told["Bullet", "tuned"] == "∅\N{MULTIPLICATION SIGN}6"
-    assert told["Newton", "default"] == "○\N{MULTIPLICATION SIGN}6"
 
 
 def test_points_carry_no_number_that_json_lacks(store: Store) -> None:
@@ -128,7 +110,6 @@ def test_exact_answers_stand_on_the_left_edge_across_cases(store: Store) -> None
 def test_no_chart_is_drawn_of_nothing(store: Store) -> None:
     rows = answers(store)
     assert error_by_step(store, rows.iloc[:0], "any", "e", "m") is None
-    assert error_by_cost(store, rows[rows["engine"] == "newton"], "any", "e", "m") is None
 
 
 def test_the_static_picture_is_whole_xml_without_a_script(store: Store) -> None:
@@ -177,7 +158,7 @@ def test_the_text_of_a_figure_is_the_same_in_two_builds(store: Store, tmp_path: 
     texts = []
     for one in (store, again):
         rows = answers(one)
-        figure = error_by_cost(one, rows[rows["case"] == "stack_tower"], "any", "e", "m")
+        figure = error_by_step(one, rows[rows["case"] == "stack_tower"], "any", "e", "m")
         assert figure is not None
         texts.append(json.dumps(figure.spec))
     assert texts[0] == texts[1]

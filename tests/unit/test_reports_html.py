@@ -59,8 +59,8 @@ def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report
                 assert re.match(r"(charts|style)/[\w-]+\.\w+$|data:,$", source), source
             if (href := attributes.get("href")) is not None and ":" in href:
                 assert href.startswith(("https://example.org", "data:,")), href
-    assert scripts[None] == 2 * 4  # two on each of four pages
-    assert scripts["application/json"] == 6
+    assert scripts[None] == 2 * 5  # two on each of five pages
+    assert scripts["application/json"] == 2 + 2 * 2 + 3  # overview, two cases, price
 
 
 def test_every_page_carries_a_policy_that_lets_nothing_inline_or_remote_run(report: Path) -> None:

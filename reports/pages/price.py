@@ -1,0 +1,66 @@
+"""The page on price: what accuracy costs in time, how often each engine gives it, and how far it may step for it."""
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from harness.tables import price as prices_table
+from harness.tables import profile as profile_table
+from harness.tables import steps as steps_table
+from harness.tables.profile import FACTOR, TIME, hinges, profile, without
+from harness.tables.steps import largest_steps
+from reports.marks import TRACKS
+from reports.page import Page
+from reports.price_list import SHOWN, price_list, wins
+from reports.profiles import profile_chart
+from reports.sheet import sheet
+from reports.steps import allowances, steps_chart
+from reports.template import fill
+from reports.text import power
+from reports.work_precision import miniatures, priced, scenes
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def concerns(store: "Store") -> bool:
+    """Only where a setting was clocked at several time steps: a price lies between two of them."""
+    steps = {((s.name, p.engine, p.track), p.dt) for s in scenes(store) for p in s.points if p.clocked}
+    return max(Counter(setting for setting, _ in steps).values(), default=0) > 1
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page, its charts and its tables as CSV."""
+    prices = priced(store).prices
+    shares, steps = profile(prices), largest_steps(store)
+    profiles = [figure for limit in (FACTOR, TIME) if (figure := profile_chart(store, shares, limit)) is not None]
+    largest = steps_chart(store, steps)
+    page = fill(
+        "price.html",
+        store,
+        title="Price",
+        wins=wins(prices),
+        pairs=sum(price.cheapest for price in prices),
+        hinges=[(share, *without(share)) for share in hinges([share for share in shares if share.limit == FACTOR])],
+        profiles=profiles,
+        lines=price_list(store),
+        first=power(round(math.log10(SHOWN))),
+        miniatures=miniatures(store),
+        largest=largest,
+        allowances=allowances(store, steps),
+        tracks=TRACKS,
+    )
+    figures = [*profiles, *([largest] if largest is not None else [])]
+    sheets = {
+        "price.csv": sheet(prices_table.COLUMNS, map(asdict, prices)),
+        "profile.csv": sheet(profile_table.COLUMNS, map(asdict, shares)),
+        "steps.csv": sheet(steps_table.COLUMNS, map(asdict, steps)),
+    }
+    return {"price.html": page} | sheets | {figure.path: figure.svg for figure in figures}
+
+
+PAGE = Page(name="price", title="Price", order=10, render=render, concerns=concerns)

@@ -1,0 +1,87 @@
+"""The charts of the performance profile: the share of answers over what they may cost, engine beside engine."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from harness.tables.profile import FACTOR, Share
+from reports.figure import Figure
+from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.points import labels
+from reports.text import amount, visible
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["profile_chart"]
+
+Row = dict[str, Any]
+
+
+def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure | None:
+    """One line an engine, with the band that leaving one case out spans; None without a share."""
+    import altair as alt  # late: half a second that only a report needs
+
+    told_of = {share.within for share in shares if share.limit == limit and share.share > 0}
+    rows: list[Row] = [
+        {
+            "engine": labels(store)[share.engine],
+            "track": "tuned",
+            "within": share.within,
+            "share": share.share,
+            "low": share.low,
+            "high": share.high,
+            "without_low": visible(share.without_low)[:60],
+            "without_high": visible(share.without_high)[:60],
+        }
+        for share in shares
+        if share.limit == limit and share.within in told_of
+    ]
+    if not rows:
+        return None
+    factor = limit == FACTOR
+    style = Marks(store, rows)
+    x = logarithmic(alt.X, "within", limit, decades(row["within"] for row in rows))
+    scale = alt.Scale(domain=[0, 1], nice=False, padding=6)
+    y = alt.Y("share:Q", title="share of the answers", scale=scale, axis=alt.Axis(format=".0%"))
+    low = alt.Y("low:Q", title="share of the answers", scale=scale)
+    shape = alt.Shape("engine:N", title=None, scale=alt.Scale(domain=style.engines, range=style.paths))
+    told = [
+        alt.Tooltip("engine:N"),
+        alt.Tooltip("within:Q", title=limit, format=".3~g"),
+        alt.Tooltip("share:Q", format=".1%"),
+        alt.Tooltip("low:Q", title="least, one case left out", format=".1%"),
+        alt.Tooltip("without_low:N", title="without"),
+        alt.Tooltip("high:Q", title="most, one case left out", format=".1%"),
+        alt.Tooltip("without_high:N", title="without "),
+    ]
+    layers = [
+        chart(rows).mark_line(strokeWidth=1.8).encode(x=x, y=y, detail="engine:N", color=style.colour()),
+        chart(rows).mark_point(**POINT | {"size": 45}).encode(x=x, y=y, color=style.colour(), shape=shape, tooltip=told),
+        chart(rows).mark_area(opacity=0.18).encode(x=x, y=low, y2="high:Q", detail="engine:N", color=style.colour()),
+    ]
+    pairs = max(share.pairs for share in shares if share.limit == limit)
+    what = (
+        "At 1 stands how often an engine is the cheapest, at the right how often it gets there at all."
+        if factor
+        else "1 is real time: an answer costs as much as it lasts."
+    )
+    caption = (
+        f"The share of {pairs} pairs of case and error, each reached by at least one engine, that an engine answers within "
+        f"{'so many times the cheapest price' if factor else 'so much time'}: higher is better. {what} Bands span the shares "
+        "with one case left out."
+    )
+    columns = ("engine", limit, "share", "least", "without", "most", "without")
+    cells = [
+        [
+            row["engine"],
+            amount(row["within"]),
+            f"{row['share']:.1%}",
+            f"{row['low']:.1%}",
+            row["without_low"],
+            f"{row['high']:.1%}",
+            row["without_high"],
+        ]
+        for row in rows
+    ]
+    title = "Answers within a factor of the cheapest" if factor else "Answers within a time"
+    return Figure("profile-factor" if factor else "profile-time", title, caption, finished(layers, height=300), columns, cells)

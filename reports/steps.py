@@ -1,0 +1,99 @@
+"""The largest time steps: a chart over all scenes, and default and tuned beside each other, scene by scene, as a table."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from harness.tables.steps import Step
+from reports.costs import titled
+from reports.figure import Figure
+from reports.marks import POINT, TRACKS, Marks, chart, decades, finished, logarithmic
+from reports.points import labels
+from reports.text import amount
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["Allowance", "allowances", "steps_chart", "survival"]
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Allowance:
+    """How far one engine may step in one scene: on each track, and where it is fastest."""
+
+    case: str
+    title: str
+    engine: str
+    tracks: Mapping[str, Step]
+    fastest: Step | None
+
+
+def allowances(store: "Store", steps: Sequence[Step]) -> list[Allowance]:
+    """Steps of one scene and engine in one row."""
+    found: dict[tuple[str, str, str], list[Step]] = {}
+    for step in steps:
+        found.setdefault((step.case, step.where, step.engine), []).append(step)
+    return [
+        Allowance(
+            case=case,
+            title=titled(store, case, where),
+            engine=engine,
+            tracks={step.track: step for step in mine if step.track in TRACKS},
+            fastest=max((step for step in mine if step.realtime), key=lambda step: step.realtime or 0.0, default=None),
+        )
+        for (case, where, engine), mine in found.items()
+    ]
+
+
+def survival(steps: Sequence[Step]) -> list[tuple[float, float, int]]:
+    """The share of scenes that are still within one per cent at a time step, one row a scene.
+
+    Returns:
+        By time step [s]: the share, and how many scenes still say something of it.
+
+    Source: E. L. Kaplan & P. Meier, J. Am. Stat. Assoc. 53 (1958) 457; a scene good at its coarsest step is censored there.
+    """
+    share, found = 1.0, []
+    for dt in sorted({step.accurate or 0.0 for step in steps}):
+        left = sum((step.accurate or 0.0) >= dt for step in steps)
+        if dt > 0:
+            found.append((dt, share, left))
+        ended = sum((step.accurate or 0.0) == dt and step.accurate != step.coarsest for step in steps)
+        share *= 1 - ended / left
+    return found
+
+
+def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
+    """The share of scenes within one per cent over the time step, default and tuned; None where nothing stays within it."""
+    import altair as alt  # late: half a second that only a report needs
+
+    rows: list[Row] = []
+    for engine, track in dict.fromkeys((step.engine, step.track) for step in steps if step.track in TRACKS):
+        mine = [step for step in steps if (step.engine, step.track) == (engine, track)]
+        same = {"engine": labels(store)[engine], "track": track, "series": f"{engine} {track}"}
+        rows += [same | {"dt": 1e3 * dt, "share": share, "run": run} for dt, share, run in survival(mine)]
+    if not rows:
+        return None
+    style = Marks(store, rows)
+    x = logarithmic(alt.X, "dt", "time step [ms]", decades(row["dt"] for row in rows))
+    scale = alt.Scale(domain=[0, 1], nice=False, padding=6)
+    y = alt.Y("share:Q", title="share of the scenes within 1 %", scale=scale, axis=alt.Axis(format=".0%"))
+    told = [alt.Tooltip("engine:N"), alt.Tooltip("track:N"), alt.Tooltip("dt:Q", title="time step [ms]", format=".3~g")]
+    told += [alt.Tooltip("share:Q", format=".1%"), alt.Tooltip("run:Q", title="scenes left")]
+    channels = style.channels() | {"tooltip": told}
+    line = chart(rows).mark_line(strokeWidth=1.6, interpolate="step-before")
+    layers = [
+        line.encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash()),
+        chart(rows).mark_point(**POINT | {"size": 45}).encode(x=x, y=y, **channels),
+    ]
+    caption = (
+        "The share of the scenes in which an engine stays within one per cent of the case's scale at a time step and at every "
+        "smaller one that was run: higher and farther right is better. A scene that is still within it at its coarsest step "
+        "says nothing of coarser ones and counts up to there (Kaplan and Meier). Whole lines and filled marks are tuned, "
+        "dashes and open ones the vendor's defaults."
+    )
+    columns = ("engine", "track", "time step [ms]", "share", "scenes left")
+    cells = [[r["engine"], r["track"], amount(r["dt"]), f"{r['share']:.1%}", r["run"]] for r in rows]
+    return Figure("largest-steps", "How far one may step", caption, finished(layers, height=320), columns, cells)

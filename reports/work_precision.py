@@ -1,0 +1,263 @@
+"""Work against precision in one scene: the chart of every trial with an error and a cost, and its miniature of fronts alone."""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from harness.prices import LEAST, PER_SECOND, Point, Prices, unit_of
+from reports.contents import engines
+from reports.costs import titled
+from reports.figure import Figure, thin
+from reports.marks import LANE, POINT, TRACKS, Marks, chart, decades, finished, lane_names, lane_texts, logarithmic
+from reports.palette import looks
+from reports.points import labels
+from reports.status import outcome
+from reports.template import case_file
+from reports.text import TIMES, amount, duration, power, slug, visible
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["Miniature", "Scene", "miniatures", "priced", "scenes", "work_precision"]
+
+Row = dict[str, Any]
+WIDE, HIGH = 200, 132
+"""Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""
+LEFT, BELOW, MARGIN = 34, 16, 6
+
+
+@lru_cache(maxsize=1)
+def priced(store: "Store") -> Prices:
+    """Points and prices of a store, worked out once for all pages of a report."""
+    return Prices(store)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """A case at one set of parameters.
+
+    Terms:
+        name: of its chart, unique in the report. unit: what costs count. points: its trials with an error and a cost;
+        silent: the rows of those that lack one or both.
+    """
+
+    case: str
+    where: str
+    name: str
+    unit: str
+    points: Sequence[Point]
+    silent: pd.DataFrame
+
+
+@lru_cache(maxsize=1)
+def scenes(store: "Store") -> tuple[Scene, ...]:
+    """All scenes in which something was clocked that has an error."""
+    by_scene: dict[tuple[str, str], list[Point]] = {}
+    for point in priced(store).points:
+        by_scene.setdefault((point.case, point.where), []).append(point)
+    found: list[Scene] = []
+    for case, where, part in priced(store).groups():
+        points = by_scene.get((case, where), [])
+        if any(point.clocked for point in points):
+            place = sum(scene.case == case for scene in found)
+            name = f"case-{slug(case)}-price" + (f"-{place}" if place else "")
+            silent = part[~part["trial"].isin([point.trial for point in points])]
+            found.append(Scene(case, where, name, unit_of(part), points, silent))
+    return tuple(found)
+
+
+def drawn(store: "Store", point: Point) -> Row:
+    """A point for the chart."""
+    return {
+        "engine": labels(store)[point.engine],
+        "track": point.track if point.track in TRACKS else "other settings",
+        "setting": visible(point.track)[:60],
+        "dt": 1e3 * point.dt,
+        "error": point.error,
+        "least": max(point.error - point.off, LEAST),
+        "most": point.error + point.off,
+        "off": point.off,
+        "cost": point.cost,
+        "low": point.low or point.cost,
+        "high": point.high or point.cost,
+        "timing": "rough, not clocked" if not point.clocked else "unstable" if point.unstable else "clocked",
+        "status": outcome(point.status).name,
+        "trial": point.trial,
+    }
+
+
+def hover() -> list[Any]:
+    """What hovering over a point shows."""
+    import altair as alt  # late: half a second that only a report needs
+
+    words = {"engine": "engine", "setting": "setting", "status": "outcome", "timing": "timing", "trial": "trial"}
+    numbers = {
+        "dt": "time step [ms]",
+        "error": "error, of the scale",
+        "off": "the truth may be off by",
+        "cost": "CPU time [s]",
+        "low": "95 % from",
+        "high": "to",
+    }
+    told = [alt.Tooltip(f"{key}:Q", title=title, format=".4~g") for key, title in numbers.items()]
+    named = [alt.Tooltip(f"{key}:N", title=title) for key, title in words.items()]
+    return [*named[:2], *told, *named[2:]]
+
+
+def cost_title(unit: str) -> str:
+    """The title of an axis of costs."""
+    return "CPU time per simulated second [s/s]" if unit == PER_SECOND else f"CPU time per {visible(unit)[:30]} [s]"
+
+
+def work_precision(store: "Store", scene: Scene) -> Figure:
+    """Cost over error, both logarithmic; every trial is a point, or stands above the frame with what became of it."""
+    import altair as alt
+
+    rows = [drawn(store, point) for point in scene.points]
+    clocked = [row for row, point in zip(rows, scene.points, strict=True) if point.clocked]
+    rough = [row for row, point in zip(rows, scene.points, strict=True) if not point.clocked]
+    front = [row for row, point in zip(rows, scene.points, strict=True) if point.front]
+    best = [row for row, point in zip(rows, scene.points, strict=True) if point.best]
+    lanes = tallies(store, scene)
+    style = Marks(store, [*rows, *lanes])
+    style.tracks = [track for track in style.tracks if track]
+    error, cost = "error, as a share of the case's scale", cost_title(scene.unit)
+    x = logarithmic(alt.X, "error", error, decades(row["error"] for row in rows))
+    y = logarithmic(alt.Y, "cost", cost, decades(row["cost"] for row in rows))
+    channels = style.channels() | {"tooltip": hover()}
+    bar: Row = {"strokeWidth": 1.3, "clip": True}
+    layers = [
+        chart(best).mark_point(filled=False, size=260, strokeWidth=5, opacity=0.35, stroke="#8a93a0").encode(x=x, y=y),
+        chart(front).mark_line(strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
+        chart(clocked).mark_rule(**bar).encode(x=x, y=alt.Y("low:Q", title=cost), y2="high:Q", color=style.colour()),
+    ]
+    if doubtful := [row for row in rows if row["off"] > 0]:
+        least = alt.X("least:Q", title=error)
+        layers.append(chart(doubtful).mark_rule(**bar).encode(x=least, x2="most:Q", y=y, color=style.colour()))
+    layers.append(chart(thin(clocked, "error", "cost")).mark_point(**POINT | {"size": 55}).encode(x=x, y=y, **channels))
+    if rough:
+        faint = chart(thin(rough, "error", "cost")).mark_point(filled=False, size=22, strokeWidth=1.2, opacity=0.55)
+        layers.append(faint.encode(x=x, y=y, **{k: channels[k] for k in ("color", "shape", "tooltip")}))
+    told = [alt.Tooltip("engine:N"), alt.Tooltip("reason:N")]
+    layers += [*lane_texts(lanes, "text", alt.value("width"), style, told, align="right"), *lane_names(lanes)]
+    caption = (
+        "The lower left corner is where one wants to be. Each point is one trial, open for the vendor's defaults; lines join "
+        "what no other setting of the same engine beats, grey rings what no setting of any engine beats. Upright bars are 95 % "
+        "intervals of the cost, level ones how far the truth itself may be off; errors below 1e-9 stand there."
+        + (" Small faint points were not clocked: their cost is a rough one." if rough else "")
+        + (" Trials without an error or a cost are counted above the frame." if lanes else "")
+    )
+    columns = (
+        "engine",
+        "setting",
+        "step [ms]",
+        "error",
+        "truth off by",
+        "CPU [s]",
+        "95 % from",
+        "to",
+        "timing",
+        "outcome",
+        "trial",
+    )
+    numbers = ("dt", "error", "off", "cost", "low", "high")
+    cells = [
+        [row["engine"], row["setting"], *(amount(row[key]) for key in numbers), row["timing"], row["status"], row["trial"]]
+        for row in rows
+    ]
+    title = "What an error costs" + (f": {visible(scene.where)[:60]}" if scene.where else "")
+    return Figure(scene.name, title, caption, finished(layers, height=340), columns, cells)
+
+
+def tallies(store: "Store", scene: Scene) -> list[Row]:
+    """For each engine with trials that have no place on the chart: how many there are of each outcome."""
+    found: list[Row] = []
+    for engine, part in scene.silent.groupby("engine", sort=False):
+        counts = Counter(outcome(status).symbol for status in part["status"])
+        reasons = dict.fromkeys(
+            f"{outcome(s).name}: {'no error or no cost' if outcome(s).answered else r}"
+            for s, r in zip(part["status"], part["reason"], strict=True)
+        )
+        text = "  ".join(f"{symbol}{TIMES}{count}" if count > 1 else symbol for symbol, count in counts.items())
+        name, lane, reason = labels(store)[str(engine)], -10 - LANE * len(found), visible("; ".join(reasons))[:300]
+        found.append({"engine": name, "label": name, "track": "", "lane": lane, "text": text, "reason": reason})
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Miniature:
+    """A small picture of the fronts of one scene, on axes that all of them share.
+
+    Terms:
+        lines: colour, path of the front, and its points, engine by engine. across, up: ticks as (place, words).
+        silent: trials that are not on it.
+    """
+
+    title: str
+    address: str
+    note: str
+    lines: Sequence[tuple[str, str, Sequence[tuple[float, float]]]]
+    across: Sequence[tuple[float, str]]
+    up: Sequence[tuple[float, str]]
+    silent: int
+
+
+def miniatures(store: "Store") -> list[Miniature]:
+    """One for each scene, all on the same axes."""
+    fronts = [(scene, [point for point in scene.points if point.front]) for scene in scenes(store)]
+    costs = [math.log10(point.cost) for scene, front in fronts for point in front if scene.unit == PER_SECOND]
+    errors = [math.log10(point.error) for _, front in fronts for point in front]
+    low, high = span(costs or [0.0])
+    fine, coarse = span([min(error, 0.0) for error in errors])
+
+    def across(log: float) -> float:
+        return round(LEFT + MARGIN + (WIDE - LEFT - 2 * MARGIN) * share(log, fine, coarse), 1)
+
+    def up(log: float) -> float:
+        return round(HIGH - BELOW - MARGIN - (HIGH - BELOW - 2 * MARGIN) * share(log, low, high), 1)
+
+    x_ticks = [(across(exponent), power(exponent)) for exponent in range(fine, coarse + 1) if (coarse - exponent) % 4 == 0]
+    y_ticks = [(up(exponent), duration(10.0**exponent)) for exponent in range(low, high + 1) if exponent % 3 == 0]
+    return [
+        Miniature(
+            title=titled(store, scene.case, scene.where),
+            address=f"{case_file(scene.case)}#{scene.name}",
+            note="" if scene.unit == PER_SECOND else f"per {visible(scene.unit)[:30]}",
+            lines=[line(places, colour) for colour, places in placed(store, front, across, up).items()],
+            across=x_ticks,
+            up=y_ticks,
+            silent=len(scene.silent),
+        )
+        for scene, front in fronts
+    ]
+
+
+def span(logs: Sequence[float]) -> tuple[int, int]:
+    """Whole powers of ten around logarithms, two at least."""
+    low, high = math.floor(min(logs, default=0.0)), math.ceil(max(logs, default=0.0))
+    return low, max(high, low + 1)
+
+
+def share(log: float, low: int, high: int) -> float:
+    """Where a logarithm lies between two; what lies beyond stands at the edge."""
+    return min(max((log - low) / (high - low), 0.0), 1.0)
+
+
+def placed(store: "Store", front: Sequence[Point], across: Any, up: Any) -> Mapping[str, list[tuple[float, float]]]:
+    """The places of each engine's front, by its colour, from accurate to cheap."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    colours = looks(engines(store))
+    for point in sorted(front, key=lambda point: point.error):
+        place = (across(math.log10(point.error)), up(math.log10(point.cost)))
+        found.setdefault(colours[point.engine].colour, []).append(place)
+    return found
+
+
+def line(places: Sequence[tuple[float, float]], colour: str) -> tuple[str, str, Sequence[tuple[float, float]]]:
+    """Colour, path and places."""
+    return colour, "M" + "L".join(f"{x:g},{y:g}" for x, y in places), places

@@ -1,0 +1,178 @@
+"""The page on price: there where steps were clocked, absent elsewhere; nothing that was run is lost from its charts."""
+
+import csv
+import io
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from harness.store import Store
+from harness.tables.profile import FACTOR, TIME, profile
+from harness.tables.steps import Step
+from reports.figure import Figure
+from reports.html import rendered
+from reports.price_list import Line, heat, price_list, wins
+from reports.profiles import profile_chart
+from reports.steps import survival
+from reports.text import duration, power
+from reports.work_precision import miniatures, priced, scenes, work_precision
+from tests.run_folder import HOSTILE, write_run_folder
+from tests.unit.test_prices import Priced, Told, ladder
+
+
+def layers(figure: Figure, mark: str) -> Iterator[dict[str, Any]]:
+    return (one for one in figure.spec["layer"] if one["mark"]["type"] == mark)
+
+
+def rows_of(figure: Figure, layer: dict[str, Any]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = figure.spec["datasets"][layer["data"]["name"]]
+    return found
+
+
+def told() -> list[Told]:
+    """Ours is cheap and reaches 1e-6, DART costs three times as much and reaches 1e-4; one step of it was not clocked."""
+    return [*ladder("a", "ours", 1e-3), *ladder("a", "dart", 3e-3, finest=1e-2), ("a", "dart", "default", 1e-2, 0.2, None)]
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
+    return Store(write_run_folder(tmp_path_factory.mktemp("price") / "run", hostile=True))
+
+
+def chart_of(store: Store, case: str) -> Figure:
+    (scene,) = (scene for scene in scenes(store) if scene.case == case)
+    return work_precision(store, scene)
+
+
+def test_without_several_clocked_steps_there_is_no_such_page_and_no_link_to_it() -> None:
+    single = Priced([one for one in told() if one[3] == 1e-2])
+    texts = rendered(single)
+    assert "price.html" not in texts
+    assert "price.html" not in texts["index.html"]
+
+
+def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:
+    texts = rendered(Priced(told()))
+    assert 'href="price.html"' in texts["index.html"]
+    page = texts["price.html"]
+    # Lines for errors of 1e-1 to 1e-7, the first that nobody reaches, and the steps of the one engine with four of them.
+    assert page.count("<tr data-status=") == 7 + 1
+    assert "never (best 5" in page
+    prices = list(csv.DictReader(io.StringIO(texts["price.csv"])))
+    assert len(prices) == 8 * 2
+    assert {"profile.csv", "steps.csv", "charts/profile-factor.svg", "charts/largest-steps.svg"} <= texts.keys()
+    assert 'id="prices"' in texts["case-a.html"]
+
+
+def test_every_trial_of_a_case_is_on_its_chart_or_counted_above_it(store: Store) -> None:
+    for case in ("stack_tower", "friction_stop", "flight_projectile"):
+        (scene,) = (scene for scene in scenes(store) if scene.case == case)
+        figure = work_precision(store, scene)
+        trials = list(store.trials.loc[store.trials["case"] == case, "trial"])
+        standing = [row[-1] for row in figure.rows]
+        assert sorted([*standing, *scene.silent["trial"]]) == sorted(trials)
+        drawn = {row["trial"] for one in layers(figure, "point") if "shape" in one["encoding"] for row in rows_of(figure, one)}
+        assert drawn == set(standing)
+
+
+def test_outcomes_without_a_place_are_counted_above_the_frame(store: Store) -> None:
+    figure = chart_of(store, "friction_creep")
+    counted = {row["engine"]: row["text"] for one in layers(figure, "text") for row in rows_of(figure, one)}
+    assert counted == {"Bullet": "∅\N{MULTIPLICATION SIGN}12", "Newton": "○\N{MULTIPLICATION SIGN}12"}
+
+
+def test_a_trial_that_was_not_clocked_is_small_faint_and_says_so() -> None:
+    figure = chart_of(Priced(told()), "a")
+    faint = [one for one in layers(figure, "point") if one["mark"]["size"] < 30]
+    assert [(row["engine"], row["timing"]) for one in faint for row in rows_of(figure, one)] == [("dart", "rough, not clocked")]
+    assert "not clocked" in figure.caption
+
+
+def test_the_front_of_each_engine_is_a_line_and_the_front_of_all_is_ringed() -> None:
+    figure = chart_of(Priced(told()), "a")
+    (line,) = layers(figure, "line")
+    assert [row["engine"] for row in rows_of(figure, line)] == ["ours (ours)"] * 4 + ["dart"] * 3
+    (rings,) = (one for one in layers(figure, "point") if one["mark"]["size"] > 200)
+    assert [row["engine"] for row in rows_of(figure, rings)] == ["ours (ours)"] * 4
+
+
+def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ratio() -> None:
+    lines = price_list(Priced(told()))
+    assert [line.target for line in lines] == [power(-k) for k in range(1, 8)]
+    assert [line.last for line in lines] == [False] * 6 + [True]
+    first: Line = lines[1]
+    assert first.entries["ours"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
+    assert (first.entries["ours"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x10", "3")
+    assert first.entries["ours"].text == "≤ 10 ms"
+    assert lines[5].entries["dart"].text.startswith("never (best 5")
+    assert heat(lines[5].entries["dart"].price) == "out"
+    assert wins(priced(Priced(told())).prices) == [("ours", 6), ("dart", 0)]
+
+
+def test_every_scene_has_a_line_for_the_error_that_the_list_shows_at_first() -> None:
+    told: list[Told] = [("a", "dart", "tuned", dt, 0.9, 1.0) for dt in (1e-2, 1e-3)]
+    assert [(line.target, line.last) for line in price_list(Priced(told))] == [("10⁻¹", False), ("10⁻²", True)]
+
+
+def test_profiles_have_a_line_and_a_band_for_each_engine() -> None:
+    one = Priced(told())
+    shares = profile(priced(one).prices)
+    for limit in (FACTOR, TIME):
+        figure = profile_chart(one, shares, limit)
+        assert figure is not None
+        assert {row["engine"] for mark in ("line", "area") for row in rows_of(figure, next(layers(figure, mark)))} == {
+            "ours (ours)",
+            "dart",
+        }
+    assert profile_chart(one, [], FACTOR) is None
+
+
+def step(accurate: float | None, coarsest: float) -> Step:
+    return Step(
+        case="a", where="", engine="dart", track="tuned", stable=None, accurate=accurate, coarsest=coarsest, finest=1e-3,
+        runs=4, error=None, realtime=None, trial="",
+    )  # fmt: skip
+
+
+def test_scenes_that_were_not_run_more_coarsely_count_up_to_where_they_were() -> None:
+    """By hand: of five scenes one never is within; one ends after 2 ms, one is censored at 4 ms, one ends after 4 ms."""
+    scenes = [step(None, 8e-3), step(2e-3, 8e-3), step(4e-3, 4e-3), step(4e-3, 8e-3), step(8e-3, 8e-3)]
+    found = survival(scenes)
+    assert [(dt, left) for dt, _, left in found] == [(2e-3, 4), (4e-3, 3), (8e-3, 1)]
+    assert [share for _, share, _ in found] == pytest.approx([4 / 5, 4 / 5 * 3 / 4, 4 / 5 * 3 / 4 * 2 / 3])
+
+
+def test_miniatures_share_their_axes_and_lead_to_the_chart_of_their_case(store: Store) -> None:
+    small = miniatures(store)
+    assert len({(tuple(one.across), tuple(one.up)) for one in small}) == 1
+    for one in small:
+        assert all(0 <= x <= 200 and 0 <= y <= 132 for _, _, places in one.lines for x, y in places)
+    addresses = [one.address for one in small]
+    assert "case-joint_pendulum.html#case-joint_pendulum-price" in addresses
+
+
+def test_a_hostile_name_stays_text(store: Store) -> None:
+    texts = rendered(store)
+    assert HOSTILE[0] not in texts["price.html"]
+    assert HOSTILE[2] not in texts["price.html"]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (1.23e-5, "12.3 µs"),
+        (9.999e-4, "1 ms"),
+        (2.5, "2.5 s"),
+        (3.82e-8, "38.2 ns"),
+        (1e-12, "0.001 ns"),
+        (None, "\N{EN DASH}"),
+        (0.0, "\N{EN DASH}"),
+    ],
+)
+def test_a_time_is_told_in_its_unit(seconds: float | None, words: str) -> None:
+    assert duration(seconds) == words
+
+
+def test_a_power_of_ten_is_told_as_one() -> None:
+    assert [power(k) for k in (-3, 0, 1, 2)] == ["10⁻³", "1", "10", "10²"]

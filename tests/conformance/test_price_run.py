@@ -1,0 +1,90 @@
+"""A small price study, run for real through the command line: it sweeps, clocks what lies near the front, and goes on where it stood."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from harness.front import on_front
+from harness.prices import Prices
+from harness.store import Store
+from tests.conftest import Command
+
+STUDY = """
+name = "small"
+recordings = false
+[[experiments]]
+name = "fronts"
+cases = ["spin_asymmetric_top"]
+engines = ["mujoco", "reference"]
+dt = "ladder"
+sweep = 10
+samples = 2
+sample_seconds = 0.002
+deadline = 120.0
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of the study."""
+    here = tmp_path_factory.mktemp("price")
+    (here / "small.toml").write_text(STUDY)
+    done = plumbline("run", str(here / "small.toml"), "--out", str(here / "run"), "--workers", "2")
+    assert done.returncode == 0, done.stderr
+    return here / "run"
+
+
+def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> None:
+    """Two tracks at six steps, and up to ten more for each engine, named by what was turned."""
+    trials = Store(folder).trials
+    for engine in ("mujoco", "reference"):
+        mine = trials[trials["engine"] == engine]
+        assert 12 < len(mine) <= 22
+        words = set(mine["track"])
+        assert {"default", "tuned"} < words
+        assert all(word.split(",")[0] in ("default", "tuned") for word in words)
+    assert any("integrator" in word for word in trials["track"])
+
+
+def test_fronts_are_clocked_and_every_point_stays_visible(folder: Path) -> None:
+    """What was not clocked keeps its rough cost; by those costs no clocked front has a better point that was left out."""
+    points = Prices(Store(folder)).points
+    assert {point.clocked for point in points} == {True, False}
+    for engine in ("mujoco", "reference"):
+        mine = [point for point in points if point.engine == engine]
+        rough = dict(zip(Store(folder).trials["trial"], Store(folder).trials["rough_cost"], strict=True))
+        flags = on_front([point.error for point in mine], [rough[point.trial] for point in mine])
+        ends = [point for point, on in zip(mine, flags, strict=True) if on]
+        assert min(ends, key=lambda point: point.error).clocked
+        assert max(ends, key=lambda point: point.error).clocked
+
+
+def test_the_price_list_has_every_pair_and_says_what_is_not_reached(folder: Path, plumbline: Command) -> None:
+    """Through the command line; a semi-implicit engine does not reach 1e-8 of an attitude, RK4 and splittings come near."""
+    rows = json.loads(plumbline("show", str(folder), "--table", "price", "--format", "json").stdout)
+    assert len(rows) == 2 * 8
+    for row in rows:
+        assert row["verdict"] in ("priced", "at most", "never reached", "not clocked")
+        assert (row["cost"] is None) == (row["verdict"] in ("never reached", "not clocked"))
+        if row["cost"] is not None:
+            assert 0 < row["low"] <= row["high"]
+            assert row["ratio"] >= 1
+    assert {row["verdict"] for row in rows} >= {"priced", "never reached"}
+
+
+def test_going_on_runs_nothing_that_was_run(folder: Path, plumbline: Command) -> None:
+    """The rounds are found again from the journal, to the letter."""
+    before = (folder / "journal.jsonl").read_bytes()
+    done = plumbline("run", str(folder.parent / "small.toml"), "--out", str(folder), "--workers", "2", "--resume")
+    assert done.returncode == 0, done.stderr
+    assert (folder / "journal.jsonl").read_bytes() == before
+
+
+@pytest.mark.parametrize("table", ["profile", "steps"])
+def test_tables_made_of_prices_print(folder: Path, plumbline: Command, table: str) -> None:
+    """In every format, with the same number of rows."""
+    rows = json.loads(plumbline("show", str(folder), "--table", table, "--format", "json").stdout)
+    assert rows
+    assert len(plumbline("show", str(folder), "--table", table, "--format", "csv").stdout.splitlines()) == len(rows) + 1
+    assert "reference" in plumbline("show", str(folder), "--table", table).stdout

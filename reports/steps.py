@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from harness.tables.steps import Step
+from reports.contents import engines
 from reports.costs import titled
 from reports.figure import Figure
 from reports.marks import POINT, TRACKS, Marks, chart, decades, finished, logarithmic
@@ -31,9 +32,11 @@ class Allowance:
 
 
 def allowances(store: "Store", steps: Sequence[Step]) -> list[Allowance]:
-    """Steps of one scene and engine in one row."""
+    """Steps of one scene and engine in one row, engines in their usual order within a scene."""
     found: dict[tuple[str, str, str], list[Step]] = {}
-    for step in steps:
+    scenes = list(dict.fromkeys((step.case, step.where) for step in steps))
+    order = list(engines(store))
+    for step in sorted(steps, key=lambda step: (scenes.index((step.case, step.where)), order.index(step.engine))):
         found.setdefault((step.case, step.where, step.engine), []).append(step)
     return [
         Allowance(

@@ -1,4 +1,4 @@
-"""A small price study, run for real through the command line: it sweeps, clocks what lies near the front, and goes on where it stood."""
+"""A small price study, run for real through the command line: it sweeps, clocks what lies near the front, and can go on."""
 
 import json
 from pathlib import Path

@@ -27,7 +27,7 @@ from harness.store import Store, write_atomically, write_tables
 from harness.study import Study, StudyError, Trial
 from harness.sweep import due_for_clock, next_trials
 
-__all__ = ["Shard", "carry_out"]
+__all__ = ["Shard", "carry_out", "share"]
 
 Shard = tuple[int, int]
 """(i, n): the i-th of n parts, from 1."""
@@ -103,7 +103,7 @@ def _together(trial: Trial) -> tuple[object, ...]:
     return trial.experiment.name, trial.case, repr(trial.parameters)
 
 
-def _share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
+def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     """One of n parts: every n-th trial, but in a sweep every n-th case, since its engines are clocked side by side."""
     part, parts = shard
     cases = list(dict.fromkeys(trial.case for trial in trials))
@@ -151,7 +151,7 @@ def carry_out(
     if (folder / "journal.jsonl").exists() and not resume:
         raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
     versions = {name: version_of(adapter)[0] for name, adapter in adapters.items()}
-    trials = _share(list(study.trials(cases, adapters, versions)), shard)
+    trials = share(list(study.trials(cases, adapters, versions)), shard)
     if not trials:
         raise StudyError(f"study '{study.name}': no trial; its cases and engines, or --case, --engine and --shard, leave none")
     folder.mkdir(parents=True, exist_ok=True)

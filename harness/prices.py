@@ -123,7 +123,11 @@ class Prices:
         return found
 
     def _headline(self, case: str) -> str:
-        return str(self._cases.get(case, {}).get("headline", ""))
+        """The metric that is the case's error; none where more of it is better."""
+        about = self._cases.get(case, {})
+        headline = str(about.get("headline", ""))
+        higher = any(check.get("better") == "higher" for check in about.get("checks", ()) if check.get("metric") == headline)
+        return "" if higher else headline
 
     @cached_property
     def _samples(self) -> Mapping[str, Mapping[tuple[int, int], float]]:

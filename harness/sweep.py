@@ -78,7 +78,9 @@ def groups(trials: Sequence[Trial]) -> Iterator[list[Trial]]:
 
 def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Point]:
     """What of a group has a finite error and a cost."""
-    found = []
+    found: list[Point] = []
+    if any(metric.better == "higher" for metric in case.metrics if metric.name == case.headline):
+        return found
     for trial in group:
         record = records.get(trial.trial)
         if record is None or record.status not in ("passed", "failed") or not record.rough_cost:

@@ -123,3 +123,9 @@ def test_a_long_front_is_clocked_at_both_ends_and_evenly_between() -> None:
     assert len(spread(front)) == 7  # type: ignore[arg-type]
     nothing: list[Any] = []
     assert spread(nothing) == []
+
+
+def test_what_is_better_for_being_more_is_no_error() -> None:
+    store = Priced(ladder("a", "dart", 1.0))
+    store.catalogue["cases"]["a"]["checks"] = [{"metric": "e", "better": "higher"}]
+    assert Prices(store).points == Prices(store).prices == ()

@@ -8,6 +8,7 @@ import pytest
 from harness.front import on_front
 from harness.prices import Prices
 from harness.store import Store
+from harness.sweep import SMALLEST
 from tests.conftest import Command
 
 STUDY = """
@@ -54,14 +55,14 @@ def test_fronts_are_clocked_and_every_point_stays_visible(folder: Path) -> None:
     for engine in ("mujoco", "reference"):
         mine = [point for point in points if point.engine == engine]
         rough = dict(zip(Store(folder).trials["trial"], Store(folder).trials["rough_cost"], strict=True))
-        flags = on_front([point.error for point in mine], [rough[point.trial] for point in mine])
+        flags = on_front([max(point.error, SMALLEST) for point in mine], [rough[point.trial] for point in mine])
         ends = [point for point, on in zip(mine, flags, strict=True) if on]
         assert min(ends, key=lambda point: point.error).clocked
         assert max(ends, key=lambda point: point.error).clocked
 
 
 def test_the_price_list_has_every_pair_and_says_what_is_not_reached(folder: Path, plumbline: Command) -> None:
-    """Through the command line; a semi-implicit engine does not reach 1e-8 of an attitude, RK4 and splittings come near."""
+    """Through the command line; with integrators of a high order both engines come to 1e-6 of an attitude."""
     rows = json.loads(plumbline("show", str(folder), "--table", "price", "--format", "json").stdout)
     assert len(rows) == 2 * 8
     for row in rows:
@@ -70,7 +71,7 @@ def test_the_price_list_has_every_pair_and_says_what_is_not_reached(folder: Path
         if row["cost"] is not None:
             assert 0 < row["low"] <= row["high"]
             assert row["ratio"] >= 1
-    assert {row["verdict"] for row in rows} >= {"priced", "never reached"}
+    assert {row["engine"] for row in rows if row["cost"] is not None and row["target"] < 2e-6} == {"mujoco", "reference"}
 
 
 def test_going_on_runs_nothing_that_was_run(folder: Path, plumbline: Command) -> None:

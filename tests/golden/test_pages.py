@@ -80,5 +80,8 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
         "charts/overview-cost.svg",
         *(f"case-{case}.html" for case in cases),
         *(f"trials/{case}.csv" for case in cases),
-        *(f"charts/case-{case}-{kind}.svg" for case in cases for kind in ("step", "cost")),
+        *(f"charts/case-{case}-{kind}.svg" for case in cases for kind in ("step", "price")),
+        "price.html",
+        *(f"{table}.csv" for table in ("price", "profile", "steps")),
+        *(f"charts/{name}.svg" for name in ("profile-factor", "profile-time", "largest-steps")),
     }

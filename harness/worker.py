@@ -82,7 +82,7 @@ def isolated_trial(trial: Trial, folder: Path, log: Path) -> Record:
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
         record = run_trial(trial, case, adapter, folder)
-        if trial.experiment.sweep and record.status in ("passed", "failed"):
+        if trial.experiment.sweep and record.measurements:
             record = replace(record, rough_cost=rough_cost(Bench(case, adapter, trial)))
         return record
     except MemoryError:

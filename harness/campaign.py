@@ -122,6 +122,8 @@ def _swept(
 ) -> list[Trial]:
     """The trials with those that sweeps went on to, round by round, all with a record."""
     found, number = list(trials), 0
+    if not any(trial.experiment.sweep for trial in trials):
+        return found
     while more := next_trials(found, read_journal(journal.path), cases, adapters):
         number += 1
         _accuracy(f"sweep, round {number}", more, reasons, journal, folder, workers)

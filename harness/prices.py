@@ -10,7 +10,7 @@ where that is no step). Both have error bars: costs those of their samples, erro
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -156,7 +156,7 @@ class Prices:
             fronts: set[str] = set()
             for engine in dict.fromkeys(point.engine for point in here):
                 fronts |= marked([point for point in clocked if point.engine == engine])
-            found += [_with(point, front=point.trial in fronts, best=point.trial in best) for point in here]
+            found += [replace(point, front=point.trial in fronts, best=point.trial in best) for point in here]
         return tuple(found)
 
     def _point(self, case: str, where: str, row: Mapping[str, Any]) -> Point | None:
@@ -339,7 +339,3 @@ def medians(values: Floats) -> Floats:
     lower, upper = ordered[rows, np.maximum(count - 1, 0) // 2], ordered[rows, np.minimum(count // 2, values.shape[1] - 1)]
     found: Floats = 0.5 * (lower + upper)
     return found
-
-
-def _with(point: Point, **changed: Any) -> Point:
-    return Point(**({f.name: getattr(point, f.name) for f in fields(point)} | changed))

@@ -110,7 +110,7 @@ class Record:
         rough_cost: CPU seconds per simulated second (per unit, where that is no step), from one sample beside the accuracy run
         of a sweep; where to look next is decided by it, and nothing else.
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
-        clocks, workers: of the trial.
+        clocks, workers, round: of the trial.
     """
 
     trial: str
@@ -145,6 +145,7 @@ class Record:
     rough_cost: float | None = None
     clocks: str = "work"
     workers: int = 1
+    round: int = 0
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 

@@ -41,6 +41,7 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         seed=trial.seed,
         clocks=trial.clocks,
         workers=trial.workers,
+        round=trial.round,
         status=status,
         reason=reason,
         detail=detail,

@@ -1,11 +1,12 @@
-"""Accuracy runs in processes of their own (pebble): a crash, a hang or a leak costs one trial and is a record."""
+"""Accuracy runs in processes of their own: a crash, a hang or a leak costs one trial and is a record."""
 
 import signal
+import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
-
-from pebble import ProcessExpired, concurrent
 
 from harness import discover
 from harness.interrupt import stop_if_asked
@@ -21,6 +22,8 @@ _KEPT = 2**20
 """Bytes of a log that stay on disk."""
 _LISTENS = 1.0
 """Seconds between looks at whether the run is to stop."""
+_LEAVES = 3.0
+"""Seconds that a process may take to end after its last word."""
 _QUIET = ("passed", "failed", "unsupported")
 
 
@@ -50,9 +53,8 @@ def _late(trial: Trial, log: Path) -> Record:
     return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
 
 
-def _expired(trial: Trial, error: ProcessExpired, log: Path) -> Record:
+def _expired(trial: Trial, code: int | None, log: Path) -> Record:
     detail = _tail(log)
-    code = error.exitcode
     if "bad_alloc" in detail or "MemoryError" in detail:
         return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for", detail)
     if code == -signal.SIGALRM:
@@ -62,17 +64,61 @@ def _expired(trial: Trial, error: ProcessExpired, log: Path) -> Record:
     return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
 
 
-def _record(trial: Trial, future: Future[Record], log: Path) -> Record:
-    try:
-        return future.result()
-    except ProcessExpired as error:
-        return _expired(trial, error, log)
-    except TimeoutError:
-        return _late(trial, log)
-    except CancelledError:
-        return outcome(trial, "interrupted", "the run was stopped")
-    except Exception as error:
-        return outcome(trial, "crashed", f"{type(error).__name__}: {error}"[:2000], _tail(log))
+@dataclass(frozen=True, slots=True)
+class _Child:
+    """A process at work on a trial. Terms: pipe: its record comes here. until: the end of its time, on the monotonic clock."""
+
+    trial: Trial
+    process: BaseProcess
+    pipe: Connection
+    log: Path
+    until: float
+
+    @property
+    def done(self) -> bool:
+        """Has it answered or died, or is it late?"""
+        return self.pipe.poll() or time.monotonic() > self.until
+
+    def record(self) -> Record:
+        """Its record, or what became of it; the process has ended then."""
+        try:
+            if not self.pipe.poll():
+                return _late(self.trial, self.log)
+            record: Record = self.pipe.recv()
+            self.process.join(_LEAVES)
+            return record
+        except (EOFError, OSError):
+            # The pipe breaks before the fork server has told the exit code: on a busy machine seconds before.
+            self.process.join(_LEAVES)
+            if self.process.exitcode is None:
+                self.process.kill()
+                self.process.join()
+            return _expired(self.trial, self.process.exitcode, self.log)
+        finally:
+            self.stop()
+
+    def stop(self) -> None:
+        """End the process, whatever it does."""
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join()
+        self.pipe.close()
+
+
+def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
+    pipe.send(isolated_trial(trial, folder, log))
+
+
+def _start(trial: Trial, folder: Path, logs: Path) -> _Child:
+    log = logs / f"{trial.trial}.log"
+    log.unlink(missing_ok=True)
+    forkserver = context()
+    ours, theirs = forkserver.Pipe(duplex=False)
+    process = forkserver.Process(target=_answer, args=(theirs, trial, folder, log), daemon=True)
+    process.start()
+    theirs.close()
+    patience = trial.experiment.deadline + discover.adapter(trial.engine).compile_allowance
+    return _Child(trial, process, ours, log, time.monotonic() + patience)
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
@@ -80,27 +126,21 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
     logs = folder / "logs"
     logs.mkdir(exist_ok=True)
     waiting = list(reversed(trials))
-    running: dict[Future[Record], Trial] = {}
+    running: list[_Child] = []
     try:
         while waiting or running:
             while waiting and len(running) < workers:
-                trial = waiting.pop()
-                log = logs / f"{trial.trial}.log"
-                log.unlink(missing_ok=True)
-                patience = trial.experiment.deadline + discover.adapter(trial.engine).compile_allowance
-                run = concurrent.process(timeout=patience, mp_context=context())(isolated_trial)
-                running[run(trial, folder, log)] = trial
-            done, _ = wait(running, timeout=_LISTENS, return_when=FIRST_COMPLETED)
+                running.append(_start(waiting.pop(), folder, logs))
+            soonest = min(child.until for child in running) - time.monotonic()
+            wait([child.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
             stop_if_asked()
-            for future in done:
-                trial = running.pop(future)
-                log = logs / f"{trial.trial}.log"
-                record = _record(trial, future, log)
-                _trim(log, record)
+            for child in [child for child in running if child.done]:
+                running.remove(child)
+                record = child.record()
+                _trim(child.log, record)
                 yield record
     finally:
-        for future in running:
-            future.cancel()
-        wait(running, timeout=10.0)
+        for child in running:
+            child.stop()
         if not any(logs.iterdir()):
             logs.rmdir()

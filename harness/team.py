@@ -121,7 +121,7 @@ class Clocked:
             self.trouble = f"no answer within {seconds:g} s"
             self.process.kill()
         except (EOFError, ConnectionError):
-            self.process.join(1.0)
+            self.process.join(3.0)  # the pipe breaks before the fork server has told the exit code
             self.trouble = f"process ended with exit code {self.process.exitcode}"
         return self.trouble
 

@@ -199,6 +199,7 @@ def test_the_first_page_leads_to_the_report_and_to_each_recording(browser: Any, 
         assert served.ask(link)[0].status == 200, link
     assert visit.page.evaluate("window.attacked") is None
     visit.page.click("text=Read the report")
+    visit.page.wait_for_url("**/report/index.html")
     assert visit.page.title()
     assert not visit.errors
 

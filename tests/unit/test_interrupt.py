@@ -10,9 +10,10 @@ from harness.interrupt import listen, stop_if_asked
 
 @pytest.fixture(autouse=True)
 def _handlers() -> Iterator[None]:
-    """Puts back who listened before."""
+    """Puts back who listened before, and leaves no request behind: a run in a later test would obey it."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     yield
+    listen()
     for number, handler in before.items():
         signal.signal(number, handler)
 

@@ -88,7 +88,7 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"push": PUSH, "frictions": FRICTIONS},
-    hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4),
+    hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
     headline=POSITION_MAX.name,
     converges="once",
     checks=(

@@ -102,7 +102,7 @@ CASE = Case(
     scene=scene,
     parameters={"edge": EDGE, "speed": SPEED, "seed": 0},
     duration=DURATION,
-    hard=Axis(parameter="speed", unit="m/s", easy=0.5, extreme=100.0),
+    hard=Axis(parameter="speed", unit="m/s", easy=0.5, extreme=100.0, lost=0.1),
     sample_interval=1 / 60,
     ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
     checks=(

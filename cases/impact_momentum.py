@@ -59,7 +59,7 @@ CASE = Case(
     parameters={"friction": FRICTION, "speed": SPEED, "spin": SPIN, "seed": 0},
     duration=DURATION,
     # Faster cubes would skip each other within a step of 1/60 s and never be seen to overlap.
-    hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=10.0),
+    hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=10.0, lost=0.1),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="blows without restitution take energy away"),
         Check(

@@ -97,7 +97,7 @@ CASE = Case(
     expected=expected,
     parameters={"ratio": RATIO, "restitutions": RESTITUTIONS},
     duration=DURATION,
-    hard=Axis(parameter="ratio", unit="1", easy=1.0, extreme=1e6),
+    hard=Axis(parameter="ratio", unit="1", easy=1.0, extreme=1e6, lost=0.1),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
         Check(metric=VELOCITY_FINAL, at_most=EXACT, because=NO_STEP),

@@ -156,7 +156,7 @@ CASE = Case(
     expected=expected,
     parameters={"n": LINKS, "angle": ANGLE},
     duration=DURATION,
-    hard=Axis(parameter="n", unit="1", easy=1, extreme=64),
+    hard=Axis(parameter="n", unit="1", easy=1, extreme=64, lost=0.1),
     headline=POSITION_MAX.name,
     converges="smoothly",
     checks=(

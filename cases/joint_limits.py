@@ -100,7 +100,7 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"amplitude": AMPLITUDE, "stop": STOP},
-    hard=Axis(parameter="amplitude", unit="deg", easy=30.0, extreme=179.0),
+    hard=Axis(parameter="amplitude", unit="deg", easy=30.0, extreme=179.0, lost=0.1),
     sample_interval=1 / 240,
     headline=LIMIT_OVERSHOOT_MAX.name,
     checks=(

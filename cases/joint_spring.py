@@ -107,7 +107,7 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"ratios": RATIOS, "rate": RATE, "stretch": STRETCH},
-    hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4),
+    hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4, lost=1.0),
     headline=POSITION_MAX.name,
     converges="smoothly",
     scale=STRETCH,

@@ -62,7 +62,7 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"speed": SPEED, "direction": DIRECTION},
-    hard=Axis(parameter="speed", unit="rad/s", easy=10.0, extreme=10000.0),
+    hard=Axis(parameter="speed", unit="rad/s", easy=10.0, extreme=10000.0, lost=0.1),
     sample_interval=1 / 240,
     headline=ANGULAR_MOMENTUM_MAX.name,
     checks=(

@@ -103,7 +103,7 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"tilt": TILT, "spin": SPIN},
-    hard=Axis(parameter="spin", unit="rad/s", easy=100.0, extreme=5000.0),
+    hard=Axis(parameter="spin", unit="rad/s", easy=100.0, extreme=5000.0, lost=0.1),
     sample_interval=1 / 240,
     # The disc turns 0.83 rad in a step of 1/240; in a longer one no method could follow it.
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),

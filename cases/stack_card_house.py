@@ -70,7 +70,7 @@ CASE = Case(
     parameters={"margin": MARGIN, "angle": ANGLE},
     duration=DURATION,
     with_contacts=True,
-    hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01),
+    hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01, lost=0.99 * DURATION),
     checks=(
         Check(
             metric=FRAME_FRICTION_ERROR,

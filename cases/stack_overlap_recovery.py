@@ -55,7 +55,7 @@ CASE = Case(
     parameters={"overlap": OVERLAP, "friction": FRICTION},
     duration=DURATION,
     with_contacts=True,
-    hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45),
+    hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
     checks=(
         Check(
             metric=EJECTION_SPEED,

@@ -65,7 +65,7 @@ CASE = Case(
     parameters={"speed": SPEED, "spin": SPIN, "friction": FRICTION, "stiffness": STIFFNESS, "damping": DAMPING},
     duration=DURATION,
     # A faster ball would be past the trunk within a step of 1/60 s.
-    hard=Axis(parameter="speed", unit="m/s", easy=0.3, extreme=12.0),
+    hard=Axis(parameter="speed", unit="m/s", easy=0.3, extreme=12.0, lost=0.1),
     sample_interval=1 / 240,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a blow without restitution takes energy away"),

@@ -34,7 +34,7 @@ CASE = Case(
     retellings=retellings,
     parameters={"origin": ORIGIN},
     duration=DURATION,
-    hard=Axis(parameter="origin", unit="m", easy=1.0, extreme=1e7),
+    hard=Axis(parameter="origin", unit="m", easy=1.0, extreme=1e7, lost=0.1),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
         Check(

@@ -47,7 +47,7 @@ CASE = Case(
     retellings=retellings,
     parameters={"speed": SPEED},
     duration=DURATION,
-    hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=1000.0),
+    hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=1000.0, lost=0.1),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
         _check(POSITION_DIFFERENCE["moved"], "space is homogeneous"),

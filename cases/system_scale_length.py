@@ -38,7 +38,7 @@ CASE = Case(
     retellings=retellings,
     parameters={"scale": SCALE},
     duration=DURATION,
-    hard=Axis(parameter="scale", unit="1", easy=1.0, extreme=1000.0),
+    hard=Axis(parameter="scale", unit="1", easy=1.0, extreme=1000.0, lost=0.1),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
         Check(metric=POSITION_DIFFERENCE["shrunk"], at_most=SINGLE, because=WHY),

@@ -83,7 +83,7 @@ CASE = Case(
     expected=expected,
     parameters={"speed": SPEED, "phases": PHASES, "continuous": True, "seed": 0},
     duration=DURATION,
-    hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500),
+    hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="what has met without rebound rests"),
         Check(

@@ -103,7 +103,7 @@ CASE = Case(
     expected=expected,
     parameters={"spin": SPIN, "phases": PHASES, "continuous": True, "seed": 0},
     duration=DURATION,
-    hard=Axis(parameter="spin", unit="rad/s", easy=2, extreme=500),
+    hard=Axis(parameter="spin", unit="rad/s", easy=2, extreme=500, lost=0.0),
     # Angles are followed through more than a turn: half a turn between two samples is the most.
     sample_interval=1 / 240,
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),

@@ -94,7 +94,7 @@ CASE = Case(
     expected=expected,
     parameters={"speed": SPEED, "phases": PHASES, "thickness": THICKNESS, "continuous": True, "seed": 0},
     duration=DURATION,
-    hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500),
+    hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
             metric=TUNNEL_PROBABILITY,
@@ -104,4 +104,5 @@ CASE = Case(
     ),
     observe=(TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, EMBEDDED_SHARE, STOP_GAP),
     headline="tunnel_probability",
+    eased={"wall four times as thick": {"thickness": 4 * THICKNESS}},
 )

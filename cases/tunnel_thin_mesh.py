@@ -161,7 +161,7 @@ CASE = Case(
         "seed": 0,
     },
     duration=DURATION,
-    hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=300),
+    hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=300, lost=0.0),
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="what has landed slides on"),
         Check(

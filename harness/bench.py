@@ -75,7 +75,7 @@ class Bench:
 
     def __init__(self, case: Case, adapter: Adapter, trial: Trial) -> None:
         self._adapter, self._trial = adapter, trial
-        self._scene = case.scene(**trial.parameters)
+        self._scene = trial.scene(case)
         self._rays = None if case.rays is None else case.rays(**trial.parameters)
         self._control = None if case.control is None else case.control(**trial.parameters)
         self._worlds = case.count_of_worlds(trial.parameters)

@@ -12,6 +12,7 @@ from typing import Any
 
 import tomli_w
 
+from harness import limits, sweep
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.catalogue import describe_case, describe_engine
@@ -25,7 +26,7 @@ from harness.record import Record
 from harness.run import outcome
 from harness.store import Store, write_atomically, write_tables
 from harness.study import Study, StudyError, Trial
-from harness.sweep import due_for_clock, next_trials
+from harness.sweep import due_for_clock
 
 __all__ = ["Shard", "carry_out", "share"]
 
@@ -111,7 +112,7 @@ def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     return plain + [trial for trial in trials if trial.experiment.sweep and cases.index(trial.case) % parts == part - 1]
 
 
-def _swept(
+def _searched(
     trials: list[Trial],
     reasons: Mapping[str, str | None],
     journal: Journal,
@@ -120,13 +121,23 @@ def _swept(
     cases: Mapping[str, Case],
     adapters: Mapping[str, Adapter],
 ) -> list[Trial]:
-    """The trials with those that sweeps went on to, round by round, all with a record."""
+    """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     found, number = list(trials), 0
-    if not any(trial.experiment.sweep for trial in trials):
-        return found
-    while more := next_trials(found, read_journal(journal.path), cases, adapters):
+    searches = [
+        go_on
+        for go_on, wanted in (
+            (sweep.next_trials, any(trial.experiment.sweep for trial in trials)),
+            (limits.next_trials, any(trial.experiment.limit for trial in trials)),
+        )
+        if wanted
+    ]
+    while searches:
+        records = read_journal(journal.path)
+        more = [trial for go_on in searches for trial in go_on(found, records, cases, adapters)]
+        if not more:
+            break
         number += 1
-        _accuracy(f"sweep, round {number}", more, reasons, journal, folder, workers)
+        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers)
         found += more
     return found
 
@@ -168,7 +179,7 @@ def carry_out(
         _write_json(folder / "machine.json", machine)
         reasons = {name: row["unavailable"] for name, row in engines.items()}
         _accuracy("accuracy", trials, reasons, journal, folder, workers)
-        trials = _swept(trials, reasons, journal, folder, workers, cases, adapters)
+        trials = _searched(trials, reasons, journal, folder, workers, cases, adapters)
         _timing(trials, read_journal(journal.path), journal, folder, cases)
     finally:
         journal.close()

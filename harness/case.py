@@ -58,12 +58,18 @@ class Converged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
-    """The parameter that makes a case harder, from `easy` to `extreme`, in a unit."""
+    """The parameter that makes a case harder, from `easy` to `extreme`, in a unit.
+
+    Terms:
+        lost: the share of the case's scale beyond which the headline counts as broken (below which, where higher is better),
+        beside the signs that need no truth; None where those are enough.
+    """
 
     parameter: str
     unit: str
     easy: float
     extreme: float
+    lost: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,6 +101,7 @@ class Case:
         control(**parameters): the forces that act from outside, told anew before the steps.
         retellings(**parameters): the scene told in other ways, each run beside it into streams '<name>/...'.
         rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
+        eased: by name, other parameters that make the scene a saner one, as a remedy where it breaks.
         worlds: the parameter that says how many equal worlds are stepped together, '' for none.
     """
 
@@ -124,6 +131,7 @@ class Case:
     retellings: Callable[..., tuple[Retelling, ...]] | None = None
     rays: Callable[..., Rays] | None = None
     worlds: str = ""
+    eased: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def count_of_worlds(self, parameters: Mapping[str, Any]) -> int:
         """How many worlds are stepped together."""

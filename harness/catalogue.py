@@ -36,6 +36,7 @@ def describe_case(case: Case) -> dict[str, Any]:
             "unit": case.hard.unit,
             "easy": case.hard.easy,
             "extreme": case.hard.extreme,
+            "lost": case.hard.lost,
         },
         "checks": [
             {

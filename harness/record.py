@@ -110,7 +110,7 @@ class Record:
         rough_cost: CPU seconds per simulated second (per unit, where that is no step), from one sample beside the accuracy run
         of a sweep; where to look next is decided by it, and nothing else.
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
-        clocks, workers, round: of the trial.
+        clocks, workers, round, members, remedy, remedied: of the trial. alteration: JSON, of the scene; empty for none.
     """
 
     trial: str
@@ -146,6 +146,10 @@ class Record:
     clocks: str = "work"
     workers: int = 1
     round: int = 0
+    alteration: Mapping[str, Any] = field(default_factory=dict)
+    members: int = 1
+    remedy: str = ""
+    remedied: str = ""
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 

@@ -3,6 +3,7 @@
 import json
 
 from harness.adapter import Settings
+from harness.alteration import Alteration
 from harness.store import Store, StoreError
 from harness.study import Experiment, Trial
 
@@ -30,4 +31,6 @@ def trial_of(store: Store, name: str) -> Trial:
         track=row["track"],
         settings=Settings(**json.loads(row["settings"])),
         seed=int(row["seed"]),
+        alteration=Alteration.from_plain(json.loads(row.get("alteration", "{}"))),
+        members=int(row.get("members", 1)),
     )

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from harness.trajectory import Floats, Trajectory
 from harness.trajectory_file import save_trajectory
 from harness.truth_keeper import truth_of
 
-__all__ = ["judge", "outcome", "run_trial"]
+__all__ = ["Answer", "answer_of", "judge", "outcome", "refusal", "run_trial"]
 
 
 def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:
@@ -42,6 +42,10 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         clocks=trial.clocks,
         workers=trial.workers,
         round=trial.round,
+        alteration=trial.alteration.plain(),
+        members=trial.members,
+        remedy=trial.remedy,
+        remedied=trial.remedied,
         status=status,
         reason=reason,
         detail=detail,
@@ -123,42 +127,49 @@ def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
     return "passed", f"every check holds{'; not measurable: ' + ', '.join(blind) if blind else ''}"
 
 
-def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
-    """Build, step, measure: the record of one accuracy run; its trajectory is kept under `folder` if one is given."""
-    scene = case.scene(**trial.parameters)
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What an engine made of a scene. Terms: broke: when and how it diverged, None where it did not."""
+
+    actual: Trajectory
+    broke: str | None
+    resolved: Mapping[str, Any]
+    warnings: tuple[str, ...]
+
+    @property
+    def steps(self) -> int:
+        """Whole steps taken."""
+        return round(float(self.actual.time[-1]) / self.actual.dt) if len(self.actual) else 0
+
+
+def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answer:
+    """Build and step: what the engine of a trial makes of a scene that belongs to the trial's case.
+
+    Raises: Unsupported, Unavailable, SettingsError.
+    """
     worlds, batch = case.count_of_worlds(trial.parameters), None
-    simulation: Simulation
-    try:
-        if worlds > 1:
-            batch = adapter.build_batch(scene, trial.settings, worlds)
-            simulation = cast(Simulation, WorldOf(batch, worlds - 1))
-        else:
-            simulation = adapter.build(scene, trial.settings)
-            if case.control is not None:
-                acting = case.control(**trial.parameters)
-                simulation = cast(Simulation, Controlled(simulation, acting, trial.settings.dt, len(scene.bodies)))
-    except Unsupported as error:
-        return outcome(trial, "unsupported", str(error))
-    except Unavailable as error:
-        return outcome(trial, "unavailable", str(error))
-    except SettingsError as error:
-        return outcome(trial, "failed", f"settings refused: {error}")
     dt = trial.settings.dt
+    simulation: Simulation
+    if worlds > 1:
+        batch = adapter.build_batch(scene, trial.settings, worlds)
+        simulation = cast(Simulation, WorldOf(batch, worlds - 1))
+    else:
+        simulation = adapter.build(scene, trial.settings)
+        if case.control is not None:
+            acting = case.control(**trial.parameters)
+            simulation = cast(Simulation, Controlled(simulation, acting, dt, len(scene.bodies)))
     try:
         with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features and batch is None
-        try:
-            seen = {} if case.rays is None else cast_once(simulation, case.rays(**trial.parameters))
-            actual, broke = simulate(
-                simulation,
-                scene,
-                dt=dt,
-                duration=case.duration,
-                sample_interval=case.sample_interval,
-                with_contacts=with_contacts,
-                seed=trial.seed,
-            )
-        except Unsupported as error:
-            return outcome(trial, "unsupported", str(error))
+        seen = {} if case.rays is None else cast_once(simulation, case.rays(**trial.parameters))
+        actual, broke = simulate(
+            simulation,
+            scene,
+            dt=dt,
+            duration=case.duration,
+            sample_interval=case.sample_interval,
+            with_contacts=with_contacts,
+            seed=trial.seed,
+        )
         if case.worlds and broke is None:
             apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
             seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
@@ -167,9 +178,29 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         simulation.close()
     if case.retellings is not None and broke is None:
         for told in case.retellings(**trial.parameters):
-            streams, remarks = retell(told, adapter, trial.settings, case.duration, case.sample_interval)
+            other = replace(told, scene=trial.alteration.of(told.scene))
+            streams, remarks = retell(other, adapter, trial.settings, case.duration, case.sample_interval)
             seen, warnings = seen | streams, (*warnings, *remarks)
-    actual = replace(actual, streams={**actual.streams, **seen})
+    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings)
+
+
+def refusal(trial: Trial, error: Unsupported | Unavailable | SettingsError) -> Record:
+    """The record of a trial whose scene or settings the engine does not take."""
+    if isinstance(error, Unsupported):
+        return outcome(trial, "unsupported", str(error))
+    if isinstance(error, Unavailable):
+        return outcome(trial, "unavailable", str(error))
+    return outcome(trial, "failed", f"settings refused: {error}")
+
+
+def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
+    """Build, step, measure: the record of one accuracy run; its trajectory is kept under `folder` if one is given."""
+    scene = trial.scene(case)
+    try:
+        answer = answer_of(trial, case, adapter, scene)
+    except (Unsupported, Unavailable, SettingsError) as error:
+        return refusal(trial, error)
+    actual, broke, warnings = answer.actual, answer.broke, answer.warnings
     try:
         truth = truth_of(case, scene, actual.time, trial.parameters, folder)
     except (NotMeasurable, Unsupported) as error:
@@ -177,13 +208,12 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
     expected = None if truth is None else truth.trajectory
     measurements = () if broke is not None else judge(case, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
-    steps = round(float(actual.time[-1]) / dt) if len(actual) else 0
     return replace(
         outcome(trial, status, reason),
-        resolved=resolved,
+        resolved=answer.resolved,
         warnings=warnings,
         measurements=measurements,
-        sim_seconds=steps * dt,
-        steps=steps,
+        sim_seconds=answer.steps * trial.settings.dt,
+        steps=answer.steps,
         trajectory_hash=None if folder is None else save_trajectory(folder, scene, actual, expected),
     )

@@ -18,7 +18,7 @@ from harness.record import Measurement, Record, Sample
 
 __all__ = ["TRIAL_COLUMNS", "Store", "StoreError", "write_atomically", "write_tables"]
 
-_JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings")
+_JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))

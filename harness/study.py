@@ -13,14 +13,20 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as validated
 
 from harness.adapter import Adapter, Settings
-from harness.case import Case, Clocks
+from harness.alteration import AS_IT_IS, Alteration
+from harness.case import Axis, Case, Clocks
 from harness.control import wrench_after
 from harness.record import digest
+from harness.scene import Scene
 from harness.scene.file import dump_json
 from harness.scene.values import FROZEN, Name, Positive
 from harness.trajectory import State
 
-__all__ = ["Experiment", "Study", "StudyError", "Trial", "Variant", "load_study"]
+__all__ = ["Experiment", "Limit", "Study", "StudyError", "Trial", "Variant", "load_study"]
+
+
+BEYOND = 4.0
+"""A limit along the time step is sought up to so many times the coarsest step of a case's ladder."""
 
 
 class StudyError(ValueError):
@@ -52,6 +58,27 @@ class Variant:
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Limit:
+    """A search for the value at which a case breaks; see `harness.limits`.
+
+    Terms:
+        along: the parameter that is made harder: 'axis' for the case's own, 'dt' for the time step, or a parameter's name.
+        easy, extreme: where the search starts and ends, the axis's own unless said. scan: values from easy to extreme that are
+        tried one after the other before the first bracket is halved. within: the ratio of a bracket's ends at which it is close
+        enough; along an axis that starts at 0, one more than their distance over the extreme. members: starts of each value.
+        remedies: try what is said to help where a case breaks.
+    """
+
+    along: str = "axis"
+    easy: float | None = None
+    extreme: float | None = None
+    scan: int = Field(default=4, ge=2, le=1000)
+    within: float = Field(default=1.25, gt=1.0, le=100.0)
+    members: int = Field(default=16, ge=2, le=100_000)
+    remedies: bool = False
+
+
+@validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Experiment:
     """A block of trials: every case that a pattern names, on every engine that a pattern names.
 
@@ -64,6 +91,7 @@ class Experiment:
         `harness.sweep`); then only what lies near the front is clocked.
         clocks: what runs under the clock, each a trial of its own. workers: how many processes step the scene side by side,
         each number a trial of its own.
+        limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
     """
 
     name: Name
@@ -82,6 +110,7 @@ class Experiment:
     deadline: Positive = 60.0
     memory: Positive = 4096.0
     sweep: int = Field(default=0, ge=0, le=10_000)
+    limit: Limit | None = None
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -115,6 +144,9 @@ class Study:
                 if not any(fnmatchcase(case.name, pattern) for pattern in experiment.cases):
                     continue
                 for parameters, seed in parameters_of(experiment, case):
+                    if experiment.limit is not None:
+                        axis = axis_of(experiment, case)
+                        parameters = parameters | ({} if axis.parameter == "dt" else {axis.parameter: axis.easy})
                     question = _question(case, parameters)
                     clocked = list(_clocked(experiment, case, parameters))
                     for dt, (track, engine, settings) in product(steps_of(experiment, case), sides):
@@ -122,7 +154,8 @@ class Study:
                             case, parameters, seed, question, engine.name, versions[engine.name], track, settings.with_dt(dt)
                         )
                         for clocks, workers in clocked:
-                            yield Trial.of(self, experiment, cell, clocks, workers)
+                            trial = Trial.of(self, experiment, cell, clocks, workers)
+                            yield trial if experiment.limit is None else trial.probing(case, members=experiment.limit.members)
 
     def _sides(self, experiment: Experiment, engines: Sequence[Adapter]) -> Iterator[tuple[str, Adapter, Settings]]:
         """Tracks, then variants, each with the engines that have it and the settings that it means there."""
@@ -182,8 +215,32 @@ def _question(case: Case, parameters: Mapping[str, Any]) -> str:
     return digest(asked)
 
 
+def axis_of(experiment: Experiment, case: Case) -> Axis:
+    """What the limit of an experiment is sought along, with the ends that the experiment sets. Raises: StudyError."""
+    limit = experiment.limit or Limit()
+    if limit.along == "dt":
+        axis = Axis(parameter="dt", unit="s", easy=min(case.ladder), extreme=BEYOND * max(case.ladder))
+    elif case.hard is not None and limit.along in ("axis", case.hard.parameter):
+        axis = case.hard
+    elif limit.along in case.parameters:
+        if limit.easy is None or limit.extreme is None:
+            raise StudyError(
+                f"experiment '{experiment.name}': limit along '{limit.along}' has no ends, expected easy and extreme"
+            )
+        axis = Axis(parameter=limit.along, unit="1", easy=limit.easy, extreme=limit.extreme)
+    else:
+        known = ", ".join(("dt", *case.parameters))
+        raise StudyError(
+            f"experiment '{experiment.name}': case '{case.name}' has no axis '{limit.along}', expected one of: {known}"
+        )
+    easy = axis.easy if limit.easy is None else limit.easy
+    return replace(axis, easy=easy, extreme=axis.extreme if limit.extreme is None else limit.extreme)
+
+
 def steps_of(experiment: Experiment, case: Case) -> tuple[float, ...]:
     """The time steps [s] at which an experiment runs a case."""
+    if experiment.limit is not None and experiment.limit.along == "dt":
+        return (axis_of(experiment, case).easy,)
     if experiment.dt == "case":
         return (case.dt,)
     if experiment.dt == "ladder":
@@ -196,8 +253,10 @@ class Trial:
     """One cell: a case at one set of parameters, on one engine, under one group of settings.
 
     Terms:
-        clocks: what its timing run clocks, in `workers` processes side by side. round: of the sweep that proposed it, 0 for
-        what the study names itself.
+        clocks: what its timing run clocks, in `workers` processes side by side. round: of the search that proposed it, 0 for
+        what the study names itself. alteration: how its scene departs from the case's. members: starts of the scene, each in a
+        random phase, of which it says how many held; 1 for the scene as it is. remedy: what it tries to help with, where the
+        trial `remedied` broke.
     """
 
     trial: str
@@ -213,6 +272,29 @@ class Trial:
     clocks: Clocks = "work"
     workers: int = 1
     round: int = 0
+    alteration: Alteration = AS_IT_IS
+    members: int = 1
+    remedy: str = ""
+    remedied: str = ""
+
+    def scene(self, case: Case) -> Scene:
+        """What is put to the engine."""
+        return self.alteration.of(case.scene(**self.parameters))
+
+    def probing(self, case: Case, **changes: Any) -> "Trial":
+        """Another trial of a search, with other parameters, settings or alteration; its name follows from all of them."""
+        other = replace(self, **changes)
+        asked = {
+            "from": [self.study, self.experiment.name, self.case, self.engine, self.engine_version, self.seed],
+            "parameters": dict(other.parameters),
+            "question": _question(case, other.parameters),
+            "track": other.track,
+            "settings": replace(other.settings, source="").plain(),
+            "alteration": other.alteration.plain(),
+            "members": other.members,
+            "remedied": other.remedied,
+        }
+        return replace(other, trial=digest(asked))
 
     def varied(self, track: str, settings: Settings, number: int) -> "Trial":
         """The same question under other settings, in round `number`; its name follows from this trial's and from them."""

@@ -18,6 +18,7 @@ from harness import discover
 from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
 from harness.bench import Bench, rough_cost
 from harness.case import Case
+from harness.endure import endure
 from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
@@ -69,7 +70,7 @@ def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
     """
     # What is wrong with the scene or the settings is for `build` to say.
     with suppress(Unsupported, Unavailable, SettingsError):
-        adapter.compile(case.scene(**trial.parameters), trial.settings)
+        adapter.compile(trial.scene(case), trial.settings)
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_REAL, trial.experiment.deadline)
 
@@ -81,6 +82,8 @@ def isolated_trial(trial: Trial, folder: Path, log: Path) -> Record:
         case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
+        if trial.members > 1:
+            return endure(trial, case, adapter, folder)
         record = run_trial(trial, case, adapter, folder)
         if trial.experiment.sweep and record.measurements:
             record = replace(record, rough_cost=rough_cost(Bench(case, adapter, trial)))

@@ -12,38 +12,22 @@ A state that is not finite is no time at all but NaN, as for every metric.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.kinematics import joint_coordinate, movable, rotate_back
 from harness.metric import Metric, NotMeasurable
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Revolute, Scene, Shape, Sphere
+from harness.scene import Revolute, Scene, width
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["COLLAPSE_TIME", "METRIC", "first_break"]
+__all__ = ["COLLAPSE_TIME", "METRIC", "SIGNS", "first_break"]
 
+SIGNS = ("energy", "penetration", "height", "drive")
 ENERGY_FACTOR = 1e3
 OFF_TARGET = 0.5
 """Of a drive [rad]."""
-
-
-def _width(shape: Shape) -> float:
-    """The least of a shape's widths along its own axes [m]; infinite for what bounds no solid."""
-    match shape:
-        case Sphere():
-            return 2 * shape.radius
-        case Box():
-            return 2 * min(shape.half_extents)
-        case Capsule():
-            return 2 * shape.radius
-        case Cylinder():
-            return 2 * min(shape.radius, shape.half_length)
-        case ConvexHull():
-            return float(np.ptp(np.array(shape.vertices), axis=0).min())
-        case _:
-            return math.inf
 
 
 def _kinetic(scene: Scene, actual: Trajectory) -> Floats:
@@ -69,7 +53,7 @@ def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.b
     available = float(_kinetic(scene, start)[0]) + falls
     yield "energy", _kinetic(scene, actual) > ENERGY_FACTOR * available
     if actual.contacts is not None:
-        thin = min((_width(placed.shape) for body in bodies for placed in body.collision), default=math.inf)
+        thin = min((width(placed.shape) for body in bodies for placed in body.collision), default=math.inf)
         depth = np.array([-c.gap.min(initial=0.0) for c in actual.contacts])
         yield "penetration", ~(depth <= thin / 2)
     top = max(body.p_WB[2] for body in bodies)
@@ -81,14 +65,15 @@ def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.b
             yield "drive", np.abs(joint_coordinate(scene, joint, actual) - joint.drive.target) > OFF_TARGET
 
 
-def first_break(scene: Scene, actual: Trajectory) -> tuple[float, str]:
-    """When [s] the first sign shows, and its name; the end of the run and '' where none does.
+def first_break(scene: Scene, actual: Trajectory, signs: Collection[str] = SIGNS) -> tuple[float, str]:
+    """When [s] the first of these signs shows, and its name; the end of the run and '' where none does.
 
     Raises: NotMeasurable.
     """
     if len(actual) == 0 or len(movable(scene)) == 0:
         raise NotMeasurable("no movable body or no samples")
-    found = [(float(actual.time[np.argmax(shows)]), name) for name, shows in _signs(scene, actual) if shows.any()]
+    shown = ((name, shows) for name, shows in _signs(scene, actual) if name in signs)
+    found = [(float(actual.time[np.argmax(shows)]), name) for name, shows in shown if shows.any()]
     return min(found, default=(float(actual.time[-1]), ""))
 
 

@@ -6,13 +6,15 @@ by its angle. It is stopped unless it ends beyond the truth by more than half of
 left embedded counts as not stopped. Two bodies that may both move share that depth.
 """
 
+import math
+
 import numpy as np
 
 from harness.kinematics import movable, rotate, rotate_back
 from harness.metric import Metric, NotMeasurable
 from harness.proportion import wilson_interval
 from harness.reduction import matched
-from harness.scene import Body, Box, Capsule, ConvexHull, Cylinder, Plane, Scene, Sphere, TriangleMesh
+from harness.scene import Body, Scene, width
 from harness.trajectory import Floats, Trajectory
 
 __all__ = [
@@ -29,20 +31,7 @@ SOURCE = "share of bodies that end beyond where the truth stops them by more tha
 
 def _thickness(body: Body) -> float:
     """The thinnest of a body's shapes along an axis of its own, m; infinite for a half space."""
-    widths = [np.inf]
-    for placed in body.collision:
-        match placed.shape:
-            case Sphere(radius=radius) | Capsule(radius=radius):
-                widths.append(2 * radius)
-            case Cylinder(radius=radius, half_length=half_length):
-                widths.append(2 * min(radius, half_length))
-            case Box(half_extents=half):
-                widths.append(2 * min(half))
-            case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
-                widths.append(float(np.ptp(np.array(vertices), axis=0).min()))
-            case Plane():
-                pass
-    return float(min(widths))
+    return min((width(placed.shape) for placed in body.collision), default=math.inf)
 
 
 def _allowance(scene: Scene) -> float:

@@ -17,7 +17,7 @@ from harness.scene.sensor import (
     LidarNoise,
     Sensor,
 )
-from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
+from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh, width
 from harness.scene.surface import Surface
 from harness.scene.values import Matrix3, Quaternion, Vector3
 
@@ -67,5 +67,6 @@ __all__ = [
     "principal_inertia",
     "rotate",
     "rotation_matrix",
+    "width",
     "sphere_inertia",
 ]

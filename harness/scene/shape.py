@@ -1,5 +1,6 @@
 """Collision and visual geometry: a closed union of seven shapes, each in its own frame S."""
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -7,7 +8,7 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Axis, Positive, Vector3
 
-__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Plane", "Shape", "Sphere", "TriangleMesh"]
+__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Plane", "Shape", "Sphere", "TriangleMesh", "width"]
 
 MAX_VERTICES = 1_000_000
 """A mesh above this size is refused before it is read into any engine."""
@@ -92,6 +93,21 @@ class TriangleMesh:
         if (area <= 1e-14 * size * size).any():
             bad = int(np.argmin(area))
             raise ValueError(f"faces[{bad}] = {self.faces[bad]} has no area, expected a proper triangle")
+
+
+def width(shape: "Shape") -> float:
+    """The least of a shape's widths along its own axes [m]; infinite for a half space."""
+    match shape:
+        case Sphere(radius=radius) | Capsule(radius=radius):
+            return 2 * radius
+        case Cylinder(radius=radius, half_length=half_length):
+            return 2 * min(radius, half_length)
+        case Box(half_extents=half):
+            return 2 * min(half)
+        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
+            return float(min(max(axis) - min(axis) for axis in zip(*vertices, strict=True)))
+        case Plane():
+            return math.inf
 
 
 Shape = Annotated[

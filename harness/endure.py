@@ -7,12 +7,13 @@ may go, one that is beyond ('error').
 """
 
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
+from harness.adapter import Adapter, Diverged, SettingsError, Unavailable, Unsupported
 from harness.bench import Bench, rough_cost
 from harness.case import Case
 from harness.members import Member, member
@@ -107,5 +108,12 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
         sim_seconds=shown.answer.steps * trial.settings.dt,
         steps=shown.answer.steps,
         trajectory_hash=None if folder is None else save_trajectory(folder, shown.scene, shown.answer.actual, None),
-        rough_cost=None if len(broken) == len(fates) else rough_cost(Bench(case, adapter, trial), 2e-3),
+        rough_cost=_cost(trial, case, adapter),
     )
+
+
+def _cost(trial: Trial, case: Case, adapter: Adapter) -> float | None:
+    """CPU seconds per simulated second, roughly; None where nothing but a diverging run could be clocked."""
+    with suppress(Diverged):
+        return rough_cost(Bench(case, adapter, trial), 2e-3)
+    return None

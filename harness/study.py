@@ -217,22 +217,27 @@ def _question(case: Case, parameters: Mapping[str, Any]) -> str:
 
 def axis_of(experiment: Experiment, case: Case) -> Axis:
     """What the limit of an experiment is sought along, with the ends that the experiment sets. Raises: StudyError."""
+    return axis_among(experiment, case.name, case.hard, case.ladder, case.parameters)
+
+
+def axis_among(
+    experiment: Experiment, case: str, hard: Axis | None, ladder: Sequence[float], parameters: Mapping[str, Any]
+) -> Axis:
+    """The same for a case of which these are known. Raises: StudyError."""
     limit = experiment.limit or Limit()
     if limit.along == "dt":
-        axis = Axis(parameter="dt", unit="s", easy=min(case.ladder), extreme=BEYOND * max(case.ladder))
-    elif case.hard is not None and limit.along in ("axis", case.hard.parameter):
-        axis = case.hard
-    elif limit.along in case.parameters:
+        axis = Axis(parameter="dt", unit="s", easy=min(ladder), extreme=BEYOND * max(ladder))
+    elif hard is not None and limit.along in ("axis", hard.parameter):
+        axis = hard
+    elif limit.along in parameters:
         if limit.easy is None or limit.extreme is None:
             raise StudyError(
                 f"experiment '{experiment.name}': limit along '{limit.along}' has no ends, expected easy and extreme"
             )
         axis = Axis(parameter=limit.along, unit="1", easy=limit.easy, extreme=limit.extreme)
     else:
-        known = ", ".join(("dt", *case.parameters))
-        raise StudyError(
-            f"experiment '{experiment.name}': case '{case.name}' has no axis '{limit.along}', expected one of: {known}"
-        )
+        known = ", ".join(("dt", *parameters))
+        raise StudyError(f"experiment '{experiment.name}': case '{case}' has no axis '{limit.along}', expected one of: {known}")
     easy = axis.easy if limit.easy is None else limit.easy
     return replace(axis, easy=easy, extreme=axis.extreme if limit.extreme is None else limit.extreme)
 
@@ -350,6 +355,11 @@ class _Cell:
     settings: Settings
 
 
+def study_from(document: Mapping[str, Any]) -> Study:
+    """The study that a TOML document says. Raises: ValidationError."""
+    return TypeAdapter(Study).validate_python(document)
+
+
 def load_study(name: str) -> Study:
     """A built-in study by name, or a study file by its path ending in .toml.
 
@@ -362,8 +372,7 @@ def load_study(name: str) -> Study:
         built_in = ", ".join(sorted(p.stem for p in folder.glob("*.toml")))
         raise StudyError(f"study '{name}': no such study or file, expected one of {built_in}, or a path ending in .toml")
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-        return TypeAdapter(Study).validate_python(document)
+        return study_from(tomllib.loads(path.read_text(encoding="utf-8")))
     except tomllib.TOMLDecodeError as error:
         raise StudyError(f"{path}: not readable: {error}") from error
     except ValidationError as error:

@@ -1,0 +1,200 @@
+"""The search for limits, on an engine whose limit is planted: it is found within the tolerance, wherever it lies."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation, Unsupported
+from harness.case import Axis, Case, Check
+from harness.endure import HELD, endure
+from harness.limits import Ruler, bracket, next_trials, next_value, value_of
+from harness.members import TOLERANCE, member
+from harness.metrics.divergence import DIVERGENCE
+from harness.record import Record
+from harness.scene import Body, PlacedShape, Scene, Sphere
+from harness.study import Experiment, Limit, Study, StudyError, Trial, axis_of
+from harness.trajectory import State
+
+EASY, EXTREME, FRAY = 1.0, 1e4, 0.05
+"""Ends of the axis; starts break up to so much below the limit, each by its own."""
+
+
+def stage(speed: float = 1.0) -> Scene:
+    body = Body(name="ball", v_WB=(speed, 0.0, 0.0), collision=(PlacedShape(shape=Sphere(radius=0.1)),))
+    return Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0))
+
+
+def case_of(easy: float = EASY, extreme: float = EXTREME, first: float = EASY, **more: Any) -> Case:
+    return Case(
+        name="flight_made",
+        title="",
+        question="",
+        source="",
+        truth="conservation",
+        scene=stage,
+        checks=(Check(metric=DIVERGENCE, at_most=0.0, because=""),),
+        parameters={"speed": first},
+        duration=0.1,
+        hard=Axis(parameter="speed", unit="m/s", easy=easy, extreme=extreme),
+        **more,
+    )
+
+
+class Brittle:
+    """Flies straight, and diverges where the speed is above the limit, less what this start's place takes off it."""
+
+    def __init__(self, scene: Scene, settings: Settings, limit: float) -> None:
+        self.resolved, self._state, self._time = settings, State.initial(scene), 0.0
+        speed = float(np.linalg.norm(self._state.v_WB[0]))
+        fray = FRAY * (abs(float(self._state.p_WB[0, 0])) * 1e6 % 1.0)
+        self._breaks = speed > limit * (1 - fray)
+
+    def step(self, count: int = 1) -> None:
+        if self._breaks:
+            raise Diverged("too fast")
+        self._time += count * self.resolved.dt
+
+    def state(self, out: State) -> None:
+        out.p_WB[:] = self._state.p_WB + self._state.v_WB * self._time
+        out.q_WB[:], out.v_WB[:], out.w_WB[:] = self._state.q_WB, self._state.v_WB, 0.0
+
+    def warnings(self) -> tuple[str, ...]:
+        return ()
+
+    def close(self) -> None:
+        pass
+
+    def __getattr__(self, name: str) -> Any:
+        raise Unsupported(name, "balls only fly here")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BrittleEngine(Adapter):
+    """Breaks above `limit` [m/s]; its sub-steps multiply that."""
+
+    limit: float
+    name: str = "brittle"
+    title: str = "planted limit"
+    distribution: str = "none"
+    features: Feature = Feature.NONE
+    tracks: Mapping[str, Settings] = field(default_factory=lambda: {"tuned": Settings(substeps=1)})
+    knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=lambda: {"substeps": (1, 2, 4)})
+
+    def version(self) -> str:
+        return "1"
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        made: Any = Brittle(scene, settings, self.limit * (settings.substeps or 1))
+        return made
+
+
+def searched(case: Case, engine: BrittleEngine, limit: Limit) -> tuple[list[Trial], dict[str, Record]]:
+    """The whole search, in this process."""
+    experiment = Experiment(name="axis", tracks=("tuned",), timing=False, limit=limit)
+    study = Study(name="limits", experiments=(experiment,))
+    cases, adapters = {case.name: case}, {engine.name: engine}
+    trials = list(study.trials(cases, adapters, {engine.name: "1"}))
+    records = {trial.trial: endure(trial, case, engine, None) for trial in trials}
+    while more := next_trials(trials, records, cases, adapters):
+        records |= {trial.trial: endure(trial, case, engine, None) for trial in more}
+        trials += more
+    return trials, records
+
+
+def plain_bracket(trials: list[Trial], records: Mapping[str, Record], case: Case) -> tuple[float | None, float | None]:
+    axis = axis_of(trials[0].experiment, case)
+    known = {value_of(t, axis): str(records[t.trial].status) for t in trials if not t.remedied}
+    found = bracket(known, Ruler(axis, False, 1.1))
+    return found.held, found.broke
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_planted_limit_is_found_within_the_tolerance(seed: int) -> None:
+    limit = math.exp(np.random.default_rng(seed).uniform(math.log(2 * EASY), math.log(EXTREME / 2)))
+    case = case_of()
+    held, broke = plain_bracket(*searched(case, BrittleEngine(limit=limit), Limit(within=1.1)), case)
+    assert held is not None
+    assert broke is not None
+    assert held <= limit
+    assert broke >= limit * (1 - FRAY)
+    assert broke / held <= 1.1 * (1 + 1e-9)
+
+
+def test_the_share_that_held_is_told_where_only_some_starts_break() -> None:
+    case, limit = case_of(), 100.0
+    trials, _ = searched(case, BrittleEngine(limit=limit), Limit())
+    there = replace(trials[0], parameters={"speed": limit * (1 - FRAY / 2)})
+    record = endure(there, case, BrittleEngine(limit=limit), None)
+    share = next(m.value for m in record.measurements if m.metric == HELD)
+    assert 0.0 < share < 1.0
+    assert record.status == "failed"
+    assert "finite" in record.reason
+
+
+def test_an_engine_that_never_breaks_and_one_that_always_does() -> None:
+    case = case_of()
+    assert plain_bracket(*searched(case, BrittleEngine(limit=2 * EXTREME), Limit()), case) == (EXTREME, None)
+    assert plain_bracket(*searched(case, BrittleEngine(limit=EASY / 2), Limit()), case) == (None, EASY)
+
+
+def test_an_axis_that_falls_and_one_of_whole_numbers() -> None:
+    falling = Ruler(Axis(parameter="x", unit="1", easy=1.0, extreme=0.01), False, 1.25)
+    known: dict[float, str] = {}
+    while (value := next_value(known, falling, 4)) is not None:
+        known[value] = "passed" if value >= 0.2 else "failed"
+    found = bracket(known, falling)
+    assert found.held is not None
+    assert found.broke is not None
+    assert found.broke < 0.2 <= found.held <= 1.25 * found.broke * (1 + 1e-9)
+    whole = Ruler(Axis(parameter="n", unit="1", easy=1, extreme=30), True, 1.01)
+    known = {}
+    while (value := next_value(known, whole, 4)) is not None:
+        assert value == round(value)
+        known[value] = "passed" if value <= 17 else "crashed"
+    assert bracket(known, whole) == type(found)(17.0, 18.0)
+
+
+def test_the_first_place_that_breaks_counts_and_not_an_island_beyond() -> None:
+    by = Ruler(Axis(parameter="x", unit="1", easy=0.0, extreme=1.0), False, 1.05)
+    assert bracket({0.0: "passed", 0.3: "failed", 0.6: "passed", 1.0: "failed"}, by).held == 0.0
+    assert next_value({0.0: "passed", 0.5: "failed"}, by, 3) == 0.25
+
+
+def test_a_run_without_an_answer_ends_the_search() -> None:
+    by = Ruler(Axis(parameter="x", unit="1", easy=1.0, extreme=100.0), False, 1.25)
+    assert next_value({1.0: "passed", 10.0: "timeout"}, by, 3) is None
+    assert bracket({1.0: "passed", 10.0: "timeout"}, by).stopped
+
+
+def test_a_remedy_that_helps_is_followed_and_one_that_does_not_is_told() -> None:
+    case, limit = case_of(eased={"slow": {"speed": 1.0}}), 100.0
+    trials, records = searched(case, BrittleEngine(limit=limit), Limit(within=1.1, remedies=True))
+    sick = {trial.remedied for trial in trials if trial.remedied}
+    assert len(sick) == 1
+    by_remedy = {trial.remedy: records[trial.trial].status for trial in reversed(trials) if trial.remedied}
+    assert by_remedy["sub-steps x 4"] == "passed"
+    assert by_remedy["damping"] == "failed"
+    farther = [trial.parameters["speed"] for trial in trials if trial.remedy == "sub-steps x 4"]
+    assert len(farther) > 1
+    assert max(farther) > limit
+
+
+def test_starts_are_the_same_for_everyone_and_differ_from_each_other() -> None:
+    scene = stage(5.0)
+    first, again, other = (member(scene, number, 0.01) for number in (3, 3, 4))
+    assert first.scene == again.scene
+    assert first.scene != other.scene
+    run = State.initial(first.scene)
+    # Up to a step's way along the motion, and the tolerance across it, once told back.
+    assert first.told is not None
+    assert np.linalg.norm(run.p_WB[0]) <= 5.0 * 0.01 + math.sqrt(3) * TOLERANCE * 0.2
+    assert np.linalg.norm(run.v_WB[0]) == pytest.approx(5.0, rel=1e-14)
+
+
+def test_an_axis_that_is_not_there_is_named() -> None:
+    with pytest.raises(StudyError, match="no axis 'weight', expected one of: dt, speed"):
+        axis_of(Experiment(name="e", limit=Limit(along="weight")), case_of())

@@ -575,6 +575,7 @@ ADAPTER = _Reference(
         "options.continuous": ("speculative", "swept"),
         "options.contact_hertz": (60.0, 120.0, 240.0, 480.0, 960.0),
     },
+    threads=(2, 4),
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
         "Approaches slower than four times what gravity gives in one sub-step do not bounce.",

@@ -182,7 +182,7 @@ def calibrate(bench: Bench, seconds: float) -> int:
     return bench.whole * max(1, runs)
 
 
-def rough_cost(bench: Bench, seconds: float = 5e-3) -> float:
+def rough_cost(bench: Bench, seconds: float = 2e-3) -> float:
     """CPU seconds per simulated second, per unit where that is no step: the middle of three short samples, taken at once."""
     steps = calibrate(bench, seconds)
     taken = sorted(bench.clock(steps)[0] for _ in range(3))[1] / (steps * bench.units)

@@ -12,7 +12,7 @@ from typing import Any
 
 import tomli_w
 
-from harness import limits, sweep
+from harness import effects, limits, sweep
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.catalogue import describe_case, describe_engine
@@ -34,6 +34,8 @@ Shard = tuple[int, int]
 """(i, n): the i-th of n parts, from 1."""
 
 _TIMED = ("passed", "failed")
+ALONE = "alone"
+"""The alteration whose trials have the machine for themselves, while all others run side by side."""
 
 
 def _write_json(path: Path, content: object) -> None:
@@ -66,11 +68,14 @@ def _accuracy(
     waiting = [trial for trial in waiting if reasons[trial.engine] is None]
     if not waiting:
         return
+    alone = [trial for trial in waiting if trial.alteration.name == ALONE]
+    beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     with Progress(what, len(waiting)) as progress:
-        for record in run_isolated(waiting, folder, workers):
-            if record.status != "interrupted":
-                journal.append(record)
-            progress.advance(f"{record.case} {record.engine}/{record.track} {record.status}")
+        for part, side in ((beside, workers), (alone, 1)):
+            for record in run_isolated(part, folder, side):
+                if record.status != "interrupted":
+                    journal.append(record)
+                progress.advance(f"{record.case} {record.engine}/{record.track} {record.status}")
 
 
 def _timing(
@@ -123,11 +128,19 @@ def _searched(
 ) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     found, number = list(trials), 0
+    store = Store(folder)
+
+    def _effects(
+        trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], _: Mapping[str, Adapter]
+    ) -> list[Trial]:
+        return effects.next_trials(trials, records, cases, store)
+
     searches = [
         go_on
         for go_on, wanted in (
             (sweep.next_trials, any(trial.experiment.sweep for trial in trials)),
             (limits.next_trials, any(trial.experiment.limit for trial in trials)),
+            (_effects, any(trial.experiment.effects for trial in trials)),
         )
         if wanted
     ]

@@ -101,6 +101,7 @@ class Case:
         control(**parameters): the forces that act from outside, told anew before the steps.
         retellings(**parameters): the scene told in other ways, each run beside it into streams '<name>/...'.
         rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
+        insists: effects that the case declares though its own motion does not show them, by name, each with its reason.
         eased: by name, other parameters that make the scene a saner one, as a remedy where it breaks.
         worlds: the parameter that says how many equal worlds are stepped together, '' for none.
     """
@@ -131,6 +132,7 @@ class Case:
     retellings: Callable[..., tuple[Retelling, ...]] | None = None
     rays: Callable[..., Rays] | None = None
     worlds: str = ""
+    insists: Mapping[str, str] = field(default_factory=dict)
     eased: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def count_of_worlds(self, parameters: Mapping[str, Any]) -> int:

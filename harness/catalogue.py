@@ -51,6 +51,7 @@ def describe_case(case: Case) -> dict[str, Any]:
             }
             for check in case.checks
         ],
+        "insists": dict(case.insists),
         "observed": [metric.name for metric in case.observe],
     }
 

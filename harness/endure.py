@@ -18,7 +18,7 @@ from harness.bench import Bench, rough_cost
 from harness.case import Case
 from harness.members import Member, member
 from harness.metric import NotMeasurable
-from harness.metrics.collapse import first_break
+from harness.metrics.collapse import COLLAPSE_TIME, first_break
 from harness.metrics.stack import STANDING_HEIGHT
 from harness.record import Measurement, Record
 from harness.run import Answer, answer_of, outcome, refusal
@@ -52,7 +52,7 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
     actual = answer.actual
     if answer.broke is not None or not actual.finite:
         return Fate("finite", float(actual.time[-1]) if len(actual) else 0.0, start.scene, answer)
-    stands = any(check.metric is STANDING_HEIGHT for check in case.checks)
+    stands = any(check.metric in (STANDING_HEIGHT, COLLAPSE_TIME) for check in case.checks)
     signs = [sign for sign in SIGNS if sign != "height" or stands]
     time, sign = first_break(start.scene, actual, signs)
     if not sign and _lost(plain, case, scene, start.back(actual), folder):
@@ -115,5 +115,5 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
 def _cost(trial: Trial, case: Case, adapter: Adapter) -> float | None:
     """CPU seconds per simulated second, roughly; None where nothing but a diverging run could be clocked."""
     with suppress(Diverged):
-        return rough_cost(Bench(case, adapter, trial), 2e-3)
+        return rough_cost(Bench(case, adapter, trial))
     return None

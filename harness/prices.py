@@ -114,7 +114,7 @@ class Prices:
     def _headlines(self) -> Mapping[str, tuple[float, float]]:
         """Error and the truth's own error of each trial's headline, in its unit."""
         wanted = dict(
-            zip(self._store.trials["trial"], (self._headline(case) for case in self._store.trials["case"]), strict=True)
+            zip(self._store.asked["trial"], (self._headline(case) for case in self._store.asked["case"]), strict=True)
         )
         found: dict[str, tuple[float, float]] = {}
         for row in self._store.measurements.to_dict("records"):
@@ -139,7 +139,7 @@ class Prices:
 
     def groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """The trials of one case at one set of parameters; where: what differs from the case's own, in words."""
-        trials = self._store.trials
+        trials = self._store.asked
         for (case, parameters), part in trials.groupby(["case", "parameters"], sort=False):
             own = self._cases.get(case, {}).get("parameters", {})
             given = {n: v for n, v in json.loads(parameters).items() if own.get(n) != v and n != "seed"}

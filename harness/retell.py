@@ -1,13 +1,15 @@
 """A retelling carried out: the same engine, settings and number of steps, its motion told back as streams beside the case's."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Settings, Simulation, Unsupported
 from harness.retelling import Retelling
 from harness.simulate import simulate, steps_between_samples
-from harness.trajectory import Floats
+from harness.trajectory import Floats, Trajectory
 
-__all__ = ["retell"]
+__all__ = ["retell", "told_run"]
 
 
 def retell(
@@ -19,37 +21,45 @@ def retell(
 
     Args: duration, sample_interval [s] of the case.
     """
-    dt, clock = settings.dt, told.clock
     try:
-        simulation = adapter.build(told.scene, settings.with_dt(dt * clock))
-        try:
-            since = (
-                0.0 if told.restored_at is None else _taken_back(simulation, told.restored_at, duration, sample_interval, dt)
-            )
-            run, broke = simulate(
-                simulation,
-                told.scene,
-                dt=dt * clock,
-                duration=(duration - since) * clock,
-                sample_interval=sample_interval * clock,
-                with_contacts=False,
-                seed=0,
-            )
-        finally:
-            simulation.close()
+        run, broke = told_run(told, adapter, settings, duration, sample_interval)
     except Unsupported as error:
         return {}, (f"{told.name}: not told: {error}",)
     except Diverged as error:
         return {}, (f"{told.name}: diverged before it could be told: {error}",)
-    made = told.back(run)
-    names = ("p_WB", "q_WB", "v_WB", "w_WB")
-    states = {name: getattr(made, name) for name in names}
-    time = made.time + since
+    states = {name: getattr(run, name) for name in ("p_WB", "q_WB", "v_WB", "w_WB")}
+    time = run.time
     if broke is not None:
-        time = np.append(time, time[-1:] + max(sample_interval, dt))
+        time = np.append(time, time[-1:] + max(sample_interval, settings.dt))
         states = {name: np.concatenate([part, np.full((1, *part.shape[1:]), np.nan)]) for name, part in states.items()}
     streams = {f"{told.name}/{name}": part for name, part in (("time", time), *states.items())}
     return streams, () if broke is None else (f"{told.name}: diverged {broke}",)
+
+
+def told_run(
+    told: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float
+) -> tuple[Trajectory, str | None]:
+    """The motion of a retelling in the words of the first telling and, where it diverged, when and how.
+
+    Raises: Unsupported; Diverged: before there is anything to tell.
+    """
+    dt, clock = settings.dt, told.clock
+    simulation = adapter.build(told.scene, settings.with_dt(dt * clock))
+    try:
+        since = 0.0 if told.restored_at is None else _taken_back(simulation, told.restored_at, duration, sample_interval, dt)
+        run, broke = simulate(
+            simulation,
+            told.scene,
+            dt=dt * clock,
+            duration=(duration - since) * clock,
+            sample_interval=sample_interval * clock,
+            with_contacts=False,
+            seed=0,
+        )
+    finally:
+        simulation.close()
+    made = told.back(run)
+    return replace(made, time=made.time + since), broke
 
 
 def _taken_back(simulation: Simulation, time: float, duration: float, sample_interval: float, dt: float) -> float:

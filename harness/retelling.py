@@ -19,7 +19,7 @@ from harness.scene import rotate as turned_vector
 from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
 from harness.trajectory import Trajectory
 
-__all__ = ["Retelling", "in_motion", "moved", "reordered", "repeated", "restored", "scaled", "turned"]
+__all__ = ["Retelling", "in_motion", "moved", "nudged", "reordered", "repeated", "restored", "scaled", "turned"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +51,16 @@ def repeated(scene: Scene) -> Retelling:
 def restored(scene: Scene, time: float) -> Retelling:
     """The very same scene, taken back from its end to what was saved at `time` [s]."""
     return Retelling(name="restored", scene=scene, back=_same, restored_at=time)
+
+
+def nudged(scene: Scene) -> Retelling:
+    """The very same scene, but for the last bit of the x of the first body that can move."""
+    place = next(k for k, body in enumerate(scene.bodies) if body.movable)
+    body = scene.bodies[place]
+    x, y, z = body.p_WB
+    other = replace(body, p_WB=(float(np.nextafter(x, np.inf)), y, z))
+    bodies = (*scene.bodies[:place], other, *scene.bodies[place + 1 :])
+    return Retelling(name="nudged", scene=replace(scene, bodies=bodies), back=_same)
 
 
 def reordered(scene: Scene) -> Retelling:

@@ -8,13 +8,14 @@ from typing import Any, cast
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, SettingsError, Simulation, Unavailable, Unsupported
+from harness.adapter import Adapter, Diverged, Feature, SettingsError, Simulation, Unavailable, Unsupported
 from harness.batch import WorldOf, spread
 from harness.case import Case, Converged, Rays
 from harness.control import Controlled
 from harness.metric import Metric, NotMeasurable
 from harness.record import Measurement, Record, Status
-from harness.retell import retell
+from harness.retell import retell, told_run
+from harness.retelling import Retelling
 from harness.scene import Scene
 from harness.simulate import simulate
 from harness.study import Trial
@@ -149,6 +150,10 @@ def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answe
     """
     worlds, batch = case.count_of_worlds(trial.parameters), None
     dt = trial.settings.dt
+    sample_interval = 0.0 if trial.alteration.every_step else case.sample_interval
+    told = trial.alteration.retelling(scene, case.duration)
+    if told is not None:
+        return _told(trial, told, adapter, case.duration, sample_interval)
     simulation: Simulation
     if worlds > 1:
         batch = adapter.build_batch(scene, trial.settings, worlds)
@@ -166,7 +171,7 @@ def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answe
             scene,
             dt=dt,
             duration=case.duration,
-            sample_interval=case.sample_interval,
+            sample_interval=sample_interval,
             with_contacts=with_contacts,
             seed=trial.seed,
         )
@@ -176,12 +181,20 @@ def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answe
         resolved, warnings = simulation.resolved.plain(), simulation.warnings()
     finally:
         simulation.close()
-    if case.retellings is not None and broke is None:
+    if case.retellings is not None and broke is None and not trial.alteration.every_step:
         for told in case.retellings(**trial.parameters):
             other = replace(told, scene=trial.alteration.of(told.scene))
             streams, remarks = retell(other, adapter, trial.settings, case.duration, case.sample_interval)
             seen, warnings = seen | streams, (*warnings, *remarks)
     return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings)
+
+
+def _told(trial: Trial, told: Retelling, adapter: Adapter, duration: float, sample_interval: float) -> Answer:
+    try:
+        actual, broke = told_run(told, adapter, trial.settings, duration, sample_interval)
+    except Diverged as error:
+        actual, broke = Trajectory.of(np.zeros(0), len(told.scene.bodies)), str(error)
+    return Answer(actual, broke, {}, ())
 
 
 def refusal(trial: Trial, error: Unsupported | Unavailable | SettingsError) -> Record:

@@ -87,6 +87,14 @@ class Store:
         """One row a trial."""
         return self._read["trials"]
 
+    @cached_property
+    def asked(self) -> pd.DataFrame:
+        """The trials that put a case as it is: no ensemble of starts, no scene that departs from the case's."""
+        trials = self.trials
+        if "members" not in trials or "alteration" not in trials:
+            return trials  # of a store from before there were such
+        return trials[(trials["members"] == 1) & ~trials["alteration"].str.contains('"name"', regex=False)]
+
     @property
     def measurements(self) -> pd.DataFrame:
         """One row a metric of a trial."""

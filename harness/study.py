@@ -13,7 +13,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as validated
 
 from harness.adapter import Adapter, Settings
-from harness.alteration import AS_IT_IS, Alteration
+from harness.alteration import AS_IT_IS, FINER, Alteration, departures
 from harness.case import Axis, Case, Clocks
 from harness.control import wrench_after
 from harness.record import digest
@@ -91,6 +91,10 @@ class Experiment:
         `harness.sweep`); then only what lies near the front is clocked.
         clocks: what runs under the clock, each a trial of its own. workers: how many processes step the scene side by side,
         each number a trial of its own.
+        effects: run each cell as it is, with every effect that the engine has, without each one that the scene calls for, and
+        at half the time step; see `harness.effects`.
+        determinism: run each cell again, alone, beside others, restored, reordered, nudged by a bit and on more threads; see
+        `harness.tables.determinism`.
         limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
     """
 
@@ -111,6 +115,8 @@ class Experiment:
     memory: Positive = 4096.0
     sweep: int = Field(default=0, ge=0, le=10_000)
     limit: Limit | None = None
+    effects: bool = False
+    determinism: bool = False
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -155,7 +161,14 @@ class Study:
                         )
                         for clocks, workers in clocked:
                             trial = Trial.of(self, experiment, cell, clocks, workers)
-                            yield trial if experiment.limit is None else trial.probing(case, members=experiment.limit.members)
+                            if experiment.limit is not None:
+                                trial = trial.probing(case, members=experiment.limit.members)
+                            if not experiment.determinism:
+                                yield trial
+                            if experiment.effects:
+                                yield from _altered(trial, case, engine)
+                            if experiment.determinism:
+                                yield from _again(trial, case, engine)
 
     def _sides(self, experiment: Experiment, engines: Sequence[Adapter]) -> Iterator[tuple[str, Adapter, Settings]]:
         """Tracks, then variants, each with the engines that have it and the settings that it means there."""
@@ -182,6 +195,28 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
         chosen = dict(case.parameters) | dict(zip(experiment.parameters, values, strict=True))
         for seed in range(case.ensemble):
             yield chosen | ({"seed": seed} if case.ensemble > 1 else {}), seed
+
+
+def _altered(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
+    """The trial's scene with its effects switched, and the trial at half its time step."""
+    for told in departures(case.scene(**trial.parameters), engine.features.names):
+        yield trial.probing(case, alteration=told)
+    yield trial.probing(case, alteration=Alteration(name=FINER), settings=trial.settings.with_dt(trial.settings.dt / 2))
+
+
+AGAIN = ("again", "alone", "restored", "reordered", "nudged")
+"""What a run is repeated as."""
+
+
+def _again(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
+    """The trial with every step recorded: as it is, and once more in each way that must not, or may, change its bits."""
+    yield trial.probing(case, alteration=Alteration(every_step=True))
+    for name in AGAIN:
+        told: Any = name if name in ("restored", "reordered", "nudged") else ""
+        yield trial.probing(case, alteration=Alteration(name=name, every_step=True, told=told))
+    for count in engine.threads:
+        settings = replace(trial.settings, options={**trial.settings.options, "threads": count})
+        yield trial.probing(case, settings=settings, alteration=Alteration(name=f"{count} threads", every_step=True))
 
 
 def _clocked(experiment: Experiment, case: Case, parameters: Mapping[str, Any]) -> Iterator[tuple[Clocks, int]]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-__all__ = ["Order", "falls_short", "fit_order"]
+__all__ = ["Order", "Slope", "falls_short", "fit_order", "fit_slope"]
 
 FEWEST = 3
 """Points on the slope: two give a line without an interval."""
@@ -101,3 +101,45 @@ def criterion(x: np.ndarray, y: np.ndarray, k: int) -> float:
     variance = max(squares / n, 1e-4)
     unknowns = 2 + (2 if k < n else 0)  # slope and height; height and place of the floor
     return n * float(np.log(variance)) + unknowns * float(np.log(n))
+
+
+BLOCKS = 20
+"""Means that a long series is cut into: neighbours of a swing are no independent points, twenty long stretches nearly are."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slope:
+    """A trend. Terms: slope with its 95 % interval low..high, per second. swing: of the whole series about the line, largest
+    less smallest. secular: does the interval leave out 0, and the trend change the series by more than it swings?"""
+
+    slope: float
+    low: float
+    high: float
+    swing: float
+    secular: bool
+
+
+def fit_slope(time: Sequence[float], value: Sequence[float]) -> Slope | None:
+    """A straight line through the means of `BLOCKS` stretches of equal length; None where there are too few samples.
+
+    A bounded oscillation has a slope too, whatever its length; it counts as secular only where what it adds up to over the run
+    is more than the oscillation, and its interval by Student's t, with BLOCKS - 2 degrees of freedom, leaves out zero.
+
+    Args:
+        time: instants [s], shape (n,), rising. value: shape (n,), finite.
+
+    Source:
+        N. R. Draper & H. Smith, Applied Regression Analysis (3rd ed., 1998), sec. 1.4; H. Flyvbjerg & H. G. Petersen, J. Chem.
+        Phys. 91 (1989) 461 (block means of correlated series).
+    """
+    t, y = np.asarray(time, dtype=np.float64), np.asarray(value, dtype=np.float64)
+    if len(t) < 2 * BLOCKS:
+        return None
+    x = np.array([part.mean() for part in np.array_split(t, BLOCKS)])
+    means = np.array([part.mean() for part in np.array_split(y, BLOCKS)])
+    fit = stats.linregress(x, means)
+    half = float(fit.stderr) * float(stats.t.ppf(0.975, BLOCKS - 2)) if np.ptp(means) > 0 else 0.0
+    slope = float(fit.slope)
+    swing = float(np.ptp(y - slope * t))
+    far = abs(slope) * float(t[-1] - t[0])
+    return Slope(slope=slope, low=slope - half, high=slope + half, swing=swing, secular=abs(slope) > half and far > swing)

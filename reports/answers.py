@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 __all__ = ["answers", "at_own_step"]
 
 
-def answers(store: "Store") -> pd.DataFrame:
-    """All trials with their headline measurement.
+def answers(store: "Store", trials: pd.DataFrame | None = None) -> pd.DataFrame:
+    """Trials with their headline measurement; those that put a case as it is, unless others are given.
 
     Returns:
         The columns of `trials`, and error (headline metric, NaN where there is none), unit, at_most, metric, answered,
         settings_line, and series: a name that trials share when only their step or seed differs.
     """
-    trials = store.trials.reset_index(drop=True)
+    trials = (store.asked if trials is None else trials).reset_index(drop=True)
     known = cases(store)
     columns = ("trial", "metric", "value", "unit", "at_most")
     measured = {

@@ -30,7 +30,7 @@ class Verdict:
 def verdicts(store: "Store") -> dict[tuple[str, str, str], Verdict]:
     """Verdicts by (case, engine, track); a cell without a trial has no entry."""
     cells = {}
-    for key, group in store.trials.groupby(["case", "engine", "track"], sort=False):
+    for key, group in store.asked.groupby(["case", "engine", "track"], sort=False):
         bad = worst(group["status"])
         reasons = [reason for status, reason in zip(group["status"], group["reason"], strict=True) if outcome(status) == bad]
         cells[key] = Verdict(counted(Counter(group["status"])), bad, str(reasons[0]))
@@ -39,7 +39,7 @@ def verdicts(store: "Store") -> dict[tuple[str, str, str], Verdict]:
 
 def totals(store: "Store") -> Mapping[tuple[str, str], Mapping[str, int]]:
     """Counts of every status by (engine, track), zeros included."""
-    rows = store.trials.groupby(["engine", "track", "status"], sort=False).size()
+    rows = store.asked.groupby(["engine", "track", "status"], sort=False).size()
     found: dict[tuple[str, str], dict[str, int]] = {}
     for (engine, track, status), count in rows.items():
         found.setdefault((engine, track), dict.fromkeys(STATUSES, 0))[outcome(status).name] = int(count)

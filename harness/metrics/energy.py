@@ -16,7 +16,16 @@ from harness.reduction import last, maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["ENERGY_FINAL", "ENERGY_GAIN", "ENERGY_GROWTH", "ENERGY_MAX", "ENERGY_STAGGERED", "HELD_ENERGY_GAIN", "METRIC"]
+__all__ = [
+    "ENERGY_FINAL",
+    "ENERGY_GAIN",
+    "ENERGY_GROWTH",
+    "ENERGY_MAX",
+    "ENERGY_STAGGERED",
+    "HELD_ENERGY_GAIN",
+    "METRIC",
+    "energy_change",
+]
 
 SOURCE = "conservation of energy; half-step correction: Hairer, Lubich, Wanner, Geometric Numerical Integration, section I.1.4"
 
@@ -72,7 +81,7 @@ def _scale(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> flo
     return scale
 
 
-def _change(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+def energy_change(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     """Energy won since the start, as a share of the energy in play, (t,)."""
     _check(scene, actual)
     energy = _kinetic(scene, actual, actual.v_WB, actual.w_WB) + _potential(scene, actual)
@@ -98,12 +107,12 @@ def _held_change(scene: Scene, actual: Trajectory) -> Floats:
 
 
 def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    return np.abs(_change(scene, actual, expected))
+    return np.abs(energy_change(scene, actual, expected))
 
 
 def _growth(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     """Slope [1/s] of a straight line through the energy, by least squares; not finite where one sample is not."""
-    change = _change(scene, actual, expected)
+    change = energy_change(scene, actual, expected)
     if len(change) < 3:
         raise NotMeasurable(f"{len(change)} samples, at least 3 are needed for a slope")
     since = actual.time - actual.time.mean()
@@ -135,7 +144,7 @@ ENERGY_GAIN = Metric(
     name="energy_gain_max",
     unit="1",
     source="conservation of energy: energy won since the start, as a share of the energy in play; 0 where it only falls",
-    measure=lambda s, a, e: maximum(_change(s, a, e)),
+    measure=lambda s, a, e: maximum(energy_change(s, a, e)),
 )
 ENERGY_GROWTH = Metric(
     name="energy_growth_rate",

@@ -1,13 +1,15 @@
 """Overlap of inscribed balls: bodies that pass through each other betray themselves by their places alone.
 
-The ball inscribed in a convex shape about its centre lies inside it however it turns, so that two of them that overlap prove
-that the bodies do. It is less than the true depth, and needs no word from the engine's own contacts.
+The ball inscribed in a convex shape about its centre lies inside it however it turns, so that two of them that overlap, or one
+that reaches into a half space at rest, prove that the bodies do. It is less than the true depth, and needs no word from the
+engine's own contacts.
 """
 
 import numpy as np
 
+from harness.kinematics import rotate
 from harness.metric import Metric, NotMeasurable
-from harness.scene import Body, Box, Capsule, Cylinder, Scene, Sphere
+from harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Sphere
 from harness.trajectory import Trajectory
 
 __all__ = ["INSCRIBED_OVERLAP", "METRIC"]
@@ -41,6 +43,15 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
             pairs += 1
             distance = np.linalg.norm(actual.p_WB[:, a] - actual.p_WB[:, b], axis=-1)
             deepest = np.maximum(deepest, np.max(r_a + r_b - distance))
+        for b, other in enumerate(scene.bodies):
+            if r_a is None or other.motion != "static" or not scene.collides(scene.bodies[a], other):
+                continue
+            for placed in other.collision:
+                if isinstance(placed.shape, Plane):
+                    normal = rotate(np.array(other.q_WB), rotate(np.array(placed.q_BS), np.array(placed.shape.normal)))
+                    within = actual.p_WB[:, b] + rotate(np.array(other.q_WB), np.array(placed.p_BS))
+                    pairs += 1
+                    deepest = np.maximum(deepest, np.max(r_a - (actual.p_WB[:, a] - within) @ normal))
     if pairs == 0:
         raise NotMeasurable("no two bodies of one convex shape can touch")
     return float(np.maximum(deepest, 0.0)) if actual.finite else float("nan")

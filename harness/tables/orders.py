@@ -61,9 +61,9 @@ BRIEF = ("case", "engine", "track", "integrator", "promised", "order", "interval
 def convergences(store: Store) -> list[Convergence]:
     """One row for each ladder of at least three steps, experiments that share settings taken together."""
     cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})
-    if store.trials.empty:
+    if store.asked.empty:
         return []
-    trials = store.trials[store.trials["status"].isin(("passed", "failed"))]
+    trials = store.asked[store.asked["status"].isin(("passed", "failed"))]
     headlines = {name: case.get("headline", "") for name, case in cases.items()}
     table = store.measurements
     values = dict(zip(zip(table["trial"], table["metric"], strict=True), table["value"], strict=True))

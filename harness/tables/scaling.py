@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from harness.ratio import Ratio, ratio
 from harness.store import Store
-from harness.trajectory import Floats
 from harness.trend import FEWEST, fit_order
 
 __all__ = [
@@ -26,13 +26,11 @@ __all__ = [
     "COLUMNS",
     "Cost",
     "Exponent",
-    "Ratio",
     "Scaling",
     "Sweep",
     "brief",
     "growth",
     "no_worse",
-    "ratio",
     "rows",
 ]
 
@@ -41,20 +39,10 @@ PENETRATION = ("overlap", "penetration")
 RESIDUAL = ("rms_speed",)
 SMALLEST = {"penetration": 1e-6, "residual": 1e-5, "error": 1e-6}
 """Below a micrometre, 10 micrometres a second, or a millionth of an error's unit, two answers count as equally good."""
-DRAWS = 2000
 CLOCKED = {"work": "step alone", "reading": "step and reading", "call": "empty call"}
 """What runs under the clock, in the words that set the rows apart."""
 WHOLE = {"ray": ("cast", "rays"), "world-step": ("batch-step", "worlds")}
 """Where the number of what is counted is swept, the price of all together, and the name of that number."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ratio:
-    """One price over another, with the 95 % bootstrap interval of the median over blocks."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,22 +138,6 @@ COLUMNS = (
 """Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None."""
 
 
-def ratio(cost: Floats, base: Floats) -> Ratio:
-    """Median of cost/base over blocks, and the interval of that median.
-
-    Args:
-        cost, base: CPU time of a unit in the blocks that both were sampled in, shape (b,), b >= 1, positive.
-
-    Source:
-        B. Efron & R. J. Tibshirani, An Introduction to the Bootstrap (1993), chapter 13 (percentile interval).
-    """
-    shares = cost / base
-    drawn = np.random.default_rng(0).integers(0, len(shares), size=(DRAWS, len(shares)))
-    medians = np.median(shares[drawn], axis=1)
-    low, high = np.percentile(medians, [2.5, 97.5])
-    return Ratio(value=float(np.median(shares)), low=float(low), high=float(high))
-
-
 def _number(value: Any) -> float | None:
     return float(value) if value is not None and pd.notna(value) and math.isfinite(value) else None
 
@@ -208,7 +180,7 @@ class Scaling:
 
     def _groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """Trials that were clocked together: one case at one set of parameters and one time step."""
-        for (case, _), part in self._store.trials.groupby(["case", "experiment"], sort=False):
+        for (case, _), part in self._store.asked.groupby(["case", "experiment"], sort=False):
             given = _given(part)
             swept = self._swept(case, given)
             where = [", ".join(_named(name, one.get(name)) for name in swept) for one in given]

@@ -29,7 +29,8 @@ __all__ = ["PAGE"]
 def render(store: "Store") -> Mapping[str, str]:
     """For each case its page, its charts and its trials as CSV."""
     files: dict[str, str] = {}
-    rows, cells, known, ladders = answers(store), verdicts(store), cases(store), convergences(store)
+    rows, cells, known, ladders = answers(store, store.trials), verdicts(store), cases(store), convergences(store)
+    plain_rows = set(store.asked["trial"])
     prices = price_list(store) if scenes(store) else []
     names = list(known)
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
@@ -41,7 +42,7 @@ def render(store: "Store") -> Mapping[str, str]:
             values.setdefault(row["trial"], {})[row["metric"]] = row
         plain = slug(name)
         unit = next((str(unit) for unit in mine["unit"].dropna()), "1")
-        by_step = error_by_step(store, mine, f"case-{plain}", case["headline"], unit)
+        by_step = error_by_step(store, mine[mine["trial"].isin(plain_rows)], f"case-{plain}", case["headline"], unit)
         figures = [by_step] if by_step is not None else []
         figures += [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
         listed = [line for line in prices if line.case == name]

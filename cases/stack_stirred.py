@@ -1,0 +1,98 @@
+"""A heap of balls and cubes, stirred by random forces and then left alone: does it come to rest, all in its container?
+
+What has been stirred lies in no packing that anybody chose: contacts come and go, bodies are wedged, some hang on one edge.
+"""
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.checks.rest import settled_speed
+from harness.control import Control
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
+from harness.metrics.jitter import REST_DRIFT, RMS_SPIN
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from harness.trajectory import Floats, State
+
+G = -EARTH_GRAVITY[2]
+BODIES, EDGE, FRICTION, MASS, HALF = 18, 3, 0.5, 1.0, 0.05
+ROOM = 1.3
+"""Width of the container over that of EDGE bodies side by side."""
+INTERVAL, STIRRED, SETTLED, DURATION = 1 / 60, 3.0, 9.0, 10.0
+PUSH, TWIST = 15.0, 0.15
+"""Standard deviations of each component of the forces [N], one and a half weights, and of the torques [N m]."""
+WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0, -1, 0)}
+
+
+def scene(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Scene:  # noqa: ARG001 -- of the forces
+    """n cubes and balls by turns, in layers of EDGE by EDGE, between four walls on a floor."""
+    reach, half = ROOM * EDGE * HALF, (HALF, HALF, HALF)
+    bodies = []
+    for k in range(round(n)):
+        layer, place = divmod(k, EDGE * EDGE)
+        x, y = ((2 * ROOM * HALF) * (one - (EDGE - 1) / 2) for one in divmod(place, EDGE))
+        cube = k % 2 == 0
+        bodies.append(
+            Body(
+                name=f"{'cube' if cube else 'ball'}_{k}",
+                mass=MASS,
+                inertia=box_inertia(MASS, half) if cube else sphere_inertia(MASS, HALF),
+                collision=(PlacedShape(shape=Box(half_extents=half) if cube else Sphere(radius=HALF)),),
+                material="stone",
+                p_WB=(x, y, HALF * (1 + 2.1 * layer)),
+            )
+        )
+    floor = Body(name="floor", motion="static", material="wall", collision=(PlacedShape(shape=Plane()),))
+    walls = [
+        Body(
+            name=name,
+            motion="static",
+            material="wall",
+            p_WB=(-reach * x, -reach * y, 0.0),
+            collision=(PlacedShape(shape=Plane(normal=(x, y, z))),),
+        )
+        for name, (x, y, z) in WALLS.items()
+    ]
+    laws = tuple(
+        Surface(between=pair, static_friction=friction, kinetic_friction=friction)
+        for pair in (("stone", "stone"), ("stone", "wall"))
+    )
+    return Scene(bodies=(floor, *walls, *bodies), surfaces=laws)
+
+
+def control(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Control:  # noqa: ARG001 -- of the scene
+    """Random forces until STIRRED, each held for a sixtieth of a second; none after it."""
+
+    def wrench(time: float, _state: State) -> tuple[Floats, Floats]:
+        drawn = np.zeros((5 + round(n), 2, 3))
+        if time < STIRRED - INTERVAL / 2:
+            drawn[5:] = np.random.default_rng((seed, round(time / INTERVAL))).standard_normal((round(n), 2, 3))
+        return PUSH * drawn[:, 0], TWIST * drawn[:, 1]
+
+    return Control(wrench=wrench, interval=INTERVAL)
+
+
+CASE = Case(
+    name="stack_stirred",
+    title="A heap stirred and left",
+    question="Does a heap of balls and cubes that was stirred come to rest, whole and in its container?",
+    source="dissipation: once nothing stirs, friction and inelastic impacts take what motion there is",
+    truth="conservation",
+    scene=scene,
+    control=control,
+    parameters={"n": BODIES, "friction": FRICTION, "seed": 0},
+    duration=DURATION,
+    ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="every number of every sampled state has to be finite"),
+        Check(
+            metric=INSCRIBED_OVERLAP,
+            at_most=HALF,
+            because="the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
+        ),
+        settled_speed(SETTLED, "a body"),
+    ),
+    observe=(RMS_SPIN, REST_DRIFT),
+    headline="inscribed_overlap",
+    scale=HALF,
+)

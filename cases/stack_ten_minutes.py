@@ -1,0 +1,69 @@
+"""A small tower left alone for ten minutes: what a short run cannot show, a creep, a slow gain of energy, an early sleep.
+
+A box that creeps by a micrometre a second passes every check of a few seconds; here it has left its place by half a millimetre.
+"""
+
+from harness.case import Case, Check
+from harness.checks.rest import settled_speed, stands
+from harness.metrics.energy import ENERGY_GAIN
+from harness.metrics.jitter import REST_DRIFT
+from harness.metrics.stack import LEAN, STACK_HEIGHT_ERROR
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
+
+G = -EARTH_GRAVITY[2]
+BOXES, FRICTION, MASS, HALF = 4, 0.5, 1.0, 0.1
+DURATION, SETTLED = 600.0, 60.0
+
+
+def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
+    """n equal cubes, one on the other."""
+    half = (HALF, HALF, HALF)
+    boxes = tuple(
+        Body(
+            name=f"box_{k}",
+            mass=MASS,
+            inertia=box_inertia(MASS, half),
+            collision=(PlacedShape(shape=Box(half_extents=half)),),
+            p_WB=(0.0, 0.0, HALF * (2 * k + 1)),
+        )
+        for k in range(round(n))
+    )
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+
+
+def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
+    """Rest."""
+    return at_rest(scene(n, friction), time)
+
+
+CASE = Case(
+    name="stack_ten_minutes",
+    title="A tower for ten minutes",
+    question="Does a small tower stand for ten minutes without creeping away, sinking in or coming to life?",
+    source="statics: nothing moves, however long one looks",
+    truth="rest",
+    scene=scene,
+    expected=expected,
+    parameters={"n": BOXES, "friction": FRICTION},
+    duration=DURATION,
+    sample_interval=0.5,
+    # Ten minutes at the finer steps of other cases would cost more than all of those together.
+    ladder=(1 / 30, 1 / 40, 1 / 60, 1 / 90, 1 / 120, 1 / 240),
+    checks=(
+        stands(DURATION, "the tower stands"),
+        Check(
+            metric=STACK_HEIGHT_ERROR,
+            at_most=lambda dt: G * dt**2 * BOXES * (BOXES + 1) / 2 / ((2 * BOXES - 1) * HALF),
+            because="boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
+            "support after k steps, in which it falls k (k + 1)/2 g dt^2, over the height of its centre; that does not grow "
+            "in ten minutes",
+        ),
+        settled_speed(SETTLED, "a box"),
+    ),
+    observe=(REST_DRIFT, LEAN, ENERGY_GAIN),
+    headline="rest_drift",
+    scale=HALF,
+)

@@ -1,0 +1,165 @@
+"""What a scene calls for, asked of the scene: each effect is left out once, and what that does to the motion is measured.
+
+For each case on an engine there are the scene as it is; everything on, that is with every other effect of the engine present
+so faintly that it changes nothing but the work; the scene without each of the effects that it declares; the scene with what it
+declares to be off although its content has it, and with continuous collision where it has contacts but does not ask for it; and
+the scene as it is at half the time step.
+
+An effect matters where leaving it out (or taking it in) moves some body, at some sample, further than halving the time step
+has moved any up to then, twice over and by more than `FLOOR`: what is smaller is lost in the error that the run has anyway. In
+a chaotic scene both grow until neither says anything, which is why they are compared sample by sample and not at the end. An
+effect also matters where a check that held breaks without it.
+
+Declared effects that do not matter are a surplus, undeclared ones that do are missing: in both cases the scene fails its
+audit, which is judged on the reference engine, the one that can switch everything off. A case may insist on an effect that its
+own motion does not show, and says why.
+
+Where several effects do not matter one by one, they are left out together, one more each time, as long as it makes no
+difference: what remains is the minimal set, which is what is proposed for a scene of the user's own.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.alteration import EVERYTHING, FINER, Alteration
+from harness.case import Case
+from harness.record import Record
+from harness.scene import Effect
+from harness.store import Store
+from harness.study import Trial
+from harness.trajectory import Floats
+
+__all__ = ["FLOOR", "Consequence", "compared", "matters", "next_trials", "taken", "told_apart"]
+
+FLOOR = 1e-9
+"""Metres and radians: what rounding makes of metres within some ten thousand steps."""
+TWICE = 2.0
+ANSWERED = ("passed", "failed")
+
+
+@dataclass(frozen=True, slots=True)
+class Consequence:
+    """What a departure does. Terms: moved: furthest any body is from where it was without it [m, rad]; own: what halving the
+    time step does up to that sample. flips: a check that held breaks. matters: is it more than the run's own error?"""
+
+    moved: float
+    own: float
+    flips: bool
+    matters: bool
+
+
+def compared(plain: Mapping[str, Any], other: Mapping[str, Any], finer: Mapping[str, Any] | None) -> Consequence:
+    """The consequence of a departure, from trajectories as a run folder keeps them; without a finer run the error is 0."""
+    moved = apart(plain, other)
+    own = np.zeros_like(moved) if finer is None else np.maximum.accumulate(apart(plain, finer))
+    short = min(len(moved), len(own))
+    moved, own = moved[:short], own[:short]
+    beyond = moved > np.maximum(TWICE * own, FLOOR)
+    place = int(np.argmax(beyond)) if beyond.any() else int(np.argmax(moved)) if short else 0
+    if not short:
+        return Consequence(0.0, 0.0, flips=False, matters=False)
+    last = int(np.argmax(np.where(beyond, moved, -1.0))) if beyond.any() else place
+    return Consequence(float(moved[last]), float(own[last]), flips=False, matters=bool(beyond.any()))
+
+
+def apart(one: Mapping[str, Any], other: Mapping[str, Any]) -> Floats:
+    """The greatest distance [m] or angle [rad] of any body between two runs, at each sample that both have, (t,).
+
+    A run that ended early is infinitely far off from there on.
+    """
+    times, places, others = np.intersect1d(np.round(one["time"], 9), np.round(other["time"], 9), return_indices=True)
+    way = np.linalg.norm(one["p_WB"][places] - other["p_WB"][others], axis=2).max(axis=1, initial=0.0)
+    # The difference of the quaternions, up to their sign, is accurate for small angles too.
+    flat = np.minimum(
+        np.linalg.norm(one["q_WB"][places] - other["q_WB"][others], axis=2),
+        np.linalg.norm(one["q_WB"][places] + other["q_WB"][others], axis=2),
+    )
+    angle = 4 * np.arcsin(np.minimum(flat / 2, 1.0))
+    found: Floats = np.maximum(way, angle.max(axis=1, initial=0.0))
+    found = np.where(np.isfinite(found), found, np.inf)
+    if len(other["time"]) and other["time"][-1] < one["time"][-1] - 1e-9:
+        found = np.append(found, np.inf)
+    return found if len(times) else np.zeros(0)
+
+
+def matters(store: Store, plain: Any, other: Any, finer: Any) -> Consequence | None:
+    """The consequence of a departure, of records or rows of the table of trials; None where a run gave no answer to compare."""
+    if plain is None or other is None or plain.status not in ANSWERED:
+        return None
+    if other.status not in (*ANSWERED, "diverged"):
+        return None
+    if other.status == "diverged":
+        return Consequence(float("inf"), 0.0, flips=True, matters=True)
+    best = finer if finer is not None and finer.status in ANSWERED else None
+    runs = [store.trajectory(run.trajectory_hash) if run is not None else None for run in (plain, other, best)]
+    assert runs[0] is not None
+    assert runs[1] is not None
+    found = compared(runs[0], runs[1], runs[2])
+    flips = plain.status == "passed" and other.status == "failed"
+    return Consequence(found.moved, found.own, flips, found.matters or flips)
+
+
+CONTINUOUS = "with continuous_collision"
+
+
+def taken(name: str, found: Consequence | None, plain: Any, run: Any) -> Consequence | None:
+    """The consequence of the departure `name`; of continuous collision, a means to an end, that it mends a check is what counts:
+    where within a step a contact is found moves everything a little."""
+    if found is None or name != CONTINUOUS:
+        return found
+    return replace(found, matters=plain.status == "failed" and run.status == "passed")
+
+
+def next_trials(trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], store: Store) -> list[Trial]:
+    """The next round of leaving out together what does not matter one by one; empty where every minimal set is known."""
+    groups: dict[str, list[Trial]] = {}
+    for trial in trials:
+        if trial.experiment.effects:
+            name = (trial.experiment.name, trial.case, dict(trial.parameters), trial.engine, trial.track, trial.seed)
+            groups.setdefault(repr(name), []).append(trial)
+    found = []
+    for group in groups.values():
+        # Groups of several time steps are told apart by the step of what is as it is.
+        for plain in (trial for trial in group if not trial.alteration.name):
+            more = _dropping(plain, group, records, cases[plain.case], store)
+            found += [] if more is None else [more]
+    return found
+
+
+def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record], case: Case, store: Store) -> Trial | None:
+    same = [trial for trial in group if trial.settings.dt in (plain.settings.dt, plain.settings.dt / 2)]
+    known = {trial.alteration.name: records.get(trial.trial) for trial in same if trial.settings.dt == plain.settings.dt}
+    finer = next((records.get(trial.trial) for trial in same if trial.alteration.name == FINER), None)
+    here = records.get(plain.trial)
+
+    def idle(*effects: str) -> bool | None:
+        name = f"without {', '.join(effects)}"
+        if name not in known:
+            return None
+        found = matters(store, here, known[name], finer)
+        return found is not None and not found.matters
+
+    insisted = set(case.insists)
+    single = [one for one in case.scene(**plain.parameters).effects.names if one not in insisted and idle(one)]
+    dropped = single[:1]
+    for one in single[1:]:
+        verdict = idle(*dropped, one)
+        if verdict is None:
+            narrow = Effect.NONE
+            for name in (*dropped, one):
+                narrow |= Effect[name.upper()]
+            told = Alteration(name=f"without {', '.join((*dropped, one))}", narrow=narrow)
+            return plain.probing(case, alteration=told, round=max(trial.round for trial in group) + 1)
+        if verdict:
+            dropped.append(one)
+    return None
+
+
+def told_apart(name: str) -> tuple[str, ...]:
+    """The effects that an alteration's name leaves out or takes in; none for the scene as it is and for everything on."""
+    if name in ("", EVERYTHING, FINER):
+        return ()
+    return tuple(name.partition(" ")[2].split(", "))

@@ -1,0 +1,270 @@
+"""What each effect costs, what its absence does, and whether it was needed: the rows of the effects table."""
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from harness.alteration import EVERYTHING, FINER
+from harness.effects import Consequence, matters, taken, told_apart
+from harness.ratio import Ratio, ratio
+from harness.store import Store
+
+__all__ = ["BRIEF", "COLUMNS", "Verdict", "audit", "brief", "rows", "sentences", "verdicts"]
+
+JUDGE = "reference"
+"""The engine that can leave every effect out: what is needed is decided on it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """One effect of one scene on one engine, or everything on.
+
+    Terms:
+        effect: its name; several where they were left out together. declared: does the scene call for it? insists: why it does
+        although its motion does not show it. moved, own: see `harness.effects.Consequence`; None where nothing could be
+        compared. matters: on this engine. cost, low, high: CPU time of a step with it over that without it (everything on over
+        as it is), with the 95 % interval of the median over blocks; None where one of both was not clocked. verdict: 'needed
+        and on', 'needed but missing', 'paid for without need', 'insisted on', 'cannot be switched off', 'left out', 'everything
+        on', or the status of a run that gave no answer. reason: what the engine says to it. trial: of the departure.
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    effect: str
+    declared: bool
+    insists: str
+    moved: float | None
+    own: float | None
+    matters: bool | None
+    cost: float | None
+    low: float | None
+    high: float | None
+    verdict: str
+    reason: str
+    trial: str
+
+
+COLUMNS = tuple(field.name for field in fields(Verdict))
+
+
+def verdicts(store: Store) -> list[Verdict]:
+    """All rows of a run."""
+    return list(_verdicts(store))
+
+
+def _verdicts(store: Store) -> Iterator[Verdict]:
+    trials = store.trials
+    altered = set(trials.loc[trials["alteration"].str.contains(EVERYTHING, regex=False), "experiment"])
+    part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
+    part = part.assign(departure=[json.loads(text).get("name", "") for text in part["alteration"]])
+    samples = dict(iter(store.samples.groupby("trial")))
+    for _, cells in part.groupby("case", sort=False):
+        named = _where(cells["parameters"])
+        for parameters, scenes in cells.groupby("parameters", sort=False):
+            needed = _needed(store, scenes)
+            for (engine, track), group in scenes.groupby(["engine", "track"], sort=False):
+                yield from _of_side(store, str(engine), str(track), named[str(parameters)], group, needed, samples)
+
+
+def _where(told: Iterable[str]) -> dict[str, str]:
+    """By parameters (JSON) of a case, what tells them apart in words: nothing, where there is but one scene."""
+    read = {text: json.loads(text) for text in dict.fromkeys(told)}
+    names = {name for one in read.values() for name in one}
+    loose = [name for name in sorted(names) if len({repr(one.get(name)) for one in read.values()}) > 1]
+    return {text: ", ".join(f"{name} {one[name]}" for name in loose if name in one) for text, one in read.items()}
+
+
+def _runs(group: pd.DataFrame) -> dict[str, Any]:
+    """A side's runs by the name of their departure."""
+    return {row.departure: row for row in group.itertuples()}
+
+
+def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, bool]:
+    """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
+    runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
+    found = {}
+    for name, run in runs.items():
+        effects = told_apart(name)
+        one = matters(store, runs.get(""), run, runs.get(FINER)) if len(effects) == 1 else None
+        one = taken(name, one, runs.get(""), run)
+        if one is not None:
+            found[effects[0]] = one.matters
+    return found
+
+
+def _of_side(
+    store: Store,
+    engine: str,
+    track: str,
+    where: str,
+    group: pd.DataFrame,
+    needed: Mapping[str, bool],
+    samples: Mapping[Any, pd.DataFrame],
+) -> Iterator[Verdict]:
+    runs = _runs(group)
+    plain = runs.get("")
+    if plain is None:
+        return
+    told = store.catalogue["cases"][plain.case]
+    declared, insists = set(told["effects"]), told.get("insists", {})
+    said = [str(text) for text in json.loads(plain.warnings)]
+
+    def row(effect: str, run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = "") -> Verdict:
+        return Verdict(
+            case=plain.case,
+            where=where,
+            engine=engine,
+            track=track,
+            effect=effect,
+            declared=all(one in declared for one in effect.split(", ")),
+            insists=str(insists.get(effect, "")),
+            moved=None if found is None else found.moved,
+            own=None if found is None else found.own,
+            matters=None if found is None else found.matters,
+            cost=None if price is None else price.value,
+            low=None if price is None else price.low,
+            high=None if price is None else price.high,
+            verdict=verdict,
+            reason=reason,
+            trial=str(run.trial),
+        )
+
+    if plain.status not in ("passed", "failed"):
+        yield row("as it is", plain, None, plain.status, None, plain.reason)
+        return
+    surplus = {one: text for text in said if text.startswith("surplus") for one in _named(text)}
+    missing = {one: text for text in said if text.startswith("missing") for one in _named(text)}
+    for name, run in runs.items():
+        if name in ("", FINER):
+            continue
+        if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
+            yield row(", ".join(told_apart(name)) or name, run, None, run.status, None, run.reason)
+            continue
+        found = taken(name, matters(store, plain, run, runs.get(FINER)), plain, run)
+        if name == EVERYTHING:
+            yield row(name, run, found, name, _price(run, plain, samples))
+            continue
+        taken_in = name.startswith("with ")
+        price = _price(run, plain, samples) if taken_in else _price(plain, run, samples)
+        effects = told_apart(name)
+        if len(effects) > 1:
+            verdict = "left out together" if found is not None and not found.matters else "needed together"
+            yield row(", ".join(effects), run, found, verdict, price)
+            continue
+        (effect,) = effects
+        need = needed.get(effect)
+        if effect in missing:
+            verdict, reason = ("needed but missing" if need else "missing without need"), missing[effect]
+        elif taken_in:
+            verdict, reason = ("needed but missing" if need else "left out"), ""
+        elif effect in insists:
+            verdict, reason = "insisted on", str(insists[effect])
+        else:
+            verdict, reason = ("needed and on" if need else "paid for without need"), ""
+        if need is None:
+            verdict = "not judged"
+        yield row(effect, run, found, verdict, price, reason)
+    for effect, text in surplus.items():
+        if effect not in declared:
+            yield row(effect, plain, None, "cannot be switched off", None, text)
+
+
+def _named(text: str) -> list[str]:
+    """The effects that a notice of an adapter names."""
+    from harness.scene import Effect
+
+    words = text.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
+    return [name for name in Effect(~0).names if name in words]
+
+
+def _price(cost: Any, base: Any, samples: Mapping[Any, pd.DataFrame]) -> Ratio | None:
+    """CPU time of a unit of one run over that of another, in the blocks that both were sampled in."""
+    one, other = samples.get(cost.trial), samples.get(base.trial)
+    if one is None or other is None:
+        return None
+    both = one.merge(other, on=["process", "block"], suffixes=("", "_base"))
+    if both.empty:
+        return None
+    mine = both["cpu"] / (both["steps"] * both["units"])
+    theirs = both["cpu_base"] / (both["steps_base"] * both["units_base"])
+    return ratio(mine.to_numpy(), theirs.to_numpy())
+
+
+def audit(verdicts: Iterable[Verdict]) -> list[str]:
+    """The scenes that do not call for exactly what they need, each in a sentence; judged on the reference engine."""
+    found = []
+    for one in verdicts:
+        if one.engine != JUDGE or one.track != "tuned" or ", " in one.effect:
+            continue
+        name = f"{one.case} {one.where}".strip()
+        if one.verdict == "paid for without need":
+            found.append(
+                f"{name}: declares {one.effect}, which does not matter: without it no body is moved by more than "
+                f"{_metres(one.moved)}, half the step moves one by {_metres(one.own)}"
+            )
+        elif one.verdict == "needed but missing":
+            found.append(f"{name}: leaves out {one.effect}, which matters: with it a body is moved by {_metres(one.moved)}")
+    return found
+
+
+def _metres(value: float | None) -> str:
+    return "nothing" if value is None else f"{value:.2g} m or rad"
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(one) for one in verdicts(store)]
+
+
+BRIEF = ("case", "engine", "effect", "cost", "moves", "own error", "verdict")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    cost = "" if row["cost"] is None else f"x {row['cost']:.3g} ({row['low']:.3g}..{row['high']:.3g})"
+    return [
+        f"{row['case']} {row['where']}".strip(),
+        f"{row['engine']}/{row['track']}",
+        row["effect"],
+        cost,
+        "" if row["moved"] is None else f"{row['moved']:.2g}",
+        "" if row["own"] is None else f"{row['own']:.2g}",
+        row["verdict"] + (f": {row['reason'][:70]}" if row["reason"] and row["verdict"] not in ("insisted on",) else ""),
+    ]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What leaving effects out saves, engine by engine, and what the audit says."""
+    found = []
+    for engine in dict.fromkeys(row["engine"] for row in rows):
+        costs = [row["cost"] for row in rows if row["engine"] == engine and row["verdict"] == EVERYTHING and row["cost"]]
+        if costs:
+            middle = math.exp(float(np.mean(np.log(costs))))
+            found.append(
+                f"{engine}: a step with everything on costs {middle:.3g} times that of the scene as it is "
+                f"(geometric mean over {len(costs)} scenes, {min(costs):.3g} to {max(costs):.3g})."
+            )
+    judged = [row for row in rows if row["engine"] == JUDGE and row["track"] == "tuned" and row["verdict"] != EVERYTHING]
+    bad = [row for row in judged if row["verdict"] in ("paid for without need", "needed but missing")]
+    scenes = {(row["case"], row["where"]) for row in judged}
+    failed = {(row["case"], row["where"]) for row in bad}
+    if scenes:
+        found.append(f"Audit: {len(scenes) - len(failed)} of {len(scenes)} scenes call for exactly what they need.")
+    found += [f"Audit: {row['case']}: {row['effect']}: {row['verdict']}." for row in bad]
+    return found + [proposal for scene in failed if (proposal := proposed(scene, judged))]
+
+
+def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is too much."""
+    mine = [row for row in rows if (row["case"], row["where"]) == scene]
+    together = [row["effect"].split(", ") for row in mine if row["verdict"] == "left out together"]
+    single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
+    idle = max(together + single, key=len, default=[])
+    return f"Proposed for {' '.join(scene).strip()}: narrow = {json.dumps(idle)}." if idle else ""

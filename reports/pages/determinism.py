@@ -1,0 +1,48 @@
+"""The page on determinism: which repetitions give the same bits, and where those part that do not."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from harness.tables import determinism as determinism_table
+from harness.tables.determinism import FIRST, agreements
+from reports.contents import engines
+from reports.page import Page
+from reports.sheet import sheet
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def concerns(store: "Store") -> bool:
+    """Only where runs were repeated."""
+    return bool(store.trials["alteration"].str.contains("every_step", regex=False).any())
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page and its table as CSV."""
+    found = agreements(store)
+    ways = list(dict.fromkeys(one.way for one in found if one.way not in (FIRST, "nudged")))
+    counted = {
+        (engine, way): [one.verdict for one in found if one.engine == engine and one.way == way]
+        for engine in dict.fromkeys(one.engine for one in found)
+        for way in ways
+    }
+    growth = [one for one in found if one.way == "nudged" and one.doubles_in is not None]
+    page = fill(
+        "determinism.html",
+        store,
+        title="Determinism",
+        names=[name for name in engines(store) if any(one.engine == name for one in found)],
+        ways=ways,
+        counted=counted,
+        growth=growth,
+        found=found,
+    )
+    return {"determinism.html": page, "determinism.csv": sheet(determinism_table.COLUMNS, map(asdict, found))}
+
+
+PAGE = Page(name="determinism", title="Determinism", order=16, render=render, concerns=concerns)

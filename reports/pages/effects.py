@@ -1,0 +1,47 @@
+"""The page on effects: what each costs, what its absence does, and whether each scene calls for exactly what it needs."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from harness.alteration import EVERYTHING
+from harness.tables import effects as effects_table
+from harness.tables.effects import audit, verdicts
+from reports.contents import engines
+from reports.page import Page
+from reports.savings import matrix, savings, savings_chart
+from reports.sheet import sheet
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def concerns(store: "Store") -> bool:
+    """Only where effects were switched."""
+    return bool(store.trials["alteration"].str.contains(EVERYTHING, regex=False).any())
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page, its chart and its table as CSV."""
+    found = verdicts(store)
+    figure = savings_chart(store, found)
+    page = fill(
+        "effects.html",
+        store,
+        title="Effects",
+        names=[name for name in engines(store) if any(one.engine == name for one in found)],
+        savings=savings(found),
+        figure=figure,
+        audit=audit(found),
+        audited=len({(one.case, one.where) for one in found}),
+        matrix=matrix(store, found),
+        found=[one for one in found if one.verdict != EVERYTHING],
+    )
+    sheets = {"effects.csv": sheet(effects_table.COLUMNS, map(asdict, found))}
+    return {"effects.html": page} | sheets | ({figure.path: figure.svg} if figure is not None else {})
+
+
+PAGE = Page(name="effects", title="Effects", order=14, render=render, concerns=concerns)

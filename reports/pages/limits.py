@@ -1,0 +1,51 @@
+"""The page on limits: how far each engine goes along each axis, maps of two axes, and what helps where it breaks."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from harness.searches import searches
+from harness.tables import limits as limits_table
+from harness.tables import remedies as remedies_table
+from harness.tables.remedies import remedied
+from reports.contents import engines
+from reports.page import Page
+from reports.reach import lines, maps, tally, wins
+from reports.sheet import sheet
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def concerns(store: "Store") -> bool:
+    """Only where limits were sought."""
+    return bool(store.trials["members"].gt(1).any())
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page, its maps and its tables as CSV."""
+    plain = [one for one in searches(store) if not one.remedied]
+    helped = remedied(store)
+    shown, drawn = lines(store, plain), maps(store, plain)
+    page = fill(
+        "limits.html",
+        store,
+        title="Limits",
+        names=[name for name in engines(store) if any(one.engine == name for one in plain)],
+        lines=shown,
+        wins=wins(shown),
+        maps=drawn,
+        remedies=helped,
+        tally=tally(helped),
+        helped=remedies_table.sentences(remedies_table.rows(store))[:6],
+    )
+    sheets = {
+        "limits.csv": sheet(limits_table.COLUMNS, limits_table.rows(store)),
+        "remedies.csv": sheet(remedies_table.COLUMNS, remedies_table.rows(store)),
+    }
+    return {"limits.html": page} | sheets | {figure.path: figure.svg for figure in drawn}
+
+
+PAGE = Page(name="limits", title="Limits", order=12, render=render, concerns=concerns)

@@ -1,0 +1,106 @@
+"""What it saves to leave out what a scene does not call for: a number for each engine, a mark for each scene."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from harness.alteration import EVERYTHING
+from harness.tables.effects import Verdict
+from reports.contents import cases
+from reports.figure import Figure
+from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.points import labels
+from reports.text import amount
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["Saving", "matrix", "savings", "savings_chart"]
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Saving:
+    """What everything on costs over the scene as it is: geometric mean, smallest and largest over so many scenes."""
+
+    engine: str
+    mean: float
+    low: float
+    high: float
+    scenes: int
+
+
+def _priced(found: Sequence[Verdict]) -> list[Verdict]:
+    return [one for one in found if one.verdict == EVERYTHING and one.cost is not None]
+
+
+def savings(found: Sequence[Verdict]) -> list[Saving]:
+    """One row an engine."""
+    made = []
+    for engine in dict.fromkeys(one.engine for one in found):
+        costs = [one.cost for one in _priced(found) if one.engine == engine and one.cost]
+        if costs:
+            mean = math.exp(sum(map(math.log, costs)) / len(costs))
+            made.append(Saving(engine, mean, min(costs), max(costs), len(costs)))
+    return made
+
+
+def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
+    """The cost of everything on over that of each scene as it is, engine under engine; None where nothing was clocked."""
+    import altair as alt  # late: half a second that only a report needs
+
+    rows: list[Row] = [
+        {
+            "engine": labels(store)[one.engine],
+            "track": one.track,
+            "cost": one.cost,
+            "low": one.low,
+            "high": one.high,
+            "case": f"{one.case} {one.where}".strip(),
+            "trial": one.trial,
+        }
+        for one in _priced(found)
+    ]
+    if not rows:
+        return None
+    style = Marks(store, rows)
+    spread = [row[key] for row in rows for key in ("low", "high")]
+    x = logarithmic(alt.X, "cost", "CPU time, everything on over the scene as it is", decades(spread))
+    y = alt.Y("engine:N", title=None, sort=style.engines)
+    told = [
+        alt.Tooltip("case:N", title="scene"),
+        alt.Tooltip("engine:N"),
+        alt.Tooltip("cost:Q", title="ratio", format=".3~g"),
+        alt.Tooltip("low:Q", title="95 % from", format=".3~g"),
+        alt.Tooltip("high:Q", title="to", format=".3~g"),
+        alt.Tooltip("trial:N"),
+    ]
+    shift = alt.YOffset("case:N", scale=alt.Scale(paddingOuter=0.2))
+    layers = [
+        chart(rows).mark_rule(opacity=0.35).encode(x=alt.X("low:Q"), x2="high:Q", y=y, yOffset=shift, color=style.colour()),
+        chart(rows)
+        .mark_point(**POINT | {"size": 40})
+        .encode(x=x, y=y, yOffset=shift, **(style.channels() | {"tooltip": told})),
+    ]
+    caption = (
+        "A mark for each scene: CPU time of a step with every other effect of the engine present, so faintly that it changes "
+        "nothing but the work, over that of the scene as it is, clocked side by side. At 1 nothing is saved; bars are 95 % "
+        "intervals."
+    )
+    columns = ("engine", "scene", "ratio", "95 % from", "to")
+    cells = [[r["engine"], r["case"], amount(r["cost"]), amount(r["low"]), amount(r["high"])] for r in rows]
+    return Figure("savings", "What everything on costs", caption, finished(layers, height=420), columns, cells)
+
+
+def matrix(store: "Store", found: Sequence[Verdict]) -> list[tuple[str, str, Mapping[str, Sequence[Verdict]]]]:
+    """By scene (file name, title) and engine, the verdicts that are worth a word: all but what is needed, on, and what is off."""
+    quiet = ("needed and on", "left out", EVERYTHING, "left out together", "needed together")
+    made: dict[tuple[str, str], dict[str, list[Verdict]]] = {}
+    for one in found:
+        title = cases(store)[one.case]["title"] + (f", {one.where}" if one.where else "")
+        row = made.setdefault((one.case, title), {})
+        if one.verdict not in quiet:
+            row.setdefault(one.engine, []).append(one)
+    return [(case, title, row) for (case, title), row in made.items() if row]

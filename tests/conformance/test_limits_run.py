@@ -1,0 +1,141 @@
+"""Small studies of limits, effects and determinism, run for real through the command line, on engines that come compiled."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness import discover
+from harness.endure import endure
+from harness.store import Store
+from harness.study import Experiment, Limit, Study
+from tests.conftest import Command
+
+LIMITS = """
+name = "small-limits"
+recordings = false
+[[experiments]]
+name = "walls"
+cases = ["tunnel_sphere_wall"]
+engines = ["mujoco", "bullet"]
+tracks = ["tuned"]
+parameters = { continuous = [false] }
+timing = false
+limit = { members = 2, remedies = true, within = 1.1 }
+"""
+EFFECTS = """
+name = "small-effects"
+recordings = false
+[[experiments]]
+name = "effects"
+cases = ["flight_projectile", "friction_stop"]
+tracks = ["tuned"]
+effects = true
+samples = 3
+sample_seconds = 0.002
+deadline = 120.0
+"""
+DETERMINISM = """
+name = "small-determinism"
+recordings = false
+[[experiments]]
+name = "determinism"
+cases = ["system_determinism"]
+engines = ["mujoco", "bullet", "dart"]
+tracks = ["tuned"]
+timing = false
+determinism = true
+"""
+
+
+def carried_out(text: str, folder: Path, plumbline: Command) -> Path:
+    (folder / "study.toml").write_text(text)
+    done = plumbline("run", str(folder / "study.toml"), "--out", str(folder / "run"), "--workers", "2")
+    assert done.returncode == 0, done.stderr
+    return folder / "run"
+
+
+def table(folder: Path, name: str, plumbline: Command) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = json.loads(plumbline("show", str(folder), "--table", name, "--format", "json").stdout)
+    return rows
+
+
+@pytest.fixture(scope="module")
+def limits(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return carried_out(LIMITS, tmp_path_factory.mktemp("limits"), plumbline)
+
+
+def test_a_limit_agrees_with_a_direct_scan(limits: Path, plumbline: Command) -> None:
+    """Twelve speeds, one by one, without any search: the first that breaks lies where the bracket says."""
+    case = discover.case("tunnel_sphere_wall")
+    for row in table(limits, "limits", plumbline):
+        assert row["verdict"] == "limit"
+        engine = discover.adapter(row["engine"])
+        experiment = Experiment(name="scan", tracks=("tuned",), timing=False, limit=Limit(members=2))
+        study = Study(name="scan", experiments=(experiment,))
+        (start,) = study.trials({case.name: case}, {engine.name: engine}, {engine.name: "1"})
+        held = []
+        for speed in np.geomspace(row["easy"], row["extreme"], 12):
+            parameters = {**start.parameters, "continuous": False, "speed": float(speed)}
+            record = endure(start.probing(case, parameters=parameters), case, engine, None)
+            held.append((float(speed), record.status == "passed"))
+        first = next(speed for speed, whole in held if not whole)
+        before = max((speed for speed, whole in held if whole and speed < first), default=0.0)
+        assert row["held"] < first
+        assert row["broke"] > before
+        assert row["broke"] <= 1.1 * row["held"] * (1 + 1e-9)
+
+
+def test_what_helps_is_told_with_its_cost(limits: Path, plumbline: Command) -> None:
+    rows = {(row["engine"], row["remedy"]): row for row in table(limits, "remedies", plumbline)}
+    for engine in ("mujoco", "bullet"):
+        # A quarter of the step quarters the way between two looks; a wall four times as thick is looked at more often too.
+        for remedy in ("time step / 4", "wall four times as thick"):
+            assert rows[engine, remedy]["verdict"] == "helps"
+            assert rows[engine, remedy]["farther"] > 0
+        assert rows[engine, "time step / 4"]["cost_ratio"] > 1
+        assert rows[engine, "damping"]["share_after"] < 1
+
+
+def test_the_report_of_limits_has_its_page(limits: Path) -> None:
+    text = (limits / "report" / "limits.html").read_text()
+    assert "What helps" in text
+    assert "wall four times as thick" in text
+
+
+def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) -> None:
+    trials = Store(limits).trials
+    name = trials[(trials["status"] == "failed") & (trials["remedy"] == "damping")]["trial"].iloc[0]
+    done = plumbline("reproduce", str(limits), name)
+    assert done.returncode == 0, done.stdout
+    assert "bit-identical" in done.stdout
+
+
+def test_each_effect_has_a_price_and_a_verdict(plumbline: Command, tmp_path: Path) -> None:
+    folder = carried_out(EFFECTS, tmp_path, plumbline)
+    rows = table(folder, "effects", plumbline)
+    by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}
+    for engine in ("reference", "mujoco", "bullet", "dart"):
+        assert by["flight_projectile", engine, "gravity"]["verdict"] == "needed and on"
+        for effect in ("gravity", "contact", "friction"):
+            assert by["friction_stop", engine, effect]["verdict"] == "needed and on"
+            assert by["friction_stop", engine, effect]["cost"] > 0
+        assert by["friction_stop", engine, "everything on"]["low"] > 0
+    assert (folder / "report" / "effects.html").is_file()
+
+
+def test_repetitions_are_compared_bit_by_bit(plumbline: Command, tmp_path: Path) -> None:
+    folder = carried_out(DETERMINISM, tmp_path, plumbline)
+    rows = {(row["engine"], row["way"]): row for row in table(folder, "determinism", plumbline)}
+    for engine in ("mujoco", "bullet", "dart"):
+        assert rows[engine, "again"]["verdict"] == "bit-identical"
+        assert rows[engine, "alone"]["verdict"] == "bit-identical"
+        # One bit is multiplied by the blows: the comparison could have failed.
+        assert rows[engine, "nudged"]["verdict"] == "parts"
+        assert rows[engine, "nudged"]["first_step"] >= 0
+    assert rows["mujoco", "restored"]["verdict"] == "bit-identical"
+    assert rows["bullet", "restored"]["verdict"] == "unsupported"
+    assert (folder / "report" / "determinism.html").is_file()

@@ -1,0 +1,44 @@
+"""Repetitions compared bit by bit: the first step that differs, and how fast a difference grows."""
+
+import numpy as np
+import pytest
+
+from harness.tables.determinism import doubling, parting
+
+
+def run(p: np.ndarray, start: int = 0) -> dict[str, np.ndarray]:
+    """A body's way along x, sampled every tenth of a second from sample `start` on."""
+    n = len(p)
+    states = {"p_WB": np.zeros((n, 1, 3)), "q_WB": np.ones((n, 1, 4)), "v_WB": np.zeros((n, 1, 3)), "w_WB": np.zeros((n, 1, 3))}
+    states["p_WB"][:, 0, 0] = p
+    return {"time": 0.1 * (start + np.arange(n)), **states}
+
+
+def test_one_bit_is_seen_where_it_first_differs() -> None:
+    p = np.linspace(0.0, 1.0, 11)
+    other = p.copy()
+    other[4:] = np.nextafter(other[4:], 2.0)
+    time, differs, distance = parting(run(p), run(other))
+    assert np.flatnonzero(differs)[0] == 4
+    assert time[4] == pytest.approx(0.4)
+    assert 0 < distance.max() < 1e-15
+
+
+def test_zeros_of_either_sign_are_different_bits() -> None:
+    _, differs, distance = parting(run(np.zeros(3)), run(np.array([0.0, -0.0, 0.0])))
+    assert differs.tolist() == [False, True, False]
+    assert distance.max() == 0.0
+
+
+def test_a_run_taken_up_half_way_is_compared_where_both_are() -> None:
+    p = np.linspace(0.0, 1.0, 11)
+    time, differs, _ = parting(run(p), run(p[5:], start=5))
+    assert len(time) == 6
+    assert not differs.any()
+
+
+def test_the_doubling_time_of_a_planted_growth_is_found() -> None:
+    time = np.linspace(0.0, 5.0, 200)
+    assert doubling(time, 1e-13 * 2 ** (time / 0.25)) == pytest.approx(0.25, rel=1e-9)
+    assert doubling(time, np.full(200, 1e-12)) is None
+    assert doubling(time, np.zeros(200)) is None

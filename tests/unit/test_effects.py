@@ -1,0 +1,178 @@
+"""The audit of effects, carried out for real on small scenes: what is needed, a planted surplus and a planted gap."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness import discover
+from harness.alteration import EVERYTHING, FINER
+from harness.campaign import carry_out
+from harness.case import Case, Check
+from harness.effects import FLOOR, compared, told_apart
+from harness.metrics.divergence import DIVERGENCE
+from harness.run import run_trial
+from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from harness.store import Store
+from harness.study import Experiment, Study
+from harness.tables.effects import Verdict, audit, verdicts
+
+HALF = (0.1, 0.15, 0.2)
+
+
+def sliding(narrow: Effect = Effect.NONE, widen: Effect = Effect.NONE, speed: float = 1.0) -> Scene:
+    """A ball that slides over ground with friction; nothing else matters to it."""
+    ball = Body(
+        name="ball",
+        mass=1.0,
+        inertia=sphere_inertia(1.0, 0.1),
+        collision=(PlacedShape(shape=Sphere(radius=0.1)),),
+        p_WB=(0.0, 0.0, 0.1),
+        v_WB=(speed, 0.0, 0.0),
+    )
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    law = Surface(static_friction=0.3, kinetic_friction=0.3)
+    return Scene(bodies=(ground, ball), surfaces=(law,), narrow=narrow, widen=widen)
+
+
+def tumbling() -> Scene:
+    """A box in flight that turns about no principal axis; gravity is there, and matters."""
+    box = Body(name="box", mass=1.0, inertia=box_inertia(1.0, HALF), w_WB=(3.0, 2.0, 1.0))
+    return Scene(bodies=(box,))
+
+
+def case_of(name: str, scene: Scene, **more: object) -> Case:
+    check = Check(metric=DIVERGENCE, at_most=0.0, because="")
+    return Case(
+        name=name,
+        title="",
+        question="",
+        source="",
+        truth="conservation",
+        scene=lambda: scene,
+        checks=(check,),
+        duration=0.25,
+        **more,
+    )  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def audited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> "type[Audit]":
+    Audit.folder = tmp_path
+    Audit.monkeypatch = monkeypatch
+    return Audit
+
+
+class Audit:
+    """A study of effects on cases made here, in this process."""
+
+    folder: Path
+    monkeypatch: pytest.MonkeyPatch
+
+    @classmethod
+    def of(cls, *cases: Case) -> list[Verdict]:
+        adapter = discover.adapter("reference")
+        known = {case.name: case for case in cases}
+
+        def here(trials: object, folder: Path, workers: int) -> object:  # noqa: ARG001
+            for trial in trials:  # type: ignore[attr-defined]
+                yield run_trial(trial, known[trial.case], adapter, folder)
+
+        cls.monkeypatch.setattr("harness.campaign.run_isolated", here)
+        experiment = Experiment(name="effects", tracks=("tuned",), effects=True, timing=False)
+        study = Study(name="effects", recordings=False, experiments=(experiment,))
+        store = carry_out(study, cls.folder / "run", known, {"reference": adapter}, workers=1, resume=False)
+        return verdicts(store)
+
+
+def test_a_scene_that_calls_for_what_it_needs_passes(audited: type[Audit]) -> None:
+    found = audited.of(case_of("slide_made", sliding()))
+    assert {one.effect: one.verdict for one in found} == {
+        EVERYTHING: EVERYTHING,
+        "gravity": "needed and on",
+        "contact": "needed and on",
+        "friction": "needed and on",
+        "continuous_collision": "left out",
+    }
+    assert audit(found) == []
+
+
+def test_a_planted_surplus_fails(audited: type[Audit]) -> None:
+    found = audited.of(case_of("slide_made", sliding(widen=Effect.CONTINUOUS_COLLISION | Effect.GYROSCOPIC)))
+    told = audit(found)
+    assert len(told) == 2
+    assert any("declares gyroscopic" in sentence for sentence in told)
+    assert any("declares continuous_collision" in sentence for sentence in told)
+
+
+def test_a_planted_gap_fails(audited: type[Audit]) -> None:
+    told = audit(audited.of(case_of("slide_made", sliding(narrow=Effect.FRICTION))))
+    assert len(told) == 1
+    assert "leaves out friction, which matters" in told[0]
+    (sentence,) = audit(audited.of(case_of("tumble_made", replace(tumbling(), narrow=Effect.GYROSCOPIC))))
+    assert "leaves out gyroscopic" in sentence
+
+
+def test_what_a_case_insists_on_is_no_surplus(audited: type[Audit]) -> None:
+    scene = sliding(speed=0.0)
+    assert any("friction" in sentence for sentence in audit(audited.of(case_of("rest_made", scene))))
+    assert audit(audited.of(case_of("rest_more", scene, insists={"friction": "real ground is rough"}))) == []
+
+
+def test_the_minimal_set_is_found_by_leaving_out_together(audited: type[Audit]) -> None:
+    """Of a box at rest neither friction nor gyroscopic terms matter, and the two together do not either."""
+    box = Body(
+        name="box",
+        mass=1.0,
+        inertia=box_inertia(1.0, HALF),
+        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
+        p_WB=(0.0, 0.0, HALF[2]),
+    )
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    scene = Scene(bodies=(ground, box), surfaces=(Surface(static_friction=0.5, kinetic_friction=0.5),))
+    found = audited.of(case_of("rest_made", scene))
+    assert [one.effect for one in found if one.verdict == "left out together"] == ["friction, gyroscopic"]
+
+
+def run(p: list[float], time: list[float] | None = None) -> dict[str, object]:
+    """One body's way along x."""
+    places = np.zeros((len(p), 1, 3))
+    places[:, 0, 0] = p
+    turned = np.zeros((len(p), 1, 4))
+    turned[..., 0] = 1.0
+    return {"time": np.arange(float(len(p))) if time is None else np.array(time), "p_WB": places, "q_WB": turned}
+
+
+def test_what_is_lost_in_the_own_error_does_not_matter() -> None:
+    plain, finer = run([0.0, 1.0, 2.0]), run([0.0, 1.001, 2.003])
+    assert not compared(plain, run([0.0, 1.001, 2.005]), finer).matters
+    assert compared(plain, run([0.0, 1.001, 2.007]), finer).matters
+    assert not compared(plain, run([0.0, 1.0 + FLOOR / 2, 2.0]), None).matters
+
+
+def test_an_early_difference_counts_though_chaos_drowns_it_later() -> None:
+    plain, finer = run([0.0, 1.0, 2.0]), run([0.0, 1.0, 7.0])
+    found = compared(plain, run([0.0, 1.1, 5.0]), finer)
+    assert found.matters
+    assert found.moved == pytest.approx(0.1)
+
+
+def test_a_run_that_ended_early_is_far_off() -> None:
+    assert compared(run([0.0, 1.0, 2.0]), run([0.0, 1.0]), None).matters
+
+
+def test_a_turn_is_seen_and_the_sign_of_a_quaternion_is_not() -> None:
+    plain, other = run([0.0, 0.0]), run([0.0, 0.0])
+    other["q_WB"] = -np.array(other["q_WB"])
+    assert not compared(plain, other, None).matters
+    quarter = np.array(plain["q_WB"]).copy()
+    quarter[1, 0] = [np.cos(0.1), np.sin(0.1), 0.0, 0.0]
+    other["q_WB"] = quarter
+    assert compared(plain, other, None).moved == pytest.approx(0.2)
+
+
+def test_names_say_which_effects_they_are_about() -> None:
+    assert told_apart("without friction, gyroscopic") == ("friction", "gyroscopic")
+    assert told_apart("with continuous_collision") == ("continuous_collision",)
+    assert told_apart(EVERYTHING) == told_apart(FINER) == told_apart("") == ()

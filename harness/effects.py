@@ -18,7 +18,7 @@ Where several effects do not matter one by one, they are left out together, one 
 difference: what remains is the minimal set, which is what is proposed for a scene of the user's own.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,7 +32,7 @@ from harness.store import Store
 from harness.study import Trial
 from harness.trajectory import Floats
 
-__all__ = ["FLOOR", "Consequence", "compared", "matters", "next_trials", "taken", "told_apart"]
+__all__ = ["FLOOR", "Consequence", "compared", "matters", "next_trials", "told_apart", "weighed"]
 
 FLOOR = 1e-9
 """Metres and radians: what rounding makes of metres within some ten thousand steps."""
@@ -102,15 +102,19 @@ def matters(store: Store, plain: Any, other: Any, finer: Any) -> Consequence | N
     return Consequence(found.moved, found.own, flips, found.matters or flips)
 
 
-CONTINUOUS = "with continuous_collision"
+def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared: Collection[str]) -> Consequence | None:
+    """The consequence of the departure `name` from a scene that declares these effects, where motion is not what counts.
 
-
-def taken(name: str, found: Consequence | None, plain: Any, run: Any) -> Consequence | None:
-    """The consequence of the departure `name`; of continuous collision, a means to an end, that it mends a check is what counts:
-    where within a step a contact is found moves everything a little."""
-    if found is None or name != CONTINUOUS:
-        return found
-    return replace(found, matters=plain.status == "failed" and run.status == "passed")
+    Gravity that presses bodies together shows in forces. Continuous collision is a means to an end: it is missing where it
+    mends a check, since where within a step a contact is found moves everything a little.
+    """
+    if found is None:
+        return None
+    if name == "without gravity" and "contact" in declared:
+        return replace(found, matters=True)
+    if name == "with continuous_collision":
+        return replace(found, matters=plain.status == "failed" and run.status == "passed")
+    return found
 
 
 def next_trials(trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], store: Store) -> list[Trial]:
@@ -139,11 +143,11 @@ def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record
         name = f"without {', '.join(effects)}"
         if name not in known:
             return None
-        found = matters(store, here, known[name], finer)
+        found = weighed(name, matters(store, here, known[name], finer), here, known[name], declared)
         return found is not None and not found.matters
 
-    insisted = set(case.insists)
-    single = [one for one in case.scene(**plain.parameters).effects.names if one not in insisted and idle(one)]
+    declared = case.scene(**plain.parameters).effects.names
+    single = [one for one in declared if one not in case.insists and idle(one)]
     dropped = single[:1]
     for one in single[1:]:
         verdict = idle(*dropped, one)

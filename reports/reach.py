@@ -1,4 +1,4 @@
-"""How far engines go, as people read it: a line for each axis, a map for each axis that was sought at several settings of another."""
+"""How far engines go, as people read it: a line for each axis, a map where it was sought at several values of another."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -184,7 +184,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
                 f"map-{slug(first.experiment)}-{slug(first.case)}{'-' + slug(other) if other else ''}",
                 told_title,
                 f"The hardest {title_y} that every start held, over {title_x}; bars span to the first that not all held. "
-                f"At {amount(first.easy)} nothing harder than the start of the axis held, at {amount(first.extreme)} its end did.",
+                f"At {amount(first.easy)} nothing harder than the start of the axis held, at {amount(first.extreme)} its end.",
                 finished(layers, height=300),
                 ("engine", "setting", title_x, "held", "broke", "by", "verdict"),
                 [

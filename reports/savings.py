@@ -95,7 +95,7 @@ def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
 
 
 def matrix(store: "Store", found: Sequence[Verdict]) -> list[tuple[str, str, Mapping[str, Sequence[Verdict]]]]:
-    """By scene (file name, title) and engine, the verdicts that are worth a word: all but what is needed, on, and what is off."""
+    """By scene (name, title) and engine, the verdicts that are worth a word: all but what is needed and on, or not and off."""
     quiet = ("needed and on", "left out", EVERYTHING, "left out together", "needed together")
     made: dict[tuple[str, str], dict[str, list[Verdict]]] = {}
     for one in found:

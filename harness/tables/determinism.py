@@ -33,8 +33,8 @@ class Agreement:
     """One repetition against the first run.
 
     Terms:
-        way: how it was repeated. hash_first, hash: of the whole answers; those of 'restored' and 'reordered' differ by what they
-        hold, and are compared state by state. steps: that both have. first_step: the first that differs, None where none does.
+        way: how it was repeated. hash_first, hash: of the whole answers; those of 'restored' and 'reordered' differ by what
+        they hold, and are compared state by state. steps: that both have. first_step: the first that differs, None for none.
         farthest [m]: the greatest distance of any body. doubles_in [s]: the time in which the difference doubles, None where it
         does not grow by ten times. verdict: 'bit-identical', 'differs', 'parts' (of a nudge), or the status of a run without
         an answer. trial, trial_first: the two runs.

@@ -34,8 +34,8 @@ class Drift:
 
     Terms:
         quantity: 'energy', as a share of that in play, or 'place' [m]. slope, low, high: per second, with the 95 % interval.
-        swing: of the series about that line. change: over the whole run. verdict: 'bounded', 'gains', 'loses' (a secular trend),
-        'still' (no change at all), or the status of a run without an answer.
+        swing: of the series about that line. change: over the whole run. verdict: 'bounded', 'gains', 'loses' (a secular
+        trend), 'still' (no change at all), or the status of a run without an answer.
     """
 
     case: str
@@ -68,7 +68,7 @@ def drifts(store: Store) -> list[Drift]:
 
 
 def _drift(store: Store, row: Any) -> Drift:
-    same = {
+    same: dict[str, Any] = {
         "case": row.case,
         "engine": row.engine,
         "track": row.track,
@@ -78,7 +78,7 @@ def _drift(store: Store, row: Any) -> Drift:
         "reason": row.reason,
         "trial": row.trial,
     }
-    nothing = {"slope": None, "low": None, "high": None, "swing": None, "change": None}
+    nothing: dict[str, Any] = {"slope": None, "low": None, "high": None, "swing": None, "change": None}
     if row.status not in ("passed", "failed"):
         return Drift(**same, **nothing, quantity="", unit="", verdict=row.status)
     quantity, time, series = _series(store.trajectory(row.trajectory_hash))
@@ -106,7 +106,8 @@ def _drift(store: Store, row: Any) -> Drift:
 def _series(kept: Mapping[str, Any]) -> tuple[str, Floats, Floats]:
     """Quantity, time (t,) s and series (t,) of a trajectory as a run folder keeps it, after its first tenth."""
     scene = parse(str(kept["scene"]))
-    run = Trajectory(*(kept[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB")), dt=float(kept["dt"]))
+    time, p_WB, q_WB, v_WB, w_WB = (kept[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
+    run = Trajectory(time, p_WB, q_WB, v_WB, w_WB, dt=float(kept["dt"]))
     first = len(run) // 10
     try:
         return "energy", run.time[first:], energy_change(scene, run, None)[first:]

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from harness.alteration import EVERYTHING, FINER
-from harness.effects import Consequence, matters, taken, told_apart
+from harness.effects import Consequence, matters, told_apart, weighed
 from harness.ratio import Ratio, ratio
 from harness.store import Store
 
@@ -89,11 +89,12 @@ def _runs(group: pd.DataFrame) -> dict[str, Any]:
 def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, bool]:
     """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
     runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
+    declared = store.catalogue["cases"][scenes["case"].iloc[0]]["effects"]
     found = {}
     for name, run in runs.items():
         effects = told_apart(name)
         one = matters(store, runs.get(""), run, runs.get(FINER)) if len(effects) == 1 else None
-        one = taken(name, one, runs.get(""), run)
+        one = weighed(name, one, runs.get(""), run, declared)
         if one is not None:
             found[effects[0]] = one.matters
     return found
@@ -147,7 +148,7 @@ def _of_side(
         if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
             yield row(", ".join(told_apart(name)) or name, run, None, run.status, None, run.reason)
             continue
-        found = taken(name, matters(store, plain, run, runs.get(FINER)), plain, run)
+        found = weighed(name, matters(store, plain, run, runs.get(FINER)), plain, run, declared)
         if name == EVERYTHING:
             yield row(name, run, found, name, _price(run, plain, samples))
             continue
@@ -266,5 +267,5 @@ def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
     mine = [row for row in rows if (row["case"], row["where"]) == scene]
     together = [row["effect"].split(", ") for row in mine if row["verdict"] == "left out together"]
     single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
-    idle = max(together + single, key=len, default=[])
+    idle: list[str] = max(together + single, key=len, default=[])
     return f"Proposed for {' '.join(scene).strip()}: narrow = {json.dumps(idle)}." if idle else ""

@@ -1,5 +1,6 @@
 """The audit of effects, carried out for real on small scenes: what is needed, a planted surplus and a planted gap."""
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,10 +13,10 @@ from harness.campaign import carry_out
 from harness.case import Case, Check
 from harness.effects import FLOOR, compared, told_apart
 from harness.metrics.divergence import DIVERGENCE
+from harness.record import Record
 from harness.run import run_trial
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
-from harness.store import Store
-from harness.study import Experiment, Study
+from harness.study import Experiment, Study, Trial
 from harness.tables.effects import Verdict, audit, verdicts
 
 HALF = (0.1, 0.15, 0.2)
@@ -57,37 +58,31 @@ def case_of(name: str, scene: Scene, **more: object) -> Case:
     )  # type: ignore[arg-type]
 
 
+Audited = Callable[[Case], list[Verdict]]
+
+
 @pytest.fixture
-def audited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> "type[Audit]":
-    Audit.folder = tmp_path
-    Audit.monkeypatch = monkeypatch
-    return Audit
+def audited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Audited:
+    """A study of effects on a case made here, in this process."""
 
-
-class Audit:
-    """A study of effects on cases made here, in this process."""
-
-    folder: Path
-    monkeypatch: pytest.MonkeyPatch
-
-    @classmethod
-    def of(cls, *cases: Case) -> list[Verdict]:
+    def of(case: Case) -> list[Verdict]:
         adapter = discover.adapter("reference")
-        known = {case.name: case for case in cases}
 
-        def here(trials: object, folder: Path, workers: int) -> object:  # noqa: ARG001
-            for trial in trials:  # type: ignore[attr-defined]
-                yield run_trial(trial, known[trial.case], adapter, folder)
+        def here(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
+            for trial in trials:
+                yield run_trial(trial, case, adapter, folder)
 
-        cls.monkeypatch.setattr("harness.campaign.run_isolated", here)
+        monkeypatch.setattr("harness.campaign.run_isolated", here)
         experiment = Experiment(name="effects", tracks=("tuned",), effects=True, timing=False)
         study = Study(name="effects", recordings=False, experiments=(experiment,))
-        store = carry_out(study, cls.folder / "run", known, {"reference": adapter}, workers=1, resume=False)
-        return verdicts(store)
+        folder = tmp_path / case.name
+        return verdicts(carry_out(study, folder, {case.name: case}, {"reference": adapter}, workers=1, resume=False))
+
+    return of
 
 
-def test_a_scene_that_calls_for_what_it_needs_passes(audited: type[Audit]) -> None:
-    found = audited.of(case_of("slide_made", sliding()))
+def test_a_scene_that_calls_for_what_it_needs_passes(audited: Audited) -> None:
+    found = audited(case_of("slide_made", sliding()))
     assert {one.effect: one.verdict for one in found} == {
         EVERYTHING: EVERYTHING,
         "gravity": "needed and on",
@@ -98,29 +93,29 @@ def test_a_scene_that_calls_for_what_it_needs_passes(audited: type[Audit]) -> No
     assert audit(found) == []
 
 
-def test_a_planted_surplus_fails(audited: type[Audit]) -> None:
-    found = audited.of(case_of("slide_made", sliding(widen=Effect.CONTINUOUS_COLLISION | Effect.GYROSCOPIC)))
+def test_a_planted_surplus_fails(audited: Audited) -> None:
+    found = audited(case_of("slide_made", sliding(widen=Effect.CONTINUOUS_COLLISION | Effect.GYROSCOPIC)))
     told = audit(found)
     assert len(told) == 2
     assert any("declares gyroscopic" in sentence for sentence in told)
     assert any("declares continuous_collision" in sentence for sentence in told)
 
 
-def test_a_planted_gap_fails(audited: type[Audit]) -> None:
-    told = audit(audited.of(case_of("slide_made", sliding(narrow=Effect.FRICTION))))
+def test_a_planted_gap_fails(audited: Audited) -> None:
+    told = audit(audited(case_of("slide_less", sliding(narrow=Effect.FRICTION))))
     assert len(told) == 1
     assert "leaves out friction, which matters" in told[0]
-    (sentence,) = audit(audited.of(case_of("tumble_made", replace(tumbling(), narrow=Effect.GYROSCOPIC))))
+    (sentence,) = audit(audited(case_of("tumble_made", replace(tumbling(), narrow=Effect.GYROSCOPIC))))
     assert "leaves out gyroscopic" in sentence
 
 
-def test_what_a_case_insists_on_is_no_surplus(audited: type[Audit]) -> None:
+def test_what_a_case_insists_on_is_no_surplus(audited: Audited) -> None:
     scene = sliding(speed=0.0)
-    assert any("friction" in sentence for sentence in audit(audited.of(case_of("rest_made", scene))))
-    assert audit(audited.of(case_of("rest_more", scene, insists={"friction": "real ground is rough"}))) == []
+    assert any("friction" in sentence for sentence in audit(audited(case_of("rest_made", scene))))
+    assert audit(audited(case_of("rest_more", scene, insists={"friction": "real ground is rough"}))) == []
 
 
-def test_the_minimal_set_is_found_by_leaving_out_together(audited: type[Audit]) -> None:
+def test_the_minimal_set_is_found_by_leaving_out_together(audited: Audited) -> None:
     """Of a box at rest neither friction nor gyroscopic terms matter, and the two together do not either."""
     box = Body(
         name="box",
@@ -131,7 +126,7 @@ def test_the_minimal_set_is_found_by_leaving_out_together(audited: type[Audit]) 
     )
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     scene = Scene(bodies=(ground, box), surfaces=(Surface(static_friction=0.5, kinetic_friction=0.5),))
-    found = audited.of(case_of("rest_made", scene))
+    found = audited(case_of("rest_made", scene))
     assert [one.effect for one in found if one.verdict == "left out together"] == ["friction, gyroscopic"]
 
 

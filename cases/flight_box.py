@@ -8,7 +8,7 @@ from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_MAX
 from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -28,7 +28,7 @@ def scene(speed: float = SPEED, spin: float = SPIN) -> Scene:
         v_WB=(1.0, 0.0, speed),
         w_WB=(0.0, 0.0, spin),
     )
-    return Scene(bodies=(box,), surfaces=(Surface(),))
+    return Scene(bodies=(box,), surfaces=(Surface(),), narrow=Effect.GYROSCOPIC)
 
 
 def expected(time: Floats, speed: float = SPEED, spin: float = SPIN) -> Trajectory:

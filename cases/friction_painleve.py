@@ -22,7 +22,7 @@ from harness.metrics.impulse import IMPULSE_MAX
 from harness.metrics.painleve import PAINLEVE_COEFFICIENT
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, Body, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from harness.scene import EARTH_GRAVITY, Body, Capsule, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
@@ -53,7 +53,7 @@ def scene(friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE
     )
     ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
     law = Surface(between=("rod", "ground"), static_friction=friction, kinetic_friction=friction)
-    return Scene(bodies=(ground, rod), surfaces=(law,))
+    return Scene(bodies=(ground, rod), surfaces=(law,), narrow=Effect.GYROSCOPIC)
 
 
 def _attitude(a: Floats) -> Floats:

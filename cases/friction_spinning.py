@@ -12,7 +12,7 @@ from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL, ANGULAR_VEL
 from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_MAX
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Plane, Scene, Sphere, Surface, cylinder_inertia
+from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, cylinder_inertia
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -41,6 +41,7 @@ def _scene(spin: float = SPIN, friction: float = FRICTION) -> Scene:
     return Scene(
         bodies=(ground, stool),
         surfaces=(Surface(between=("stool", "ground"), static_friction=friction, kinetic_friction=friction),),
+        narrow=Effect.GYROSCOPIC,
     )
 
 

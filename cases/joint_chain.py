@@ -10,7 +10,7 @@ from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -63,7 +63,7 @@ def scene(n: float = LINKS, angle: float = ANGLE) -> Scene:
         )
         for k in range(count)
     )
-    return Scene(bodies=rods, joints=hinges)
+    return Scene(bodies=rods, joints=hinges, narrow=Effect.GYROSCOPIC)
 
 
 def acceleration(theta: Floats, rate: Floats) -> Floats:

@@ -12,7 +12,7 @@ from harness.metrics.energy import ENERGY_FINAL, ENERGY_MAX, ENERGY_STAGGERED
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX, POSITION_RMS
 from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats
 from harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 
@@ -47,6 +47,7 @@ def _scene(upper: float = UPPER, lower: float = LOWER) -> Scene:
             Revolute(name="shoulder", parent=WORLD, child="upper", anchor_W=(0.0, 0.0, 0.0), axis_W=axis),
             Revolute(name="elbow", parent="upper", child="lower", anchor_W=elbow, axis_W=axis),
         ),
+        narrow=Effect.GYROSCOPIC,
     )
 
 

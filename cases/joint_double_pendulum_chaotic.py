@@ -14,7 +14,7 @@ from harness.metrics.energy import ENERGY_FINAL, ENERGY_MAX, ENERGY_STAGGERED
 from harness.metrics.ensemble import ENSEMBLE_ENERGY_ERROR, ENSEMBLE_SPREAD, kinetic_energies
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.position import POSITION_MAX
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
@@ -55,7 +55,7 @@ def scene(upper: float = UPPER, lower: float = LOWER, members: float = MEMBERS) 
                 )
             )
             hinges.append(Revolute(name=f"hinge_{i}_{k}", parent=parent, child=name, anchor_W=anchor, axis_W=(0.0, 1.0, 0.0)))
-    return Scene(bodies=tuple(rods), joints=tuple(hinges))
+    return Scene(bodies=tuple(rods), joints=tuple(hinges), narrow=Effect.GYROSCOPIC)
 
 
 def _together(q: Floats, rate: Floats) -> Floats:

@@ -15,7 +15,7 @@ from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
@@ -69,7 +69,7 @@ def _scene(amplitude: float = AMPLITUDE) -> Scene:
         top = (end + np.array([x, 0.0, 0.0])).tolist()
         joints.append(Revolute(name=f"{name}_foot", parent=WORLD, child=name, anchor_W=(x, 0.0, 0.0), axis_W=axis))
         joints.append(Revolute(name=f"{name}_head", parent=name, child="coupler", anchor_W=top, axis_W=axis))
-    return Scene(bodies=bodies, joints=tuple(joints))
+    return Scene(bodies=bodies, joints=tuple(joints), narrow=Effect.GYROSCOPIC)
 
 
 def _expected(time: Floats, amplitude: float = AMPLITUDE) -> Trajectory:

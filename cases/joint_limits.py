@@ -11,7 +11,7 @@ from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.limits import LIMIT_OVERSHOOT_FINAL, LIMIT_OVERSHOOT_MAX
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Limits, PlacedShape, Revolute, Scene, box_inertia
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, Limits, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -52,7 +52,7 @@ def _scene(amplitude: float = AMPLITUDE, stop: float = STOP) -> Scene:
         position=float(np.radians(amplitude)),
         limits=Limits(lower=float(np.radians(stop))),
     )
-    return Scene(bodies=(rod,), joints=(hinge,))
+    return Scene(bodies=(rod,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 
 
 RATE = float(np.sqrt(MASS * G * D / INERTIA))

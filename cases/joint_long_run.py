@@ -6,7 +6,7 @@ from harness.case import Case, Check
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_FINAL, ENERGY_GROWTH, ENERGY_MAX, ENERGY_STAGGERED
 from harness.metrics.joint_gap import JOINT_GAP_FINAL, JOINT_GAP_MAX
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, box_inertia
+from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats
 
 G = -EARTH_GRAVITY[2]
@@ -32,7 +32,7 @@ def _scene(amplitude: float = AMPLITUDE) -> Scene:
         q_WB=(float(np.cos(theta / 2)), 0.0, -float(np.sin(theta / 2)), 0.0),
     )
     hinge = Revolute(name="hinge", parent=WORLD, child="rod", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
-    return Scene(bodies=(rod,), joints=(hinge,))
+    return Scene(bodies=(rod,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 
 
 FASTEST = 2 * float(np.sin(np.radians(AMPLITUDE) / 2)) * RATE * D

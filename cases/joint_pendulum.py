@@ -14,7 +14,19 @@ from harness.metrics.joint_gap import JOINT_GAP_MAX, JOINT_GAP_RMS
 from harness.metrics.phase import PERIOD, PHASE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX, POSITION_RMS
 from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, PlacedShape, Revolute, Scene, Sphere, box_inertia, sphere_inertia
+from harness.scene import (
+    EARTH_GRAVITY,
+    WORLD,
+    Body,
+    Box,
+    Effect,
+    PlacedShape,
+    Revolute,
+    Scene,
+    Sphere,
+    box_inertia,
+    sphere_inertia,
+)
 from harness.trajectory import Floats, Trajectory
 
 Kind = Literal["rod", "point"]
@@ -60,7 +72,7 @@ def _scene(amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LEN
         q_WB=q_WB.tolist(),
     )
     hinge = Revolute(name="hinge", parent=WORLD, child="pendulum", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
-    return Scene(bodies=(pendulum,), joints=(hinge,))
+    return Scene(bodies=(pendulum,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 
 
 def _small_rate(kind: Kind, length: float, mass: float) -> tuple[float, float]:

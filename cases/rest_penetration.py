@@ -83,6 +83,7 @@ CASE = Case(
         supported(SETTLED, DURATION),
     ),
     observe=(REST_DRIFT, SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL),
+    insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps a body in its place"},
     headline="penetration",
     scale=HALF,
 )

@@ -16,7 +16,18 @@ from harness.checks.rest import settled_speed, stands, supported
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import STACK_HEIGHT_ERROR
-from harness.scene import EARTH_GRAVITY, Body, ConvexHull, PlacedShape, Plane, Scene, Surface, axis_angle, principal_inertia
+from harness.scene import (
+    EARTH_GRAVITY,
+    Body,
+    ConvexHull,
+    Effect,
+    PlacedShape,
+    Plane,
+    Scene,
+    Surface,
+    axis_angle,
+    principal_inertia,
+)
 from harness.scene.values import Matrix3
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -81,7 +92,9 @@ def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float 
                 q_WB=axis_angle((0.0, 1.0, 0.0), turn),
             )
         )
-    return Scene(bodies=tuple(bodies), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+    return Scene(
+        bodies=tuple(bodies), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),), narrow=Effect.GYROSCOPIC
+    )
 
 
 def expected(time: Floats, thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Trajectory:

@@ -10,7 +10,7 @@ import math
 from harness.case import Axis, Case, Check
 from harness.metrics.frames import FRAME_FRICTION_ERROR, FRAME_STANDING_TIME, critical_friction
 from harness.metrics.penetration import PENETRATION
-from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, box_inertia
+from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
 
 MARGIN, ANGLE, GRIP, MASS = 0.1, 20.0, 1.0, 0.1
 """Share of the critical friction by which one house has more and the other less; angle of a card to the vertical [deg];
@@ -57,7 +57,7 @@ def scene(margin: float = MARGIN, angle: float = ANGLE) -> Scene:
             Surface(between=(name, name), static_friction=GRIP, kinetic_friction=GRIP),
         ]
     apart = (("firm", "loose"), ("firm", "plate_loose"), ("loose", "plate_firm"))
-    return Scene(bodies=tuple(bodies), surfaces=tuple(laws), apart=apart)
+    return Scene(bodies=tuple(bodies), surfaces=tuple(laws), apart=apart, narrow=Effect.GYROSCOPIC)
 
 
 CASE = Case(

@@ -69,5 +69,6 @@ CASE = Case(
         supported(SETTLED, DURATION),
     ),
     observe=(PENETRATION, REST_DRIFT),
+    insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps the boxes on each other"},
     headline="stack_height_error",
 )

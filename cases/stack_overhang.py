@@ -12,7 +12,7 @@ from harness.case import Axis, Case, Check
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.overhang import OVERHANG_LIMIT_ERROR
 from harness.metrics.penetration import PENETRATION
-from harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
+from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 
 BRICKS, FRICTION, MASS = 4, 0.5, 1.0
 FACTORS = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
@@ -54,7 +54,7 @@ def scene(n: float = BRICKS, factors: Sequence[float] = FACTORS, friction: float
         Surface(between=pair, static_friction=friction, kinetic_friction=friction)
         for pair in (("brick", "brick"), ("brick", "table"))
     )
-    return Scene(bodies=tuple(bodies), surfaces=laws)
+    return Scene(bodies=tuple(bodies), surfaces=laws, narrow=Effect.GYROSCOPIC)
 
 
 CASE = Case(

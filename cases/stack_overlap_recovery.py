@@ -77,5 +77,6 @@ CASE = Case(
         ),
     ),
     observe=(LEAN, REST_DRIFT),
+    insists={"friction": "what is pushed apart may come out askew; friction is what stops it then"},
     headline="ejection_speed",
 )

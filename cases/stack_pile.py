@@ -108,6 +108,7 @@ CASE = Case(
         Check(metric=WORLD_SPREAD, at_most=0.0, because="equal input gives an equal future, bit for bit"),
     ),
     observe=(REST_DRIFT,),
+    insists={"friction": "balls that roll over each other without friction are another material, and cost an engine less"},
     headline="overlap",
     scale=RADIUS,
 )

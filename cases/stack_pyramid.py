@@ -17,6 +17,7 @@ from harness.scene import (
     EARTH_GRAVITY,
     Body,
     Box,
+    Effect,
     PlacedShape,
     Plane,
     Scene,
@@ -93,6 +94,7 @@ def scene(rows: float = ROWS, friction: float = FRICTION) -> Scene:
         bodies=(ground, *walls, *bricks(round(rows)), *balls(round(rows))),
         surfaces=tuple(Surface(between=pair, static_friction=friction, kinetic_friction=friction) for pair in touching),
         apart=apart,
+        narrow=Effect.GYROSCOPIC,
     )
 
 

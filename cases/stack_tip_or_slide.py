@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from harness.case import Case, Check
 from harness.metrics.tipping import TIPPING_ANGLE_ERROR, WRONG_FATES
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
 
 G = -EARTH_GRAVITY[2]
 ROUGH, SLIPPERY, MASS = 0.8, 0.3, 1.0
@@ -59,7 +59,7 @@ def scene(steepness: Sequence[float] = STEEPNESS, rough: float = ROUGH, slippery
     laws = tuple(Surface(between=(f"box_{m}", m), static_friction=mu, kinetic_friction=mu) for m, mu in rows)
     among = (("box_rough", "box_rough"), ("box_rough", "box_slippery"), ("box_slippery", "box_slippery"))
     across = (("box_rough", "slippery"), ("box_slippery", "rough"))
-    return Scene(bodies=tuple(bodies), surfaces=laws, apart=(*among, *across))
+    return Scene(bodies=tuple(bodies), surfaces=laws, apart=(*among, *across), narrow=Effect.GYROSCOPIC)
 
 
 CASE = Case(

@@ -14,7 +14,7 @@ from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.pose import POSE_ERROR_RMS
 from harness.metrics.vibration import VIBRATION_FREQUENCY
-from harness.scene import EARTH_GRAVITY, Scene
+from harness.scene import EARTH_GRAVITY, Effect, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -34,6 +34,7 @@ def scene(stiffness: float = 1.0, friction: float = FRICTION) -> Scene:
         joints=machine.hinges,
         surfaces=(grip(friction),),
         apart=((MATERIAL, MATERIAL),),
+        narrow=Effect.GYROSCOPIC,
     )
 
 
@@ -73,5 +74,6 @@ CASE = Case(
         supported(SETTLED, DURATION),
     ),
     observe=(POSE_ERROR_RMS, VIBRATION_FREQUENCY, JOINT_GAP_MAX, PENETRATION),
+    insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

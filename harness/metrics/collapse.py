@@ -2,8 +2,8 @@
 
 The signs, each with its name:
 
-    energy        kinetic energy above a thousand times what is available: that of the start, and the fall of every body to the
-                  lowest place of the scene
+    energy        kinetic energy above a thousand times what is available: that of the start, with that of its springs, and the
+                  fall of every body to the lowest place of the scene, or as far as its joints may let it
     penetration   a point of contact deeper than half of the thinnest movable body
     height        a body of those that start highest below half of its height over z = 0
     drive         a drive more than half a radian off its target
@@ -41,6 +41,25 @@ def _kinetic(scene: Scene, actual: Trajectory) -> Floats:
     return total
 
 
+def _reach(scene: Scene) -> float:
+    """How far joints may let a body fall [m]: twice the extent of their anchors and of the centres of their bodies."""
+    names = {name for joint in scene.joints for name in (joint.parent, joint.child)}
+    points = [body.p_WB for body in scene.bodies if body.name in names]
+    points += [joint.anchor_W for joint in scene.joints if hasattr(joint, "anchor_W")]
+    spread = np.array(points).reshape(-1, 3)
+    return 2 * float(np.linalg.norm(np.ptp(spread, axis=0))) if len(spread) else 0.0
+
+
+def _sprung(scene: Scene, start: Trajectory) -> float:
+    """What the springs of a scene hold at its start [J]."""
+    held = 0.0
+    for joint in scene.joints:
+        spring = getattr(joint, "spring", None)
+        if spring is not None:
+            held += 0.5 * spring.stiffness * float(joint_coordinate(scene, joint, start)[0] - spring.rest) ** 2
+    return held
+
+
 def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.bool_]]]:
     """Each sign's name and where it shows, (t,) of bool."""
     bodies = [body for body in scene.bodies if body.movable]
@@ -48,10 +67,13 @@ def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.b
     lowest = max(float(np.array(body.p_WB) @ pull) for body in scene.bodies)
     start = Trajectory.of(np.zeros(1), len(scene.bodies))
     for place, body in enumerate(scene.bodies):
-        start.q_WB[0, place], start.v_WB[0, place], start.w_WB[0, place] = body.q_WB, body.v_WB, body.w_WB
+        start.p_WB[0, place], start.q_WB[0, place] = body.p_WB, body.q_WB
+        start.v_WB[0, place], start.w_WB[0, place] = body.v_WB, body.w_WB
     falls = sum(body.mass * (lowest - float(np.array(body.p_WB) @ pull)) for body in bodies)
-    available = float(_kinetic(scene, start)[0]) + falls
-    yield "energy", _kinetic(scene, actual) > ENERGY_FACTOR * available
+    swings = float(np.linalg.norm(pull)) * _reach(scene) * sum(body.mass for body in bodies)
+    available = float(_kinetic(scene, start)[0]) + falls + swings + _sprung(scene, start)
+    if available > 0:
+        yield "energy", _kinetic(scene, actual) > ENERGY_FACTOR * available
     if actual.contacts is not None:
         thin = min((width(placed.shape) for body in bodies for placed in body.collision), default=math.inf)
         depth = np.array([-c.gap.min(initial=0.0) for c in actual.contacts])

@@ -49,7 +49,7 @@ COLUMNS = tuple(field.name for field in fields(Remedied))
 def remedied(store: Store) -> list[Remedied]:
     """Every remedy that was tried."""
     every = searches(store)
-    sick = {one.trial_broke: one for one in every if not one.remedied}
+    sick = {one.trial_broke: one for one in every if not one.remedied and one.trial_broke}
     return [_row(one, sick[one.remedied], store) for one in every if one.remedied in sick]
 
 

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from harness.tables import determinism, effects, limits
 from harness.tables.orders import convergences
 from reports.contents import cases, engines, tracks
 from reports.glance import Glance, glances
@@ -21,7 +22,19 @@ def sentences(store: "Store") -> list[str]:
         return ["The store holds no trial."]
     seen, cells = glances(store), verdicts(store)
     written = [*leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells), *promises(store)]
-    return [*written, *ours(store, cells), *silence(store), size(store)]
+    return [*written, *studied(store), *ours(store, cells), *silence(store), size(store)]
+
+
+def studied(store: "Store") -> list[str]:
+    """What the studies of limits, effects and determinism say in a line each; their pages say the rest."""
+    written = []
+    if (found := limits.rows(store)) and (told := limits.sentences(found)):
+        written.append(told[-1])
+    if found := effects.rows(store):
+        written += [sentence for sentence in effects.sentences(found) if "Audit:" not in sentence or " of " in sentence]
+    if found := determinism.rows(store):
+        written += determinism.sentences(found)
+    return written
 
 
 def size(store: "Store") -> str:
@@ -143,7 +156,7 @@ def ours(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str
     """Our own engine's failures, by name: nobody should have to look for them."""
     written = []
     for name, engine in engines(store).items():
-        if engine["ours"]:
+        if engine["ours"] and any(of == name and track == "tuned" for _, of, track in cells):
             short = [
                 cases(store)[case]["title"]
                 for (case, of, track), cell in cells.items()

@@ -41,14 +41,17 @@ def render(store: "Store") -> Mapping[str, str]:
         )
         if figure is not None
     ]
+    cells = verdicts(store)
+    judged = {case for case, _, _ in cells}
+    told = [(family, [case for case in listed if case["name"] in judged]) for family, listed in families(store)]
     page = fill(
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
         sentences=sentences(store),
         glances=glances(store),
-        families=families(store),
-        cells=verdicts(store),
+        families=[(family, listed) for family, listed in told if listed],
+        cells=cells,
         tracks=tracks(store),
         figures=figures,
         findings={name: by_reason(engine["known_failures"]) for name, engine in engines(store).items()},

@@ -10,11 +10,12 @@ import numpy as np
 
 from harness.case import Axis, Case, Check
 from harness.checks.rest import settled_speed
+from harness.machines.container import container
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.overlap import OVERLAP
 from harness.metrics.world_spread import WORLD_SPREAD
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -22,7 +23,6 @@ G = -EARTH_GRAVITY[2]
 BALLS, FRICTION, RADIUS, DENSITY = 20, 0.5, 0.05, 1000.0
 """A hundred balls take some engines a second a step; the numbers beyond belong to the axis and to the study of scaling."""
 SETTLED, DURATION = 0.5, 1.0
-WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0, -1, 0)}
 
 
 def side(n: int) -> int:
@@ -58,23 +58,11 @@ def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Sc
         )
         for k, place in enumerate(packing(count))
     ]
-    reach = RADIUS * side(count)
-    floor = Body(name="floor", motion="static", material="wall", collision=(PlacedShape(shape=Plane()),))
-    walls = [
-        Body(
-            name=name,
-            motion="static",
-            material="wall",
-            p_WB=(-reach * x, -reach * y, 0.0),
-            collision=(PlacedShape(shape=Plane(normal=(x, y, z))),),
-        )
-        for name, (x, y, z) in WALLS.items()
-    ]
     laws = tuple(
         Surface(between=pair, static_friction=friction, kinetic_friction=friction)
         for pair in (("ball", "ball"), ("ball", "wall"))
     )
-    return Scene(bodies=(floor, *walls, *balls), surfaces=laws)
+    return Scene(bodies=(*container(RADIUS * side(count), "wall"), *balls), surfaces=laws)
 
 
 def expected(time: Floats, n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Trajectory:

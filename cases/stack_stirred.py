@@ -8,10 +8,11 @@ import numpy as np
 from harness.case import Case, Check
 from harness.checks.rest import settled_speed
 from harness.control import Control
+from harness.machines.container import container
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
 from harness.metrics.jitter import REST_DRIFT, RMS_SPIN
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from harness.trajectory import Floats, State
 
 G = -EARTH_GRAVITY[2]
@@ -21,12 +22,11 @@ ROOM = 1.3
 INTERVAL, STIRRED, SETTLED, DURATION = 1 / 60, 3.0, 9.0, 10.0
 PUSH, TWIST = 15.0, 0.15
 """Standard deviations of each component of the forces [N], one and a half weights, and of the torques [N m]."""
-WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0, -1, 0)}
 
 
 def scene(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Scene:  # noqa: ARG001 -- of the forces
     """n cubes and balls by turns, in layers of EDGE by EDGE, between four walls on a floor."""
-    reach, half = ROOM * EDGE * HALF, (HALF, HALF, HALF)
+    half = (HALF, HALF, HALF)
     bodies = []
     for k in range(round(n)):
         layer, place = divmod(k, EDGE * EDGE)
@@ -42,22 +42,11 @@ def scene(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Scene
                 p_WB=(x, y, HALF * (1 + 2.1 * layer)),
             )
         )
-    floor = Body(name="floor", motion="static", material="wall", collision=(PlacedShape(shape=Plane()),))
-    walls = [
-        Body(
-            name=name,
-            motion="static",
-            material="wall",
-            p_WB=(-reach * x, -reach * y, 0.0),
-            collision=(PlacedShape(shape=Plane(normal=(x, y, z))),),
-        )
-        for name, (x, y, z) in WALLS.items()
-    ]
     laws = tuple(
         Surface(between=pair, static_friction=friction, kinetic_friction=friction)
         for pair in (("stone", "stone"), ("stone", "wall"))
     )
-    return Scene(bodies=(floor, *walls, *bodies), surfaces=laws)
+    return Scene(bodies=(*container(ROOM * EDGE * HALF, "wall"), *bodies), surfaces=laws)
 
 
 def control(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Control:  # noqa: ARG001 -- of the scene

@@ -31,6 +31,6 @@ def trial_of(store: Store, name: str) -> Trial:
         track=row["track"],
         settings=Settings(**json.loads(row["settings"])),
         seed=int(row["seed"]),
-        alteration=Alteration.from_plain(json.loads(row.get("alteration", "{}"))),
-        members=int(row.get("members", 1)),
+        alteration=Alteration.from_plain(json.loads(row["alteration"])),
+        members=int(row["members"]),
     )

@@ -10,7 +10,7 @@ import pandas as pd
 from harness.case import Axis
 from harness.limits import Ruler, bracket
 from harness.store import Store
-from harness.study import Experiment, Limit, axis_among, study_from
+from harness.study import Experiment, Limit, axis_among, experiment_from
 
 __all__ = ["Search", "amount", "searches"]
 
@@ -56,9 +56,8 @@ class Search:
 
 
 def _experiments(store: Store) -> dict[str, Experiment]:
-    if not store.study:
-        return {}
-    return {one.name: one for one in study_from(store.study).experiments if one.limit is not None}
+    sought = [one for one in store.study.get("experiments", ()) if "limit" in one]
+    return {one.name: one for one in map(experiment_from, sought)}
 
 
 def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:

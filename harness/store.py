@@ -22,6 +22,8 @@ _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
+_SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": ""}
+"""What the trials of a store from before there were these columns mean by their absence."""
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
 _PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost")
 
@@ -78,7 +80,11 @@ class Store:
         if journal.is_file():
             return _tables(read_journal(journal))
         try:
-            return {n: pd.read_parquet(self.folder / f"{n}.parquet") for n in ("trials", "measurements", "samples")}
+            read = {n: pd.read_parquet(self.folder / f"{n}.parquet") for n in ("trials", "measurements", "samples")}
+            for name, value in _SINCE.items():
+                if name not in read["trials"]:
+                    read["trials"][name] = value
+            return read
         except (OSError, ValueError) as error:
             raise StoreError(f"{self.folder}: tables not readable: {error}") from error
 
@@ -91,8 +97,6 @@ class Store:
     def asked(self) -> pd.DataFrame:
         """The trials that put a case as it is: no ensemble of starts, no scene that departs from the case's."""
         trials = self.trials
-        if "members" not in trials or "alteration" not in trials:
-            return trials  # of a store from before there were such
         return trials[(trials["members"] == 1) & ~trials["alteration"].str.contains('"name"', regex=False)]
 
     @property

@@ -22,7 +22,18 @@ from harness.scene.file import dump_json
 from harness.scene.values import FROZEN, Name, Positive
 from harness.trajectory import State
 
-__all__ = ["Experiment", "Limit", "Study", "StudyError", "Trial", "Variant", "load_study"]
+__all__ = [
+    "Experiment",
+    "Limit",
+    "Study",
+    "StudyError",
+    "Trial",
+    "Variant",
+    "axis_among",
+    "axis_of",
+    "experiment_from",
+    "load_study",
+]
 
 
 BEYOND = 4.0
@@ -390,9 +401,9 @@ class _Cell:
     settings: Settings
 
 
-def study_from(document: Mapping[str, Any]) -> Study:
-    """The study that a TOML document says. Raises: ValidationError."""
-    return TypeAdapter(Study).validate_python(document)
+def experiment_from(document: Mapping[str, Any]) -> Experiment:
+    """The experiment that a part of a study file says. Raises: ValidationError."""
+    return TypeAdapter(Experiment).validate_python(document)
 
 
 def load_study(name: str) -> Study:
@@ -407,7 +418,8 @@ def load_study(name: str) -> Study:
         built_in = ", ".join(sorted(p.stem for p in folder.glob("*.toml")))
         raise StudyError(f"study '{name}': no such study or file, expected one of {built_in}, or a path ending in .toml")
     try:
-        return study_from(tomllib.loads(path.read_text(encoding="utf-8")))
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        return TypeAdapter(Study).validate_python(document)
     except tomllib.TOMLDecodeError as error:
         raise StudyError(f"{path}: not readable: {error}") from error
     except ValidationError as error:

@@ -1,1 +1,1 @@
-"""Robots in the scene's own words, one a file: bodies of real masses, driven hinges, and the points that they stand on."""
+"""Robots in the scene's own words, one a file, with the points that they stand on; and what they and heaps stand in."""

@@ -128,8 +128,11 @@ EVERYTHING, FINER = "everything on", "half the step"
 """Names: every other effect of the engine faintly present; the scene as it is, at half the time step."""
 _ALWAYS = Effect.GRAVITY | Effect.FRICTION | Effect.GYROSCOPIC
 """What every engine has; the rest stands by the same name among an engine's features."""
-_SWITCHES = _ALWAYS | Effect.CONTINUOUS_COLLISION | Effect.RESTITUTION | Effect.ROLLING_FRICTION | Effect.TORSIONAL_FRICTION
-_SWITCHES |= Effect.LINEAR_DAMPING | Effect.ANGULAR_DAMPING
+_TOUCHING = _ALWAYS | Effect.ROLLING_FRICTION | Effect.TORSIONAL_FRICTION
+_FREE = _ALWAYS | Effect.LINEAR_DAMPING | Effect.ANGULAR_DAMPING
+"""What can be faintly there in a scene with contacts, and in one without. Restitution cannot: soft contacts rebound by more,
+and others take so little for none. Bullet has rolling friction, or damping and continuous collision, not both; the latter is
+a departure of its own."""
 
 
 def departures(scene: Scene, features: Collection[str]) -> Iterator[Alteration]:
@@ -137,7 +140,8 @@ def departures(scene: Scene, features: Collection[str]) -> Iterator[Alteration]:
     it leaves off. `features` are the names of what the engine can express."""
     declared = scene.effects
     on = _ALWAYS | _effects([one for one in features if one.upper() in Effect.__members__])
-    yield Alteration(name=EVERYTHING, present=_SWITCHES & on & ~declared)
+    others = _TOUCHING if Effect.CONTACT in declared else _FREE
+    yield Alteration(name=EVERYTHING, present=others & on & ~declared)
     for one in Effect:
         if one in declared and one != Effect.SENSING:
             yield Alteration(name=f"without {one.names[0]}", narrow=one)

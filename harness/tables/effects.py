@@ -143,8 +143,8 @@ def _of_side(
     surplus = {one: text for text in said if text.startswith("surplus") for one in _named(text)}
     missing = {one: text for text in said if text.startswith("missing") for one in _named(text)}
     for name, run in runs.items():
-        if name in ("", FINER):
-            continue
+        if name in ("", FINER) or (name.startswith("with ") and told_apart(name)[0] in surplus):
+            continue  # what cannot be switched off is told by its notice, below
         if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
             yield row(", ".join(told_apart(name)) or name, run, None, run.status, None, run.reason)
             continue

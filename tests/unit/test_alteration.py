@@ -61,8 +61,11 @@ def test_departures_are_everything_each_without_and_what_is_left_off() -> None:
         "with continuous_collision",
         "with gyroscopic",
     ]
-    everything = next(departures(scene(), ("linear_damping",)))
-    assert everything.present == Effect.LINEAR_DAMPING
+    everything = next(departures(scene(), ("linear_damping", "rolling_friction")))
+    assert everything.present == Effect.ROLLING_FRICTION
+    free = Scene(bodies=(Body(name="ball"),), gravity=(0.0, 0.0, 0.0))
+    everything = next(departures(free, ("linear_damping", "rolling_friction")))
+    assert everything.present == Effect.LINEAR_DAMPING | Effect.GRAVITY | Effect.FRICTION | Effect.GYROSCOPIC
 
 
 @pytest.mark.parametrize(

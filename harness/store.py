@@ -80,18 +80,18 @@ class Store:
         if journal.is_file():
             return _tables(read_journal(journal))
         try:
-            read = {n: pd.read_parquet(self.folder / f"{n}.parquet") for n in ("trials", "measurements", "samples")}
-            for name, value in _SINCE.items():
-                if name not in read["trials"]:
-                    read["trials"][name] = value
-            return read
+            return {n: pd.read_parquet(self.folder / f"{n}.parquet") for n in ("trials", "measurements", "samples")}
         except (OSError, ValueError) as error:
             raise StoreError(f"{self.folder}: tables not readable: {error}") from error
 
     @property
     def trials(self) -> pd.DataFrame:
         """One row a trial."""
-        return self._read["trials"]
+        trials = self._read["trials"]
+        for name, value in _SINCE.items():
+            if name not in trials:
+                trials[name] = value
+        return trials
 
     @cached_property
     def asked(self) -> pd.DataFrame:

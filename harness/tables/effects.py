@@ -17,7 +17,7 @@ from harness.store import Store
 __all__ = ["BRIEF", "COLUMNS", "Verdict", "audit", "brief", "rows", "sentences", "verdicts"]
 
 JUDGE = "reference"
-"""The engine that can leave every effect out: what is needed is decided on it."""
+"""The engine that can leave every effect out: what is needed is decided on it, where it was asked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,7 +160,7 @@ def _of_side(
             yield row(", ".join(effects), run, found, verdict, price)
             continue
         (effect,) = effects
-        need = needed.get(effect)
+        need = needed.get(effect, None if found is None else found.matters)
         if effect in missing:
             verdict, reason = ("needed but missing" if need else "missing without need"), missing[effect]
         elif taken_in:
@@ -252,7 +252,9 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
                 f"{engine}: a step with everything on costs {middle:.3g} times that of the scene as it is "
                 f"(geometric mean over {len(costs)} scenes, {min(costs):.3g} to {max(costs):.3g})."
             )
-    judged = [row for row in rows if row["engine"] == JUDGE and row["track"] == "tuned" and row["verdict"] != EVERYTHING]
+    asked = dict.fromkeys(row["engine"] for row in rows)
+    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
+    judged = [row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING]
     bad = [row for row in judged if row["verdict"] in ("paid for without need", "needed but missing")]
     scenes = {(row["case"], row["where"]) for row in judged}
     failed = {(row["case"], row["where"]) for row in bad}

@@ -217,5 +217,6 @@ def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(tmp_path: Pa
     assert done.returncode == 0, done.stderr
     rows = json.loads(plumbline("show", tmp_path / "out", "--format", "json").stdout)
     assert {row["status"] for row in rows} == {"passed"}
-    assert len(rows) == 6  # three steps on two tracks
+    assert sum(row["experiment"] == "scene" for row in rows) == 6  # three steps on two tracks
+    assert "Audit:" in done.stderr  # does it call for what it needs?
     assert (tmp_path / "out" / "report" / "index.html").is_file()

@@ -190,7 +190,7 @@ def run(
     shard: tuple[int, int],
     resume: bool,
 ) -> None:
-    """Run STUDY: a built-in name (quick, accuracy, price, scaling, tremble), a study file, or a scene file of your own."""
+    """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
     from harness import discover
     from harness.campaign import carry_out
     from harness.interrupt import listen

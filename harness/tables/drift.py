@@ -6,6 +6,7 @@ farthest is from its place. A line through it says whether it only swings or has
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -81,7 +82,8 @@ def _drift(store: Store, row: Any) -> Drift:
     nothing: dict[str, Any] = {"slope": None, "low": None, "high": None, "swing": None, "change": None}
     if row.status not in ("passed", "failed"):
         return Drift(**same, **nothing, quantity="", unit="", verdict=row.status)
-    quantity, time, series = _series(store.trajectory(row.trajectory_hash))
+    rests = store.catalogue["cases"][row.case]["truth"] == "rest"
+    quantity, time, series = _series(store.trajectory(row.trajectory_hash), rests)
     fit = fit_slope(time.tolist(), series.tolist()) if np.isfinite(series).all() else None
     if fit is None:
         return Drift(**same, **nothing, quantity=quantity, unit=UNITS[quantity], verdict="too short")
@@ -103,16 +105,18 @@ def _drift(store: Store, row: Any) -> Drift:
     )
 
 
-def _series(kept: Mapping[str, Any]) -> tuple[str, Floats, Floats]:
-    """Quantity, time (t,) s and series (t,) of a trajectory as a run folder keeps it, after its first tenth."""
+def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
+    """Quantity, time (t,) s and series (t,) of a trajectory as a run folder keeps it, after its first tenth.
+
+    Of what `rests` it is the place, since there is no energy in play.
+    """
     scene = parse(str(kept["scene"]))
     time, p_WB, q_WB, v_WB, w_WB = (kept[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
     run = Trajectory(time, p_WB, q_WB, v_WB, w_WB, dt=float(kept["dt"]))
     first = len(run) // 10
-    try:
-        return "energy", run.time[first:], energy_change(scene, run, None)[first:]
-    except NotMeasurable:
-        pass
+    with suppress(NotMeasurable):
+        if not rests:
+            return "energy", run.time[first:], energy_change(scene, run, None)[first:]
     moved = movable(scene)
     start = np.array([scene.bodies[place].p_WB for place in moved])
     away: Floats = np.linalg.norm(run.p_WB[:, moved] - start, axis=2).max(axis=1)

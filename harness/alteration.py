@@ -88,8 +88,8 @@ class Alteration:
 
 
 FAINT = 1e-9
-"""Coefficients [1], levers [m] and rates [1/s] of effects that are to be there and do nothing: a thousandth of what a case's
-tolerances can see."""
+"""Coefficients [1], levers [m] and rates [1/s] of effects that are to be there and do nothing; what they do
+after all is measured, as of every departure."""
 _LAWS = {
     Effect.FRICTION: ("static_friction", "kinetic_friction"),
     Effect.RESTITUTION: ("restitution",),

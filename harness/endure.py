@@ -36,7 +36,7 @@ SIGNS = ("finite", "energy", "penetration", "height", "drive", "error")
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """What became of a member. Terms: sign: by which it broke, '' where it held. time [s]: when. trajectory: its run."""
+    """What became of a member. Terms: sign: by which it broke, '' where it held. time [s]: when. scene, answer: what ran."""
 
     sign: str
     time: float

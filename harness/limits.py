@@ -22,7 +22,7 @@ from harness.study import Trial, axis_of
 __all__ = ["Bracket", "Ruler", "bracket", "next_trials", "ruler", "value_of"]
 
 REMEDY_VALUES = 3
-"""Values that a remedy which helps is tried at beyond the first, so that its bracket is an eighth of what was left."""
+"""Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""
 BROKE = ("failed", "crashed", "diverged")
 ENDED = ("timeout", "oom", "unsupported", "unavailable", "interrupted")
 
@@ -174,9 +174,8 @@ def _beyond(known: Mapping[float, str], by: Ruler) -> float | None:
     found = bracket(known, by)
     if found.stopped or found.held is None or len(known) > REMEDY_VALUES:
         return None
-    end = by.axis.extreme if found.broke is None else found.broke
     if found.broke is None:
-        return end if end not in known else None
+        return None if by.axis.extreme in known else by.axis.extreme
     if by.close(found.held, found.broke):
         return None
     middle = by.between(found.held, found.broke)

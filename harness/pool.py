@@ -88,7 +88,7 @@ class _Child:
             self.process.join(_LEAVES)
             return record
         except (EOFError, OSError):
-            # The pipe breaks before the fork server has told the exit code: on a busy machine seconds before.
+            # The pipe breaks before the fork server has told the exit code.
             self.process.join(_LEAVES)
             if self.process.exitcode is None:
                 self.process.kill()

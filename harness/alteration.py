@@ -10,7 +10,7 @@ from typing import Any, Literal
 from harness.retelling import Retelling, nudged, reordered, restored
 from harness.scene import Effect, Scene
 
-__all__ = ["AS_IT_IS", "EVERYTHING", "FINER", "Alteration", "departures"]
+__all__ = ["ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "Alteration", "departures"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,6 +124,8 @@ def _effects(names: Collection[str]) -> Effect:
 AS_IT_IS = Alteration()
 """No departure."""
 
+ALONE = "alone"
+"""Name: the run has the machine for itself, while all others run side by side."""
 EVERYTHING, FINER = "everything on", "half the step"
 """Names: every other effect of the engine faintly present; the scene as it is, at half the time step."""
 _ALWAYS = Effect.GRAVITY | Effect.FRICTION | Effect.GYROSCOPIC

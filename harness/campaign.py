@@ -14,7 +14,7 @@ import tomli_w
 
 from harness import effects, limits, sweep
 from harness.adapter import Adapter
-from harness.alteration import FINER
+from harness.alteration import ALONE, FINER
 from harness.case import Case
 from harness.catalogue import describe_case, describe_engine
 from harness.clock import clock_group
@@ -35,8 +35,6 @@ Shard = tuple[int, int]
 """(i, n): the i-th of n parts, from 1."""
 
 _TIMED = ("passed", "failed")
-ALONE = "alone"
-"""The alteration whose trials have the machine for themselves, while all others run side by side."""
 
 
 def _write_json(path: Path, content: object) -> None:

@@ -219,7 +219,8 @@ def run(
 
 
 def _failures(store: "Store", audited: bool) -> list[str]:
-    """What the gate is about: our own engine's checks on the tuned track, and, where asked for, the audit of effects."""
+    """What the gate is about: our own engine's checks on the tuned track and its determinism, and the audit of effects."""
+    from harness.tables import determinism
     from harness.tables.effects import audit, verdicts
 
     ours = [name for name, row in store.catalogue["engines"].items() if row["ours"]]
@@ -232,6 +233,7 @@ def _failures(store: "Store", audited: bool) -> list[str]:
         f"gate: {row.case} on {row.engine}/{row.track} at dt {row.dt:g}: {row.status}: {row.reason}"
         for row in broken.itertuples()
     ]
+    told += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]
     return told + ([f"audit: {sentence}" for sentence in audit(verdicts(store))] if audited else [])
 
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from harness.alteration import EVERYTHING, FINER, Alteration
 from harness.case import Case
+from harness.kinematics import angle_between
 from harness.record import Record
 from harness.scene import Effect
 from harness.store import Store
@@ -42,47 +43,44 @@ ANSWERED = ("passed", "failed")
 
 @dataclass(frozen=True, slots=True)
 class Consequence:
-    """What a departure does. Terms: moved: furthest any body is from where it was without it [m, rad]; own: what halving the
-    time step does up to that sample. flips: a check that held breaks. matters: is it more than the run's own error?"""
+    """What a departure does.
+
+    Terms:
+        moved: how far it moves a body [m, rad], at the sample that says most. own: what halving the time step has done up to
+        there. matters: is that more than the run's own error, or does a check break that held?
+    """
 
     moved: float
     own: float
-    flips: bool
     matters: bool
 
 
 def compared(plain: Mapping[str, Any], other: Mapping[str, Any], finer: Mapping[str, Any] | None) -> Consequence:
     """The consequence of a departure, from trajectories as a run folder keeps them; without a finer run the error is 0."""
     moved = apart(plain, other)
-    own = np.zeros_like(moved) if finer is None else np.maximum.accumulate(apart(plain, finer))
-    short = min(len(moved), len(own))
-    moved, own = moved[:short], own[:short]
-    beyond = moved > np.maximum(TWICE * own, FLOOR)
-    place = int(np.argmax(beyond)) if beyond.any() else int(np.argmax(moved)) if short else 0
-    if not short:
-        return Consequence(0.0, 0.0, flips=False, matters=False)
-    last = int(np.argmax(np.where(beyond, moved, -1.0))) if beyond.any() else place
-    return Consequence(float(moved[last]), float(own[last]), flips=False, matters=bool(beyond.any()))
+    own = np.zeros_like(moved) if finer is None else np.fmax.accumulate(apart(plain, finer))
+    known = np.flatnonzero(~np.isnan(moved) & ~np.isnan(own))
+    if len(known) == 0:
+        return Consequence(0.0, 0.0, matters=False)
+    beyond = known[moved[known] > np.maximum(TWICE * own[known], FLOOR)]
+    shown = beyond if len(beyond) else known
+    place = shown[np.argmax(moved[shown])]
+    return Consequence(float(moved[place]), float(own[place]), matters=len(beyond) > 0)
 
 
 def apart(one: Mapping[str, Any], other: Mapping[str, Any]) -> Floats:
-    """The greatest distance [m] or angle [rad] of any body between two runs, at each sample that both have, (t,).
+    """The greatest distance [m] or angle [rad] of any body between two runs at each sample of the first, (t,).
 
-    A run that ended early is infinitely far off from there on.
+    NaN where the other has no sample; a run that ended early is infinitely far off from there on.
     """
-    times, places, others = np.intersect1d(np.round(one["time"], 9), np.round(other["time"], 9), return_indices=True)
-    way = np.linalg.norm(one["p_WB"][places] - other["p_WB"][others], axis=2).max(axis=1, initial=0.0)
-    # The difference of the quaternions, up to their sign, is accurate for small angles too.
-    flat = np.minimum(
-        np.linalg.norm(one["q_WB"][places] - other["q_WB"][others], axis=2),
-        np.linalg.norm(one["q_WB"][places] + other["q_WB"][others], axis=2),
-    )
-    angle = 4 * np.arcsin(np.minimum(flat / 2, 1.0))
-    found: Floats = np.maximum(way, angle.max(axis=1, initial=0.0))
-    found = np.where(np.isfinite(found), found, np.inf)
-    if len(other["time"]) and other["time"][-1] < one["time"][-1] - 1e-9:
-        found = np.append(found, np.inf)
-    return found if len(times) else np.zeros(0)
+    found = np.full(len(one["time"]), np.nan)
+    _, here, there = np.intersect1d(np.round(one["time"], 9), np.round(other["time"], 9), return_indices=True)
+    way = np.linalg.norm(one["p_WB"][here] - other["p_WB"][there], axis=2).max(axis=1, initial=0.0)
+    turn = angle_between(one["q_WB"][here], other["q_WB"][there]).max(axis=1, initial=0.0)
+    found[here] = np.where(np.isfinite(way) & np.isfinite(turn), np.maximum(way, turn), np.inf)
+    if len(other["time"]):
+        found[one["time"] > other["time"][-1] + 1e-9] = np.inf
+    return found
 
 
 def matters(store: Store, plain: Any, other: Any, finer: Any) -> Consequence | None:
@@ -92,14 +90,14 @@ def matters(store: Store, plain: Any, other: Any, finer: Any) -> Consequence | N
     if other.status not in (*ANSWERED, "diverged"):
         return None
     if other.status == "diverged":
-        return Consequence(float("inf"), 0.0, flips=True, matters=True)
+        return Consequence(float("inf"), 0.0, matters=True)
     best = finer if finer is not None and finer.status in ANSWERED else None
     runs = [store.trajectory(run.trajectory_hash) if run is not None else None for run in (plain, other, best)]
     assert runs[0] is not None
     assert runs[1] is not None
     found = compared(runs[0], runs[1], runs[2])
     flips = plain.status == "passed" and other.status == "failed"
-    return Consequence(found.moved, found.own, flips, found.matters or flips)
+    return replace(found, matters=found.matters or flips)
 
 
 def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared: Collection[str]) -> Consequence | None:

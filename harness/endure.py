@@ -18,7 +18,7 @@ from harness.bench import Bench, rough_cost
 from harness.case import Case
 from harness.members import Member, member
 from harness.metric import NotMeasurable
-from harness.metrics.collapse import COLLAPSE_TIME, first_break
+from harness.metrics.collapse import COLLAPSE_TIME, SIGNS, first_break
 from harness.metrics.stack import STANDING_HEIGHT
 from harness.record import Measurement, Record
 from harness.run import Answer, answer_of, outcome, refusal
@@ -28,10 +28,10 @@ from harness.trajectory import Trajectory
 from harness.trajectory_file import save_trajectory
 from harness.truth_keeper import truth_of
 
-__all__ = ["HELD", "SIGNS", "endure"]
+__all__ = ["HELD", "STARTS", "endure"]
 
-HELD = "held_share"
-SIGNS = ("finite", "energy", "penetration", "height", "drive", "error")
+HELD, STARTS = "held_share", "starts"
+"""The share of the starts that held, and how many there were: one, of a scene that cannot start otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +98,7 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
     reason = f"{len(broken)} of {len(fates)} broke: {said}" if broken else f"all {len(fates)} held"
     made = [Measurement(metric=HELD, value=1 - len(broken) / len(fates), unit="1", at_most=1.0, passed=not broken)]
     made += [Measurement(metric=f"broke_{sign}", value=count / len(fates), unit="1") for sign, count in counts.items()]
+    made.append(Measurement(metric=STARTS, value=float(len(fates)), unit="1"))
     if broken:
         made.append(Measurement(metric="first_break_time", value=shown.time, unit="s"))
     return replace(

@@ -13,7 +13,7 @@ from harness.interrupt import stop_if_asked
 from harness.record import Record
 from harness.run import outcome
 from harness.study import Trial
-from harness.worker import context, isolated_trial
+from harness.worker import context, exit_code, isolated_trial
 
 __all__ = ["run_isolated"]
 
@@ -22,8 +22,6 @@ _KEPT = 2**20
 """Bytes of a log that stay on disk."""
 _LISTENS = 1.0
 """Seconds between looks at whether the run is to stop."""
-_LEAVES = 3.0
-"""Seconds that a process may take to end after its last word."""
 _QUIET = ("passed", "failed", "unsupported")
 
 
@@ -85,15 +83,10 @@ class _Child:
             if not self.pipe.poll():
                 return _late(self.trial, self.log)
             record: Record = self.pipe.recv()
-            self.process.join(_LEAVES)
+            exit_code(self.process)
             return record
         except (EOFError, OSError):
-            # The pipe breaks before the fork server has told the exit code.
-            self.process.join(_LEAVES)
-            if self.process.exitcode is None:
-                self.process.kill()
-                self.process.join()
-            return _expired(self.trial, self.process.exitcode, self.log)
+            return _expired(self.trial, exit_code(self.process), self.log)
         finally:
             self.stop()
 

@@ -3,11 +3,13 @@
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import pandas as pd
 
 from harness.case import Axis
+from harness.endure import HELD, STARTS
 from harness.limits import Ruler, bracket
 from harness.store import Store
 from harness.study import Experiment, Limit, axis_among, experiment_from
@@ -68,14 +70,17 @@ def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
     return Ruler(axis, isinstance(told["parameters"].get(axis.parameter), int), limit.within)
 
 
-def searches(store: Store) -> list[Search]:
-    """All searches of a run, those for remedies with them."""
-    return list(_searches(store))
+@lru_cache(maxsize=1)
+def searches(store: Store) -> tuple[Search, ...]:
+    """All searches of a run, those for remedies with them; worked out once for a store."""
+    return tuple(_searches(store))
 
 
 def _searches(store: Store) -> Iterator[Search]:
     experiments = _experiments(store)
-    shares = store.measurements[store.measurements["metric"] == "held_share"].set_index("trial")["value"]
+    shares, starts = (
+        store.measurements[store.measurements["metric"] == name].set_index("trial")["value"] for name in (HELD, STARTS)
+    )
     trials = store.trials[store.trials["experiment"].isin(experiments)]
     for (name, case), part in trials.groupby(["experiment", "case"], sort=False):
         by = _ruler(store, experiments[str(name)], str(case))
@@ -91,7 +96,7 @@ def _searches(store: Store) -> Iterator[Search]:
             ["others", "step", "engine", "track", "remedy", "remedied"], sort=False
         ):
             where = named.get((others, step), "")
-            yield _search(str(name), str(case), where, (engine, track), (remedy, remedied), group, by, shares)
+            yield _search(str(name), str(case), where, (engine, track), (remedy, remedied), group, by, shares, starts)
 
 
 def _telling(others: "pd.Series[str]", steps: "pd.Series[float]") -> dict[tuple[str, float], str]:
@@ -116,6 +121,7 @@ def _search(
     group: pd.DataFrame,
     by: Ruler,
     shares: "pd.Series[float]",
+    starts: "pd.Series[float]",
 ) -> Search:
     at = {row.value: row for row in group.itertuples()}
     found = bracket({value: row.status for value, row in at.items()}, by)
@@ -146,7 +152,7 @@ def _search(
         signs="" if broke is None else _signs(broke),
         verdict=verdict,
         reason=reason,
-        members=int(last.members),
+        members=int(starts.get(last.trial, last.members)),
         values=len(at),
         cost=_number(held.rough_cost if held is not None else None),
         reach=reach,

@@ -13,7 +13,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as validated
 
 from harness.adapter import Adapter, Settings
-from harness.alteration import AS_IT_IS, FINER, Alteration, departures
+from harness.alteration import ALONE, AS_IT_IS, FINER, Alteration, departures
 from harness.case import Axis, Case, Clocks
 from harness.control import wrench_after
 from harness.record import digest
@@ -215,7 +215,7 @@ def _altered(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
     yield trial.probing(case, alteration=Alteration(name=FINER), settings=trial.settings.with_dt(trial.settings.dt / 2))
 
 
-AGAIN = ("again", "alone", "restored", "reordered", "nudged")
+AGAIN = ("again", ALONE, "restored", "reordered", "nudged")
 """What a run is repeated as."""
 
 

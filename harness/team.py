@@ -22,7 +22,7 @@ from harness import discover
 from harness.bench import Bench, calibrate
 from harness.record import Sample
 from harness.study import Trial
-from harness.worker import confine, context
+from harness.worker import confine, context, exit_code
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]
 
@@ -121,8 +121,7 @@ class Clocked:
             self.trouble = f"no answer within {seconds:g} s"
             self.process.kill()
         except (EOFError, ConnectionError):
-            self.process.join(3.0)  # the pipe breaks before the fork server has told the exit code
-            self.trouble = f"process ended with exit code {self.process.exitcode}"
+            self.trouble = f"process ended with exit code {exit_code(self.process)}"
         return self.trouble
 
     def stop(self) -> None:

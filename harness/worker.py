@@ -10,6 +10,7 @@ import traceback
 from contextlib import suppress
 from dataclasses import replace
 from multiprocessing.context import ForkServerContext
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import psutil
@@ -23,9 +24,11 @@ from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
 
-__all__ = ["confine", "context", "isolated_trial"]
+__all__ = ["confine", "context", "exit_code", "isolated_trial"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_LEAVES = 3.0
+"""Seconds that a process may take to end after its last word."""
 _LARGEST_FILE = 512 * 2**20
 """Bytes; what an engine prints beyond is lost, so that a flood cannot fill the disk."""
 _PR_SET_PDEATHSIG = 1
@@ -43,6 +46,18 @@ def context() -> ForkServerContext:
     forkserver = multiprocessing.get_context("forkserver")
     forkserver.set_forkserver_preload(_PRELOAD)
     return forkserver
+
+
+def exit_code(process: BaseProcess) -> int | None:
+    """How a process ended whose pipe has broken: that comes before the fork server has told the code.
+
+    It is waited for; a process that lives on after its last word is killed.
+    """
+    process.join(_LEAVES)
+    if process.exitcode is None:
+        process.kill()
+        process.join()
+    return process.exitcode
 
 
 def confine(memory: float, log: Path) -> None:

@@ -67,6 +67,6 @@ __all__ = [
     "principal_inertia",
     "rotate",
     "rotation_matrix",
-    "width",
     "sphere_inertia",
+    "width",
 ]

@@ -8,8 +8,9 @@ that bit shows anything that an engine forgets.
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ import numpy as np
 from harness.store import Store
 from harness.trajectory import Floats
 
-__all__ = ["BRIEF", "COLUMNS", "FIRST", "Agreement", "agreements", "brief", "parting", "rows", "sentences"]
+__all__ = ["BRIEF", "COLUMNS", "FIRST", "Agreement", "agreements", "brief", "broken", "parting", "rows", "sentences"]
 
 STATES = ("p_WB", "q_WB", "v_WB", "w_WB")
 MUST = ("again", "alone", "restored", "threads")
@@ -60,16 +61,17 @@ class Agreement:
 COLUMNS = tuple(field.name for field in fields(Agreement))
 
 
-def agreements(store: Store) -> list[Agreement]:
-    """All repetitions of a run."""
-    return list(_agreements(store))
+@lru_cache(maxsize=1)
+def agreements(store: Store) -> tuple[Agreement, ...]:
+    """All repetitions of a run; worked out once for a store, since it reads every trajectory."""
+    return tuple(_agreements(store))
 
 
 def _agreements(store: Store) -> Iterator[Agreement]:
     told = [json.loads(text) for text in store.trials["alteration"]]
     part = store.trials.assign(way=[one.get("name", "") for one in told], every=[one.get("every_step", False) for one in told])
     part = part[part["every"]]
-    for (_, _, _, _), group in part.groupby(["case", "parameters", "engine", "track"], sort=False):
+    for _, group in part.groupby(["case", "parameters", "engine", "track"], sort=False):
         runs = {row.way: row for row in group.itertuples()}
         first = runs.pop("", None)
         if first is None:
@@ -152,6 +154,15 @@ def doubling(time: Floats, distance: Floats) -> float | None:
     since, logs = time[small] - time[small].mean(), np.log2(distance[small])
     slope = float(since @ logs / (since @ since))
     return 1 / slope if slope > 0 and math.isfinite(slope) else None
+
+
+def broken(found: Iterable[Agreement], engines: Collection[str]) -> list[str]:
+    """The repetitions on these engines that must give the same bits and do not, each in a sentence."""
+    return [
+        f"{one.case} on {one.engine}/{one.track}, {one.way}: differs from step {one.first_step} on (trial {one.trial})"
+        for one in found
+        if one.engine in engines and one.must and one.verdict == "differs"
+    ]
 
 
 def rows(store: Store) -> list[dict[str, Any]]:

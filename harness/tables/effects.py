@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -54,9 +55,10 @@ class Verdict:
 COLUMNS = tuple(field.name for field in fields(Verdict))
 
 
-def verdicts(store: Store) -> list[Verdict]:
-    """All rows of a run."""
-    return list(_verdicts(store))
+@lru_cache(maxsize=1)
+def verdicts(store: Store) -> tuple[Verdict, ...]:
+    """All rows of a run; worked out once for a store, since it reads every trajectory."""
+    return tuple(_verdicts(store))
 
 
 def _verdicts(store: Store) -> Iterator[Verdict]:

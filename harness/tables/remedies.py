@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from harness.endure import HELD
 from harness.searches import Search, amount, searches
 from harness.store import Store
 
@@ -57,9 +58,9 @@ def _row(one: Search, sick: Search, store: Store) -> Remedied:
     trials = store.trials[store.trials["trial"].eq(sick.trial_broke) | store.trials["remedied"].eq(sick.trial_broke)]
     first = trials[(trials["remedy"] == one.remedy)].sort_values("round").iloc[0]
     before = trials[trials["trial"] == sick.trial_broke].iloc[0]
-    found = store.measurements[
-        (store.measurements["trial"] == first["trial"]) & (store.measurements["metric"] == "held_share")
-    ]["value"]
+    found = store.measurements[(store.measurements["trial"] == first["trial"]) & (store.measurements["metric"] == HELD)][
+        "value"
+    ]
     after = float(found.iloc[0]) if len(found) else None
     share = sick.share or 0.0
     if after is None:

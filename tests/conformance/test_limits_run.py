@@ -133,9 +133,9 @@ def test_repetitions_are_compared_bit_by_bit(plumbline: Command, tmp_path: Path)
     for engine in ("mujoco", "bullet", "dart"):
         assert rows[engine, "again"]["verdict"] == "bit-identical"
         assert rows[engine, "alone"]["verdict"] == "bit-identical"
-        # One bit is multiplied by the blows: the comparison could have failed.
+        # One bit, 7e-18 m at the 0.04 m of a body, is multiplied a thousand times: the comparison could have failed.
         assert rows[engine, "nudged"]["verdict"] == "parts"
-        assert rows[engine, "nudged"]["first_step"] >= 0
+        assert rows[engine, "nudged"]["farthest"] > 7e-15
     assert rows["mujoco", "restored"]["verdict"] == "bit-identical"
     assert rows["bullet", "restored"]["verdict"] == "unsupported"
     assert (folder / "report" / "determinism.html").is_file()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.tables.determinism import doubling, parting
+from harness.tables.determinism import Agreement, broken, doubling, parting
 
 
 def run(p: np.ndarray, start: int = 0) -> dict[str, np.ndarray]:
@@ -42,3 +42,20 @@ def test_the_doubling_time_of_a_planted_growth_is_found() -> None:
     assert doubling(time, 1e-13 * 2 ** (time / 0.25)) == pytest.approx(0.25, rel=1e-9)
     assert doubling(time, np.full(200, 1e-12)) is None
     assert doubling(time, np.zeros(200)) is None
+
+
+def agreement(engine: str, way: str, must: bool, verdict: str) -> Agreement:
+    return Agreement(
+        case="c", engine=engine, track="tuned", way=way, must=must, hash_first="a", hash="b", steps=9, first_step=4,
+        farthest=1.0, doubles_in=None, verdict=verdict, reason="", trial="t", trial_first="f",
+    )  # fmt: skip
+
+
+def test_a_repetition_that_must_agree_and_does_not_fails_the_gate() -> None:
+    found = [
+        agreement("reference", "again", True, "differs"),
+        agreement("reference", "restored", True, "bit-identical"),
+        agreement("reference", "reordered", False, "differs"),
+        agreement("bullet", "again", True, "differs"),
+    ]
+    assert broken(found, ["reference"]) == ["c on reference/tuned, again: differs from step 4 on (trial t)"]

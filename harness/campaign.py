@@ -6,6 +6,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -128,19 +129,12 @@ def _searched(
 ) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     found, number = list(trials), 0
-    store = Store(folder)
-
-    def _effects(
-        trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], _: Mapping[str, Adapter]
-    ) -> list[Trial]:
-        return effects.next_trials(trials, records, cases, store)
-
     searches = [
         go_on
         for go_on, wanted in (
             (sweep.next_trials, any(trial.experiment.sweep for trial in trials)),
             (limits.next_trials, any(trial.experiment.limit for trial in trials)),
-            (_effects, any(trial.experiment.effects for trial in trials)),
+            (partial(effects.next_trials, store=Store(folder)), any(trial.experiment.effects for trial in trials)),
         )
         if wanted
     ]

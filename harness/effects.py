@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.adapter import Adapter
 from harness.alteration import EVERYTHING, FINER, Alteration
 from harness.case import Case
 from harness.kinematics import angle_between
@@ -115,7 +116,14 @@ def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared
     return found
 
 
-def next_trials(trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], store: Store) -> list[Trial]:
+def next_trials(
+    trials: Sequence[Trial],
+    records: Mapping[str, Record],
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],  # noqa: ARG001 -- all searches are called alike
+    *,
+    store: Store,
+) -> list[Trial]:
     """The next round of leaving out together what does not matter one by one; empty where every minimal set is known."""
     groups: dict[str, list[Trial]] = {}
     for trial in trials:

@@ -12,12 +12,13 @@ from there towards the extreme, in fewer values.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from harness.adapter import Adapter
 from harness.case import Axis, Case
 from harness.record import Record
 from harness.remedies import remedied
-from harness.study import Trial, axis_of
+from harness.study import Limit, Trial, axis_of
 
 __all__ = ["Bracket", "Ruler", "bracket", "next_trials", "ruler", "value_of"]
 
@@ -46,6 +47,12 @@ class Ruler:
     axis: Axis
     whole: bool
     within: float
+
+    @classmethod
+    def of(cls, axis: Axis, parameters: Mapping[str, Any], limit: Limit | None) -> "Ruler":
+        """The ruler of a search along the axis of a case with these parameters."""
+        whole = isinstance(parameters.get(axis.parameter), int)
+        return cls(axis, whole, math.inf if limit is None else limit.within)
 
     @property
     def _logarithmic(self) -> bool:
@@ -85,10 +92,7 @@ class Ruler:
 
 def ruler(trial: Trial, case: Case) -> Ruler:
     """The ruler of the search that a trial belongs to."""
-    axis = axis_of(trial.experiment, case)
-    limit = trial.experiment.limit
-    whole = isinstance(case.parameters.get(axis.parameter), int)
-    return Ruler(axis, whole, limit.within if limit is not None else math.inf)
+    return Ruler.of(axis_of(trial.experiment, case), case.parameters, trial.experiment.limit)
 
 
 def value_of(trial: Trial, axis: Axis) -> float:

@@ -20,7 +20,7 @@ __all__ = ["remedied"]
 
 DAMPING = 1.0
 """Added to every body [1/s]: a motion halves in 0.7 s."""
-FINER = 4
+SPLIT = 4
 """By what a time step is divided, and by what sub-steps are multiplied."""
 
 
@@ -35,9 +35,9 @@ def remedied(sick: Trial, case: Case, adapter: Adapter, number: int) -> Iterator
 
     knobs, now = adapter.knobs, sick.settings
     if axis_of(sick.experiment, case).parameter != "dt":
-        yield settled(f"time step / {FINER}", dt=now.dt / FINER)
+        yield settled(f"time step / {SPLIT}", dt=now.dt / SPLIT)
     if "substeps" in knobs:
-        yield settled(f"sub-steps x {FINER}", substeps=FINER * (now.substeps or 1))
+        yield settled(f"sub-steps x {SPLIT}", substeps=SPLIT * (now.substeps or 1))
     most = max((value for value in knobs.get("iterations", ()) if value is not None), default=0)
     if most > (now.iterations or 0):
         yield settled("more iterations", iterations=most)

@@ -12,7 +12,7 @@ from harness.case import Axis
 from harness.endure import HELD, STARTS
 from harness.limits import Ruler, bracket
 from harness.store import Store
-from harness.study import Experiment, Limit, axis_among, experiment_from
+from harness.study import Experiment, axis_among, experiment_from
 
 __all__ = ["Search", "amount", "searches"]
 
@@ -66,8 +66,7 @@ def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
     told = store.catalogue["cases"][case]
     hard = None if told["hard"] is None else Axis(**told["hard"])
     axis = axis_among(experiment, case, hard, told["ladder"], told["parameters"])
-    limit = experiment.limit or Limit()
-    return Ruler(axis, isinstance(told["parameters"].get(axis.parameter), int), limit.within)
+    return Ruler.of(axis, told["parameters"], experiment.limit)
 
 
 @lru_cache(maxsize=1)

@@ -164,16 +164,26 @@ class Study:
                     if experiment.limit is not None:
                         axis = axis_of(experiment, case)
                         parameters = parameters | ({} if axis.parameter == "dt" else {axis.parameter: axis.easy})
+                    members = 1 if experiment.limit is None else experiment.limit.members
                     question = _question(case, parameters)
                     clocked = list(_clocked(experiment, case, parameters))
                     for dt, (track, engine, settings) in product(steps_of(experiment, case), sides):
-                        cell = _Cell(
-                            case, parameters, seed, question, engine.name, versions[engine.name], track, settings.with_dt(dt)
-                        )
                         for clocks, workers in clocked:
-                            trial = Trial.of(self, experiment, cell, clocks, workers)
-                            if experiment.limit is not None:
-                                trial = trial.probing(case, members=experiment.limit.members)
+                            trial = Trial(
+                                study=self.name,
+                                experiment=experiment,
+                                case=case.name,
+                                parameters=parameters,
+                                question=question,
+                                engine=engine.name,
+                                engine_version=versions[engine.name],
+                                track=track,
+                                settings=settings.with_dt(dt),
+                                seed=seed,
+                                clocks=clocks,
+                                workers=workers,
+                                members=members,
+                            ).named()
                             if not experiment.determinism:
                                 yield trial
                             if experiment.effects:
@@ -304,13 +314,13 @@ class Trial:
     """One cell: a case at one set of parameters, on one engine, under one group of settings.
 
     Terms:
+        question: the digest of what is asked. trial: its name, the digest of all that decides its answer.
         clocks: what its timing run clocks, in `workers` processes side by side. round: of the search that proposed it, 0 for
         what the study names itself. alteration: how its scene departs from the case's. members: starts of the scene, each in a
         random phase, of which it says how many held; 1 for the scene as it is. remedy: what it tries to help with, where the
         trial `remedied` broke.
     """
 
-    trial: str
     study: str
     experiment: Experiment
     case: str
@@ -320,6 +330,8 @@ class Trial:
     track: str
     settings: Settings
     seed: int
+    question: str = ""
+    trial: str = ""
     clocks: Clocks = "work"
     workers: int = 1
     round: int = 0
@@ -332,73 +344,34 @@ class Trial:
         """What is put to the engine."""
         return self.alteration.of(case.scene(**self.parameters))
 
+    def named(self) -> "Trial":
+        """The trial with its name: a digest of all that decides its answer, the question and versions included."""
+        asked = {
+            "study": self.study,
+            "experiment": self.experiment.name,
+            "case": self.case,
+            "parameters": dict(self.parameters),
+            "question": self.question,
+            "engine": self.engine,
+            "version": self.engine_version,
+            "track": self.track,
+            "settings": replace(self.settings, source="").plain(),
+            "seed": self.seed,
+        }
+        unusual = {
+            "clocks": (self.clocks, "work"),
+            "workers": (self.workers, 1),
+            "alteration": (self.alteration.plain(), AS_IT_IS.plain()),
+            "members": (self.members, 1),
+            "remedied": (self.remedied, ""),
+        }
+        return replace(self, trial=digest(asked | {name: value for name, (value, plain) in unusual.items() if value != plain}))
+
     def probing(self, case: Case, **changes: Any) -> "Trial":
         """Another trial of a search, with other parameters, settings or alteration; its name follows from all of them."""
-        other = replace(self, **changes)
-        asked = {
-            "from": [self.study, self.experiment.name, self.case, self.engine, self.engine_version, self.seed],
-            "parameters": dict(other.parameters),
-            "question": _question(case, other.parameters),
-            "track": other.track,
-            "settings": replace(other.settings, source="").plain(),
-            "alteration": other.alteration.plain(),
-            "members": other.members,
-            "remedied": other.remedied,
-        }
-        return replace(other, trial=digest(asked))
-
-    def varied(self, track: str, settings: Settings, number: int) -> "Trial":
-        """The same question under other settings, in round `number`; its name follows from this trial's and from them."""
-        name = digest({"from": self.trial, "track": track, "settings": replace(settings, source="").plain()})
-        return replace(self, trial=name, track=track, settings=settings, round=number)
-
-    @classmethod
-    def of(cls, study: Study, experiment: Experiment, cell: "_Cell", clocks: Clocks = "work", workers: int = 1) -> "Trial":
-        """The trial with its name: a digest of all that decides its answer, the scene and versions included."""
-        beside = ({"clocks": clocks} if clocks != "work" else {}) | ({"workers": workers} if workers != 1 else {})
-        name = digest(
-            {
-                "study": study.name,
-                "experiment": experiment.name,
-                "case": cell.case.name,
-                "parameters": cell.parameters,
-                "question": cell.question,
-                "engine": cell.engine,
-                "version": cell.version,
-                "track": cell.track,
-                "settings": replace(cell.settings, source="").plain(),
-                "seed": cell.seed,
-            }
-            | beside
-        )
-        return cls(
-            trial=name,
-            study=study.name,
-            experiment=experiment,
-            case=cell.case.name,
-            parameters=cell.parameters,
-            engine=cell.engine,
-            engine_version=cell.version,
-            track=cell.track,
-            settings=cell.settings,
-            seed=cell.seed,
-            clocks=clocks,
-            workers=workers,
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class _Cell:
-    """One place in the matrix of a study."""
-
-    case: Case
-    parameters: Mapping[str, Any]
-    seed: int
-    question: str
-    engine: str
-    version: str
-    track: str
-    settings: Settings
+        if "parameters" in changes:
+            changes["question"] = _question(case, changes["parameters"])
+        return replace(self, **changes).named()
 
 
 def experiment_from(document: Mapping[str, Any]) -> Experiment:

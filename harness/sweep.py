@@ -120,7 +120,8 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     for origin, settings in wanted:
         if _key(settings) not in tried and len(found) < limit:
             tried.append(_key(settings))
-            found.append(origin.varied(_label(origin, settings, adapter), settings, last + 1))
+            track = _label(origin, settings, adapter)
+            found.append(origin.probing(case, track=track, settings=settings, round=last + 1))
     return found
 
 

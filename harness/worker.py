@@ -39,7 +39,8 @@ _PRELOAD = ["harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.in
 def context() -> ForkServerContext:
     """Processes forked off a small server that has the libraries but no engine, so that a start costs milliseconds.
 
-    Numeric libraries that load in them use one thread.
+    An engine loads in its trial's own process: a library may set the mode of floating-point arithmetic, or take signals, when
+    it is loaded, and no other engine is to feel that. Numeric libraries that load in them use one thread.
     """
     for name in _THREADS:
         os.environ[name] = "1"

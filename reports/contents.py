@@ -1,5 +1,6 @@
 """What a store holds: its cases by family, its engines and its tracks, also where the catalogue lacks one."""
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -54,10 +55,11 @@ ENGINE: dict[str, Any] = {
 }
 
 
+@lru_cache(maxsize=2)
 def cases(store: "Store") -> dict[str, dict[str, Any]]:
     """All cases that have a trial, in the catalogue's order; the whole catalogue where there is no trial at all."""
     told = store.catalogue.get("cases", {})
-    tried = list(dict.fromkeys(store.trials["case"]))
+    tried = list(store.trials["case"].unique())
     names = [name for name in told if name in tried or not tried] + [name for name in tried if name not in told]
     found = {}
     for name in names:
@@ -77,10 +79,11 @@ def families(store: "Store") -> list[tuple[str, list[dict[str, Any]]]]:
     return [(FAMILIES.get(name, name), groups[name]) for name in ranked]
 
 
+@lru_cache(maxsize=2)
 def engines(store: "Store") -> dict[str, dict[str, Any]]:
     """All engines that have a trial; ours first, then as the catalogue has them."""
     told = store.catalogue.get("engines", {})
-    tried = list(dict.fromkeys(store.trials["engine"]))
+    tried = list(store.trials["engine"].unique())
     names = [name for name in told if name in tried or not tried] + [name for name in tried if name not in told]
     found = {}
     for name in names:
@@ -91,5 +94,6 @@ def engines(store: "Store") -> dict[str, dict[str, Any]]:
 
 
 def tracks(store: "Store") -> list[str]:
-    """The tracks that were run, 'default' before 'tuned' before others."""
-    return sorted(set(store.trials["track"]), key=lambda track: (TRACK_ORDER.get(track, 2), track))
+    """The tracks that the study names, 'default' before 'tuned' before others; not the settings that a search went on to."""
+    trials = store.trials
+    return sorted(trials["track"][trials["round"] == 0].unique(), key=lambda track: (TRACK_ORDER.get(track, 2), track))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,6 +70,7 @@ def ratios(frame: pd.DataFrame) -> dict[str, float]:
     return {str(name): float(np.exp(value)) for name, value in logs.mean().items()}
 
 
+@lru_cache(maxsize=1)
 def glances(store: "Store") -> list[Glance]:
     """All engines on all tracks that were run. One with fewer than half of the cases has no ratios."""
     rows, found = answers(store), []

@@ -1,9 +1,11 @@
 """The page on cost: what a step, a ray or a world costs, how that grows with the scene, and what the price buys."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from harness.tables.scaling import COLUMNS, Cost, Scaling
+from harness.trend import FEWEST
 from reports.contents import engines
 from reports.costs import UNITS, growths, qualities, standings, titled
 from reports.page import Page
@@ -16,14 +18,19 @@ if TYPE_CHECKING:
 __all__ = ["PAGE"]
 
 
+_scaling = lru_cache(maxsize=1)(Scaling)
+
+
 def concerns(store: "Store") -> bool:
     """Only where some parameter was run at several values under the clock."""
-    return len(Scaling(store).sweeps) > 0
+    varied = store.asked.groupby("case")["parameters"].nunique().max() if len(store.asked) else 0
+    # Most runs have one set of parameters a case: they need no look at their costs.
+    return bool(varied >= FEWEST) and len(_scaling(store).sweeps) > 0
 
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page and its charts."""
-    scaling = Scaling(store)
+    scaling = _scaling(store)
     standing = standings(store, scaling)
     grown, bought = growths(store, scaling), qualities(store, scaling)
     page = fill(

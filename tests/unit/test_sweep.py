@@ -1,8 +1,11 @@
 """The sweep against an engine made of formulas: it tries what matters, leaves what does not, and ends."""
 
-from collections.abc import Iterable
+import random
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
+
+import pytest
 
 from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.case import Case
@@ -78,7 +81,17 @@ def answer(trial: Trial) -> Record:
     )
 
 
-def unfolded(sweep: int, records: dict[str, Record] | None = None) -> tuple[list[Trial], dict[str, Record]]:
+def exact(trial: Trial, noise: random.Random) -> Record:
+    """No error at any step, at a cost that is told wrong by up to a half."""
+    told = answer(trial)
+    nothing = (Measurement(metric=POSITION_MAX.name, value=0.0, unit="m"),)
+    assert told.rough_cost is not None
+    return replace(told, measurements=nothing, rough_cost=told.rough_cost * noise.uniform(0.67, 1.5))
+
+
+def unfolded(
+    sweep: int, records: dict[str, Record] | None = None, answer: Callable[[Trial], Record] = answer
+) -> tuple[list[Trial], dict[str, Record]]:
     """All trials of a study of this one case and engine, rounds and all, with their records."""
     study = Study(name="s", experiments=(Experiment(name="e", dt="ladder", sweep=sweep),))
     cases, adapters = {CASE.name: CASE}, {"made": Made()}
@@ -126,6 +139,16 @@ def test_the_same_records_give_the_same_trials() -> None:
     trials, known = unfolded(sweep=40)
     again, _ = unfolded(sweep=40, records=known)
     assert [trial.trial for trial in again] == [trial.trial for trial in trials]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_an_exact_answer_is_followed_to_the_coarsest_step_whatever_the_noise_of_rough_costs(seed: int) -> None:
+    noise = random.Random(seed)
+    trials, known = unfolded(40, answer=lambda trial: exact(trial, noise))
+    coarsest = max(trial.settings.dt for trial in trials)
+    assert coarsest == pytest.approx(4 / 60)
+    due = due_for_clock(trials, known, {CASE.name: CASE})
+    assert coarsest in {trial.settings.dt for trial in trials if trial.trial in due}
 
 
 def test_labels_name_track_and_what_was_turned() -> None:

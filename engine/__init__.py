@@ -1,11 +1,11 @@
-"""The reference physics engine: rigid bodies, joints, contacts with friction, rays and pictures. It knows nothing of the harness."""
+"""The reference physics engine: rigid bodies, joints, contacts with friction, rays, pictures. It knows nothing of the harness."""
 
 from typing import TYPE_CHECKING, Any
 
 from engine.bodies import Body, Surface
 from engine.errors import Diverged, ManyImpacts, NotSupported
-from engine.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from engine.images.eye import Eye, Lens, Picture
+from engine.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from engine.optics import Optics, Sun
 from engine.options import Options
 from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh

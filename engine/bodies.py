@@ -17,14 +17,18 @@ Numbers = Sequence[float] | NDArray[np.float64]
 """A few numbers: a tuple, a list or an array."""
 
 
+PLAIN = Optics()
+"""Light grey that only scatters."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Body:
     """A rigid body.
 
     Terms:
         mass [kg]; inertia (3, 3) kg m2 in B about the centre of mass; shapes: what touches; visual: what is drawn and seen by
-        rays that ask for it, the same if None; optics: what light does at its surface; p_WB [m], q_WB (w, x, y, z), v_WB [m/s] of the centre of
-        mass, w_WB [rad/s] in W; linear_damping and angular_damping: rates c [1/s] in v' = -c v and w' = -c w;
+        rays that ask for it, the same if None; optics: what light does at its surface; p_WB [m], q_WB (w, x, y, z), v_WB [m/s]
+        of the centre of mass, w_WB [rad/s] in W; linear_damping and angular_damping: rates c [1/s] in v' = -c v and w' = -c w;
         motion: 'static' never moves, 'kinematic' keeps its velocities whatever touches it.
     """
 
@@ -34,7 +38,7 @@ class Body:
     shapes: Sequence[Placed] = ()
     visual: Sequence[Placed] | None = None
     material: str = "default"
-    optics: Optics = Optics()
+    optics: Optics = PLAIN
     p_WB: Numbers = (0.0, 0.0, 0.0)
     q_WB: Numbers = (1.0, 0.0, 0.0, 0.0)
     v_WB: Numbers = (0.0, 0.0, 0.0)

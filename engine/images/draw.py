@@ -88,8 +88,8 @@ def _aimed(eye: Eye, first: int, rows: int, x: float, y: float) -> tuple[FloatAr
     dark = look(eye.row, eye.width, first, rows, x, y, directions)
     if dark >= 0:
         raise ValueError(
-            f"eye: lens {eye.lens} shows nothing at pixel ({dark % eye.width}, {first + dark // eye.width}), which lies beyond its "
-            "fold; expected one that covers the picture"
+            f"eye: lens {eye.lens} shows nothing at pixel ({dark % eye.width}, {first + dark // eye.width}), which lies beyond "
+            "its fold; expected one that covers the picture"
         )
     return np.atleast_2d(np.asarray(eye.p_WE, float)), directions
 

@@ -40,9 +40,7 @@ class Paths:
     weight: FloatArray
 
 
-def traced_paths(
-    cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, directions: FloatArray, bounces: int
-) -> Paths:
+def traced_paths(cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, directions: FloatArray, bounces: int) -> Paths:
     """All pieces of rays with origins (r, 3) m and directions (r, 3) over so many surfaces; scattering ends a way."""
     from engine.images.waves import Light, first_wave, follow
 

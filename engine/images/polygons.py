@@ -1,7 +1,7 @@
 """Convex polygons in perspective: cut by the near plane, then filled row by row between their edges.
 
-A pixel belongs to a polygon if its centre lies inside, or on a left or upper edge: of two polygons at one edge exactly one has it.
-Corners are rounded to a fine grid of the screen, so that the corners of two triangles at one place are the same.
+A pixel belongs to a polygon if its centre lies inside, or on a left or upper edge: of two polygons at one edge exactly one has
+it. Corners are rounded to a fine grid of the screen, so that the corners of two triangles at one place are the same.
 
 Source: Sutherland, Hodgman, Reentrant Polygon Clipping, 1974; Pineda, A Parallel Algorithm for Polygon Rasterization, 1988 (the
 rule for edges).

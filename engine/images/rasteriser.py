@@ -137,7 +137,7 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
         elif kind == PLANE:
             for j in range(height):
                 flat_row(0, width, u, v[j], a, dot(a, c), near, tag, depth[j], tags[j])
-        elif kind == HULL or kind == TRIANGLE:
+        elif kind in (HULL, TRIANGLE):
             # The second face of a triangle is the first, seen from behind.
             for f in range(polyhedron[s, FACES] if kind == HULL else 1):
                 row = polyhedron[s, FIRST_FACE] + f

@@ -1,6 +1,6 @@
 """Balls, cylinders and capsules on the screen: the rectangle of pixels that each may cover, and its rows.
 
-Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere, 2013 (tangents in a coordinate plane).
+Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere, 2013 (tangents in a plane).
 """
 
 import math
@@ -70,9 +70,7 @@ def ball_span(c: Vec, radius: float, y: float, view: Floats, left: int, right: i
 
 
 @kernel
-def draw_ball(
-    c: Vec, radius: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints
-) -> None:
+def draw_ball(c: Vec, radius: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints) -> None:
     """Draw the ball about c [m] in E."""
     near = view[0, 4]
     left, right, top, bottom = pixels_of(ball_window(c, radius, near), view, u, v)

@@ -1,11 +1,11 @@
 """Depths along one row of pixels: of a plane, a ball, the side of a cylinder and its end.
 
-With pixel coordinates u, v in units of the focal length, a point is z d, d = (u, v, 1). Whatever decides about a pixel is then a
-polynomial of u of degree two at most, so that a row is one loop without a branch. The discriminants are Lagrange's identity,
+With pixel coordinates u, v in units of the focal length, a point is z d, d = (u, v, 1). Whatever decides about a pixel is then
+a polynomial of u of degree two at most, so that a row is one loop without a branch. The discriminants are Lagrange's identity,
 r^2 |d|^2 - |d x c|^2, which does not cancel for far and small things.
 
-Source: Sigg, Weyrich, Botsch, Gross, GPU-Based Ray-Casting of Quadratic Surfaces, 2006, sections 3 and 4 (quadrics by pixels, in
-homogeneous form); Heckbert, Moreton, Interpolation for Polygon Texture Mapping and Shading, 1991 (1/z is linear on the screen).
+Source: Sigg, Weyrich, Botsch, Gross, GPU-Based Ray-Casting of Quadratic Surfaces, 2006, sections 3 and 4 (quadrics by pixels,
+in homogeneous form); Heckbert, Moreton, Interpolation for Polygon Texture Mapping and Shading, 1991 (1/z is linear on screen).
 """
 
 import math

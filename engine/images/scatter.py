@@ -1,8 +1,8 @@
 """What becomes of rays of light, followed backwards, where they meet a surface: light that arrives there, and rays that go on.
 
 A ray at a surface with mirror m and transmission t goes on as a mirrored ray with the share m, as the two rays of Fresnel's
-equations with (1 - m) t between them, and ends in scattering with (1 - m)(1 - t). A ray that is given up is said to see the sky:
-where everything sends back all light, a picture under a sky alone is as bright as the sky, however early rays are given up.
+equations with (1 - m) t between them, and ends in scattering with (1 - m)(1 - t). A ray that is given up is said to see the
+sky: where everything sends back all light, a picture under a sky alone is as bright as the sky, however early that happens.
 
 Source: Whitted, An Improved Illumination Model for Shaded Display, 1980 (rays that branch); Pharr, Jakob, Humphreys, Physically
 Based Rendering, 2016, section 13.6 (directions by their cosine); Roberts, The Unreasonable Effectiveness of Quasirandom
@@ -69,9 +69,9 @@ def towards_sky(n: Vec, k: int, count: int, place: int) -> Vec:
 
 @entry
 def scatter(
-    origins: Floats, directions: Floats, light: Floats, roots: Ints, distance: Floats, body: Ints, normal: Floats, optics: Floats,
-    sun: Floats, last: bool, sky_rays: int, sample: int, radiance: Floats, next_origin: Floats, next_way: Floats, next_light: Floats,
-    next_roots: Ints, lit_origin: Floats, gain: Floats, lit_root: Ints,
+    origins: Floats, directions: Floats, light: Floats, roots: Ints, distance: Floats, body: Ints, normal: Floats,
+    optics: Floats, sun: Floats, last: bool, sky_rays: int, sample: int, radiance: Floats, next_origin: Floats,
+    next_way: Floats, next_light: Floats, next_roots: Ints, lit_origin: Floats, gain: Floats, lit_root: Ints,
 ) -> tuple[int, int]:  # fmt: skip
     """Follow rays one surface further.
 
@@ -139,9 +139,10 @@ def scatter(
                 radiance[root, c] += light[r, c] * plain * colour[c] * sky
             continue
         for k in range(sky_rays):
+            way = towards_sky(n, k, sky_rays, root + 7919 * sample)
             more = go_on(
-                more, r, SCATTERED, p, n, towards_sky(n, k, sky_rays, root + 7919 * sample), plain / sky_rays, light[r, 3], light[r, 4], colour,
-                light, roots, next_origin, next_way, next_light, next_roots, sky, radiance,
+                more, r, SCATTERED, p, n, way, plain / sky_rays, light[r, 3], light[r, 4], colour, light, roots, next_origin,
+                next_way, next_light, next_roots, sky, radiance,
             )  # fmt: skip
     return more, asking
 

@@ -53,7 +53,7 @@ __all__ = ["name_bodies", "shade"]
 
 @kernel
 def patch_normal(kind: int, half: float, pose: Floats, face: Floats, first_face: int, s: int, patch: int, x: Vec) -> Vec:
-    """The outward normal in W of a patch of shape s at the point x [m] on it; half [m]: half length of a capsule, 0 of a ball."""
+    """The outward normal in W of a patch of shape s at x [m] on it; half [m]: half length of a capsule, 0 of a ball."""
     axes = load9(pose, s, 3)
     if kind == PLANE:
         n = (0.0, 0.0, 1.0)

@@ -61,8 +61,8 @@ def follow(cast: Cast, wave: Wave, light: Light, sample: int, radiance: FloatArr
         origins, directions, weights = np.empty((room, 3)), np.empty((room, 3)), np.empty((room, 5))
         roots, lit, gain, lit_root = np.empty((room, 3), np.int64), np.empty((n, 3)), np.empty((n, 3)), np.empty(n, np.int64)
         more, asking = scatter(
-            wave.origins, wave.directions, wave.light, wave.roots, hits.distance, hits.body, hits.normal, light.optics, light.sun,
-            last, light.sky_rays, sample, radiance, origins, directions, weights, roots, lit, gain, lit_root,
+            wave.origins, wave.directions, wave.light, wave.roots, hits.distance, hits.body, hits.normal, light.optics,
+            light.sun, last, light.sky_rays, sample, radiance, origins, directions, weights, roots, lit, gain, lit_root,
         )  # fmt: skip
         if asking > 0:
             towards = np.broadcast_to(light.sun[0, :3], (asking, 3)).copy()

@@ -405,7 +405,8 @@ class MujocoSimulation:
             ) from error
         context.readDepthMap = mj.mjtDepthMap.mjDEPTH_ZEROFAR
         view = mj.MjvScene(self._m, max(1000, 2 * self._m.ngeom + 100))
-        view.flags[mj.mjtRndFlag.mjRND_SHADOW] = view.flags[mj.mjtRndFlag.mjRND_REFLECTION] = 0
+        for effect in ("SHADOW", "REFLECTION", "HAZE", "FOG", "SKYBOX"):
+            view.flags[getattr(mj.mjtRndFlag, f"mjRND_{effect}")] = 0
         self._window = (gl, context, view)
         return self._window
 

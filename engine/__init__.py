@@ -1,4 +1,4 @@
-"""The reference physics engine: rigid bodies, joints, contacts with friction, rays, pictures. It knows nothing of the harness."""
+"""The reference physics engine: rigid bodies, joints, contacts, rays and pictures. It knows nothing of the harness."""
 
 from typing import TYPE_CHECKING, Any
 

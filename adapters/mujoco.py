@@ -27,7 +27,8 @@ Deviations:
   that are fixed to each other anyway lets them not collide.
 * Damping of a body inside a joint tree is `Unsupported` unless its motion is that of one coordinate of its own.
 * A revolute joint that closes a loop is held at two points of its axis, which is one constraint more than it needs.
-* Depth images are rasterised: round shapes are polyhedra, depth is a single-precision buffer.
+* Images are rasterised: round shapes are polyhedra, depth is a single-precision buffer, colours have 8 bits, nothing casts
+  a shadow, and what a surface mirrors or lets through is taken to be the sky.
 * `contacts` are those that the last step was made with, at its start; under RK4 those of its last stage.
 """
 
@@ -1317,7 +1318,7 @@ ADAPTER = MujocoAdapter(
     name="mujoco",
     title="MuJoCo",
     distribution="mujoco",
-    features=~Feature.STATIC_FRICTION,
+    features=~(Feature.STATIC_FRICTION | Feature.RAY_TRACING),
     tracks={
         "default": Settings(
             source="MuJoCo's own defaults: Euler, Newton, 100 iterations, tolerance 1e-8, pyramidal cone, impratio 1"

@@ -79,6 +79,8 @@ class Feature(Flag):
     CONTACT_FORCES = auto()
     RAYS = auto()
     RENDER = auto()
+    RAY_TRACING = auto()
+    """Pictures with shadows, reflection and refraction, through any lens."""
     WRENCH = auto()
     SAVE = auto()
     NATIVE_STEPS = auto()

@@ -16,6 +16,9 @@ Deviations:
     * Sub-steps are steps of dt/substeps (pybullet's numSubSteps can lose one to rounding); contact forces are the last one's.
     * Rays and images are taken in a second world that holds the same shapes at the present poses, so that a scene that never
       senses does not pay. Rays on spheres, capsules and cylinders err by millimetres at grazing incidence.
+    * TinyRenderer draws balls, cylinders and capsules as polyhedra of a dozen corners around, a plane as a square of a
+      kilometre, and nothing nearer than 5 cm or beyond 100 m. Nothing casts a shadow, and what a surface mirrors or lets
+      through is taken to be the sky.
     * A rotation of more than pi/4 in one (sub)step is cut to pi/4 although the angular velocity stays
       (ANGULAR_MOTION_THRESHOLD of btTransformUtil.h).
     * Hulls in compounds travel through a temporary OBJ file in single precision. Hulls in compounds and on links keep Bullet's
@@ -70,7 +73,7 @@ from harness.scene import (
     multiply,
     rotate,
 )
-from harness.trajectory import Contacts, Floats, Hits, State
+from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = ["ADAPTER"]
 
@@ -87,6 +90,8 @@ PLANE_WIDTH = 1000.0
 """Side [m] of the square that stands for a plane in images."""
 NEAR, FAR = 0.05, 100.0
 """The range [m] of depth images: TinyRenderer's buffer is single precision, so a wider one would cost resolution."""
+LIGHT_DISTANCE = 1e6
+"""Of the light in images, in units of the direction to it."""
 LIFTED = 1e30
 """A velocity limit [m/s, rad/s] and a force limit [N] that nothing reaches."""
 OPTIONS: Mapping[str, tuple[type, ...]] = {
@@ -558,19 +563,23 @@ def _single_shape(port: _Port, shape: Shape, p_LS: Vector3, q_LS: Quaternion) ->
     return made
 
 
-def _visual_shape(port: _Port, shape: Shape) -> int:
-    """What TinyRenderer draws of a shape; the number of the visual shape."""
-    bullet = port.bullet
+def _visual_shape(port: _Port, shape: Shape, colour: Vector3) -> int:
+    """What TinyRenderer draws of a shape, in a linear colour; the number of the visual shape."""
+    bullet, paint = port.bullet, (*colour, 1.0)
     made: int
     match shape:
         case Sphere():
-            made = port.call("createVisualShape", bullet.GEOM_SPHERE, radius=shape.radius)
+            made = port.call("createVisualShape", bullet.GEOM_SPHERE, radius=shape.radius, rgbaColor=paint)
         case Box():
-            made = port.call("createVisualShape", bullet.GEOM_BOX, halfExtents=shape.half_extents)
+            made = port.call("createVisualShape", bullet.GEOM_BOX, halfExtents=shape.half_extents, rgbaColor=paint)
         case Capsule():
-            made = port.call("createVisualShape", bullet.GEOM_CAPSULE, radius=shape.radius, length=2 * shape.half_length)
+            made = port.call(
+                "createVisualShape", bullet.GEOM_CAPSULE, radius=shape.radius, length=2 * shape.half_length, rgbaColor=paint
+            )
         case Cylinder():
-            made = port.call("createVisualShape", bullet.GEOM_CYLINDER, radius=shape.radius, length=2 * shape.half_length)
+            made = port.call(
+                "createVisualShape", bullet.GEOM_CYLINDER, radius=shape.radius, length=2 * shape.half_length, rgbaColor=paint
+            )
         case Plane():
             # TinyRenderer has no picture of a plane: a square of PLANE_WIDTH stands for it.
             normal = np.asarray(shape.normal)
@@ -580,17 +589,17 @@ def _visual_shape(port: _Port, shape: Shape) -> int:
                 PLANE_WIDTH / 2 * np.cross(normal, side / np.linalg.norm(side)),
             )
             corners = [across + along, along - across, -across - along, across - along]
-            made = _visual_mesh(port, [tuple(corner.tolist()) for corner in corners], [(0, 1, 2), (0, 2, 3)])
+            made = _visual_mesh(port, [tuple(corner.tolist()) for corner in corners], [(0, 1, 2), (0, 2, 3)], paint)
         case ConvexHull():
-            made = _visual_mesh(port, shape.vertices, _hull_faces(shape))
+            made = _visual_mesh(port, shape.vertices, _hull_faces(shape), paint)
         case TriangleMesh():
-            made = _visual_mesh(port, shape.vertices, shape.faces)
+            made = _visual_mesh(port, shape.vertices, shape.faces, paint)
         case _:
             assert_never(shape)
     return made
 
 
-def _visual_mesh(port: _Port, vertices: Sequence[Vector3], faces: Sequence[Sequence[int]]) -> int:
+def _visual_mesh(port: _Port, vertices: Sequence[Vector3], faces: Sequence[Sequence[int]], paint: Sequence[float]) -> int:
     """A mesh for TinyRenderer with a normal per face, so that edges stay sharp."""
     points = np.asarray(vertices)[np.asarray(faces)]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -603,7 +612,18 @@ def _visual_mesh(port: _Port, vertices: Sequence[Vector3], faces: Sequence[Seque
         indices=list(range(len(corners))),
         normals=normals.tolist(),
         uvs=[[0.0, 0.0]] * len(corners),
+        rgbaColor=paint,
     )
+    return made
+
+
+def _unseen(port: _Port) -> int:
+    """A visual shape without an extent: a body without any would be drawn by its collision shape."""
+    corner = [[0.0, 0.0, 0.0]] * 3
+    made: int = port.call(
+        "createVisualShape", port.bullet.GEOM_MESH, vertices=corner, indices=[0, 1, 2], normals=[[0.0, 0.0, 1.0]] * 3,
+        uvs=[[0.0, 0.0]] * 3,
+    )  # fmt: skip
     return made
 
 
@@ -729,7 +749,6 @@ class _Simulation:
         turns = made.q_IB[self._moving]
         self._turned = np.flatnonzero((turns != np.array(IDENTITY)).any(axis=1))
         self._turns = turns[self._turned]
-        self._place = {body.name: k for k, body in enumerate(scene.bodies)}
         self._drives = {a.joint: a for group in made.actuators.values() for a in group if a.drive is not None}
         self._pushed: tuple[tuple[int, int, Any, Any], ...] = ()
         self._twin: _Twin | None = None
@@ -843,8 +862,10 @@ class _Simulation:
         """A function that casts these rays again into the shapes as they lie now."""
         return self._sensed().caster(origins, directions, max_range)
 
-    def render(self, camera: Camera) -> Floats:
-        return self._sensed().render(camera, self._place)
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        if camera.renderer != "rasterised":
+            raise Unsupported(f"ray-traced image of camera '{camera.name}'", "TinyRenderer draws by a z-buffer alone")
+        return self._sensed().render(camera, self._scene, colour)
 
     def command(self, targets: Mapping[str, float]) -> None:
         for name, target in targets.items():
@@ -902,10 +923,14 @@ class _Twin:
         """All bodies of the scene at their initial poses."""
         port = _connected(bullet)
         parts: list[tuple[int, int, Vector3, Quaternion]] = []
+        unseen = _unseen(port)
         for place, body in enumerate(scene.bodies):
-            solids = [(placed, _single_shape(port, placed.shape, (0.0, 0.0, 0.0), IDENTITY), -1) for placed in body.collision]
+            solids = [
+                (placed, _single_shape(port, placed.shape, (0.0, 0.0, 0.0), IDENTITY), unseen) for placed in body.collision
+            ]
             drawn = body.collision if body.visual is None else body.visual
-            looks = [(placed, -1, _visual_shape(port, placed.shape)) for placed in drawn]
+            red, green, blue = (body.appearance.scatters * share for share in body.appearance.colour)
+            looks = [(placed, -1, _visual_shape(port, placed.shape, (red, green, blue))) for placed in drawn]
             for placed, solid, look in solids + looks:
                 p_WS, q_WS = _plus(body.p_WB, rotate(body.q_WB, placed.p_BS)), multiply(body.q_WB, placed.q_BS)
                 number = port.call(
@@ -952,11 +977,15 @@ class _Twin:
         parts = [(origins[k : k + RAY_BATCH].tolist(), ends[k : k + RAY_BATCH].tolist()) for k in starts]
         return lambda: [self.port.call("rayTestBatch", *part) for part in parts]
 
-    def render(self, camera: Camera, places: Mapping[str, int]) -> Floats:
-        """The z-depth image of TinyRenderer, see `Simulation.render`; z = f n / (f - (f - n) d) of its depth buffer d."""
+    def render(self, camera: Camera, scene: Scene, colour: bool) -> Image:
+        """The picture of TinyRenderer, see `Simulation.render`; z = f n / (f - (f - n) d) of its depth buffer d.
+
+        Linear colours under the scene's sun and sky, without shadows; what does not scatter shows the sky. The light is scaled
+        to the 8 bits of the colours.
+        """
         p_WB, q_WB = (0.0, 0.0, 0.0), IDENTITY
         if camera.body != WORLD:
-            p_WB, q_WB = self.poses[places[camera.body]]
+            p_WB, q_WB = self.poses[scene.index(camera.body)]
         p_WS, q_WS = _plus(p_WB, rotate(q_WB, camera.p_BS)), multiply(q_WB, camera.q_BS)
         ahead, down = rotate(q_WS, (0.0, 0.0, 1.0)), rotate(q_WS, (0.0, 1.0, 0.0))
         width, height, near, far = camera.width, camera.height, NEAR, FAR
@@ -967,14 +996,36 @@ class _Twin:
         view = self.port.call("computeViewMatrix", p_WS, _plus(p_WS, ahead), [-c for c in down])
         frustum = [edge * near for edge in (left, right, bottom, top)]
         projection = self.port.call("computeProjectionMatrix", *frustum, near, far)
+        sun, looks = scene.sun, [body.appearance for body in scene.bodies]
+        direct = sun.irradiance / math.pi
+        scale = max(direct + sun.sky, 1e-300)
         with _silenced():
             image = self.port.call(
-                "getCameraImage", width, height, view, projection, shadow=0, renderer=self.port.bullet.ER_TINY_RENDERER
+                "getCameraImage",
+                width,
+                height,
+                view,
+                projection,
+                lightDirection=[LIGHT_DISTANCE * c for c in sun.towards_W],
+                lightColor=(1.0, 1.0, 1.0),
+                lightAmbientCoeff=sun.sky / scale,
+                lightDiffuseCoeff=direct / scale,
+                lightSpecularCoeff=0.0,
+                shadow=0,
+                renderer=self.port.bullet.ER_TINY_RENDERER,
             )
         depth = np.asarray(image[3], dtype=np.float64).reshape(height, width)
-        seen = np.asarray(image[4]).reshape(height, width) >= 0
+        number = np.asarray(image[4]).reshape(height, width)
+        owner = np.full(max(self.owners, default=0) + 2, -1, dtype=np.int64)
+        owner[list(self.owners)] = list(self.owners.values())
+        body = np.where(number >= 0, owner[number], -1)
         with np.errstate(divide="ignore"):
-            return np.where(seen, far * near / (far - (far - near) * depth), np.inf)
+            depth = np.where(body >= 0, far * near / (far - (far - near) * depth), np.inf)
+        if not colour:
+            return Image(depth, body)
+        shades = np.asarray(image[2], dtype=np.float64).reshape(height, width, 4)[..., :3] * (scale / 255.0)
+        through = np.array([*(1.0 - look.scatters for look in looks), 1.0])[body]
+        return Image(depth, body, np.where((body >= 0)[..., None], shades, 0.0) + (sun.sky * through)[..., None])
 
     def close(self) -> None:
         """Free the second world."""
@@ -1539,7 +1590,14 @@ ADAPTER = BulletAdapter(
     name="bullet",
     title="Bullet",
     distribution="pybullet",
-    features=~(Feature.DISTANCE | Feature.PAIR_FRICTION | Feature.STATIC_FRICTION | Feature.SAVE | Feature.NATIVE_STEPS),
+    features=~(
+        Feature.DISTANCE
+        | Feature.PAIR_FRICTION
+        | Feature.STATIC_FRICTION
+        | Feature.RAY_TRACING
+        | Feature.SAVE
+        | Feature.NATIVE_STEPS
+    ),
     tracks={
         "default": Settings(source="pybullet 3.2.7 as installed"),
         "tuned": Settings(
@@ -1593,6 +1651,7 @@ ADAPTER = BulletAdapter(
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",
         "contact forces are those of the last (sub)step",
         "rays and images are taken in a second world of the same shapes at the present poses; grazing rays miss by millimetres",
+        "in images round shapes are polyhedra of a dozen corners around; colours have 8 bits and no shadows",
         "a rotation of more than pi/4 in one (sub)step is cut to pi/4, the angular velocity stays",
         "hulls in compounds and on links are 1 mm thicker (collision margin); in compounds they have single precision",
         "rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP)",

@@ -83,7 +83,7 @@ from harness.scene import (
     Vector3,
     rotation_matrix,
 )
-from harness.trajectory import Contacts, Floats, Hits, Integers, State
+from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
 
 __all__ = ["ADAPTER"]
 
@@ -389,9 +389,9 @@ class DartSimulation(Simulation):
                 normal[r] = hit.mNormal
         return Hits(distance, body, normal)
 
-    def render(self, camera: Camera) -> Floats:  # noqa: ARG002  (the contract's signature; DART draws nothing)
+    def render(self, camera: Camera, colour: bool = True) -> Image:  # noqa: ARG002  (the contract's signature; DART draws nothing)
         """Not there. Raises: Unsupported."""
-        raise Unsupported("render", "dartpy draws through OpenSceneGraph into a window only; it has no headless depth image")
+        raise Unsupported("render", "dartpy draws through OpenSceneGraph into a window only; it has no headless picture")
 
     def command(self, targets: Mapping[str, float]) -> None:
         """Set the targets [rad or m] of drives by the names of their joints."""

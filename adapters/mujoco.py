@@ -27,7 +27,8 @@ Deviations:
   that are fixed to each other anyway lets them not collide.
 * Damping of a body inside a joint tree is `Unsupported` unless its motion is that of one coordinate of its own.
 * A revolute joint that closes a loop is held at two points of its axis, which is one constraint more than it needs.
-* Depth images are rasterised: round shapes are polyhedra, depth is a single-precision buffer.
+* Images are rasterised: round shapes are polyhedra, depth is a single-precision buffer, colours have 8 bits, nothing casts
+  a shadow, and what a surface mirrors or lets through is taken to be the sky.
 * `contacts` are those that the last step was made with, at its start; under RK4 those of its last stage.
 """
 
@@ -67,7 +68,7 @@ from harness.scene import (
     multiply,
     rotation_matrix,
 )
-from harness.trajectory import Contacts, Floats, Hits, Integers, State
+from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
 
 __all__ = ["ADAPTER", "MujocoAdapter", "MujocoSimulation"]
 
@@ -323,10 +324,12 @@ class MujocoSimulation:
 
         return cast
 
-    def render(self, camera: Camera) -> Floats:
-        """z-depth [m] by OpenGL on EGL."""
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        """By OpenGL on EGL: depth and bodies in one pass, where every geom has a number for its colour; colours in another."""
+        if camera.renderer != "rasterised":
+            raise Unsupported(f"ray-traced image of camera '{camera.name}'", "MuJoCo draws by OpenGL's z-buffer alone")
         mj = self._mj
-        gl, context, view = self._surface(camera)
+        gl, _, view = self._surface(camera)
         gl.make_current()
         self._pose()
         drawn = mj.MjvOption()
@@ -334,14 +337,52 @@ class MujocoSimulation:
         mj.mjv_updateScene(self._m, self._d, drawn, None, mj.MjvCamera(), mj.mjtCatBit.mjCAT_ALL.value, view)
         near, far = 0.01, max(100.0, 50 * float(self._m.stat.extent))
         self._aim(view, camera, near, far)
-        rectangle = mj.MjrRect(0, 0, camera.width, camera.height)
-        raw = np.zeros((camera.height, camera.width), dtype=np.float32)
-        mj.mjr_render(rectangle, view, context)
-        mj.mjr_readPixels(None, raw, rectangle, context)
-        depth = raw[::-1].astype(np.float64)
+        raw, numbers = self._pass(camera, numbered=True)
         # The buffer holds reversed z: 1 at `near`, 0 at `far` and where nothing was drawn.
         with np.errstate(divide="ignore"):
-            return np.where(depth > 0, near * far / (near + depth * (far - near)), np.inf)
+            depth = np.where(raw > 0, near * far / (near + raw * (far - near)), np.inf)
+        owner = np.full(view.maxgeom + 1, -1, dtype=np.int64)
+        for geom in view.geoms[: view.ngeom]:
+            owner[geom.segid + 1] = self._places.scene_body[self._m.geom_bodyid[geom.objid]]
+        body = owner[numbers.astype(np.int64) @ (1, 256, 65536)]
+        return Image(depth, np.where(raw > 0, body, -1), self._painted(camera, body) if colour else None)
+
+    def _pass(self, camera: Camera, numbered: bool) -> tuple[Floats, Any]:
+        """Draw the scene: the depth buffer (h, w) and the colours (h, w, 3) of 8 bits, from the top down."""
+        mj = self._mj
+        assert self._window is not None
+        _, context, view = self._window
+        view.flags[mj.mjtRndFlag.mjRND_SEGMENT] = view.flags[mj.mjtRndFlag.mjRND_IDCOLOR] = int(numbered)
+        rectangle = mj.MjrRect(0, 0, camera.width, camera.height)
+        depth, colour = (
+            np.zeros((camera.height, camera.width), np.float32),
+            np.zeros((camera.height, camera.width, 3), np.uint8),
+        )
+        mj.mjr_render(rectangle, view, context)
+        mj.mjr_readPixels(colour, depth, rectangle, context)
+        return depth[::-1].astype(np.float64), colour[::-1]
+
+    def _painted(self, camera: Camera, body: Integers) -> Floats:
+        """Linear colours under the scene's sun and sky, without shadows; what does not scatter shows the sky.
+
+        OpenGL adds and multiplies plain numbers in 0..1, so the light is scaled down to that and the picture up again.
+        """
+        assert self._window is not None
+        view, sun = self._window[2], self._scene.sun
+        direct, looks = sun.irradiance / math.pi, [one.appearance for one in self._scene.bodies]
+        scale = max(direct + sun.sky, 1e-300)
+        for geom in view.geoms[: view.ngeom]:
+            look = looks[self._places.scene_body[self._m.geom_bodyid[geom.objid]]]
+            geom.rgba[:] = (*(look.scatters * share for share in look.colour), 1.0)
+            geom.emission = geom.specular = geom.shininess = geom.reflectance = 0.0
+        view.nlight, light = 1, view.lights[0]
+        light.type, light.headlight, light.castshadow = self._mj.mjtLightType.mjLIGHT_DIRECTIONAL, 0, 0
+        light.dir[:] = -np.array(sun.towards_W)
+        light.ambient[:], light.diffuse[:], light.specular[:] = sun.sky / scale, direct / scale, 0.0
+        _, shades = self._pass(camera, numbered=False)
+        through = np.array([*(1.0 - look.scatters for look in looks), 1.0])[body]
+        painted: Floats = np.where((body >= 0)[..., None], shades * (scale / 255.0), 0.0) + (sun.sky * through)[..., None]
+        return painted
 
     def _surface(self, camera: Camera) -> tuple[Any, Any, Any]:
         mj, buffer = self._mj, self._m.vis.global_
@@ -365,7 +406,8 @@ class MujocoSimulation:
             ) from error
         context.readDepthMap = mj.mjtDepthMap.mjDEPTH_ZEROFAR
         view = mj.MjvScene(self._m, max(1000, 2 * self._m.ngeom + 100))
-        view.flags[mj.mjtRndFlag.mjRND_SHADOW] = view.flags[mj.mjtRndFlag.mjRND_REFLECTION] = 0
+        for effect in ("SHADOW", "REFLECTION", "HAZE", "FOG", "SKYBOX"):
+            view.flags[getattr(mj.mjtRndFlag, f"mjRND_{effect}")] = 0
         self._window = (gl, context, view)
         return self._window
 
@@ -1276,7 +1318,7 @@ ADAPTER = MujocoAdapter(
     name="mujoco",
     title="MuJoCo",
     distribution="mujoco",
-    features=~Feature.STATIC_FRICTION,
+    features=~(Feature.STATIC_FRICTION | Feature.RAY_TRACING),
     tracks={
         "default": Settings(
             source="MuJoCo's own defaults: Euler, Newton, 100 iterations, tolerance 1e-8, pyramidal cone, impratio 1"

@@ -27,6 +27,8 @@ Deviations:
       beside contacts, nor static above kinetic friction, nor rolling and torsional friction: `build` raises `Unsupported`.
     * The solver 'sequential_impulses' (one sub-step of ten sweeps, unless set) works depths off apart from the velocities.
       Beside joints `build` raises `Unsupported`.
+    * Rasterised pictures have neither shadows nor mirrors nor glass: what does not scatter shows the sky. In ray-traced ones
+      all bodies, clear ones too, keep the sun off what lies behind them, and the whole sky lights every surface.
     * On the track 'tuned' the scene decides ('suited', see `_suited`): contacts are exact where few bodies of unlike masses
       have weight (some 20 times the cost of a soft step), sequential impulses where bodies start inside each other.
 """
@@ -40,6 +42,7 @@ import numpy as np
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unsupported
 from harness.batch import Batch
 from harness.scene import (
+    WORLD,
     Ball,
     Body,
     Box,
@@ -60,8 +63,10 @@ from harness.scene import (
     Sphere,
     Surface,
     TriangleMesh,
+    multiply,
+    rotate,
 )
-from harness.trajectory import Contacts, Floats, Hits, Integers, State
+from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
 
 if TYPE_CHECKING:
     import engine
@@ -286,6 +291,12 @@ def _body(body: Body, effects: Effect) -> "engine.Body":
         shapes=tuple(_placed(part) for part in body.collision),
         visual=None if body.visual is None else tuple(_placed(part) for part in body.visual),
         material=body.material,
+        optics=engine.Optics(
+            colour=body.appearance.colour,
+            mirror=body.appearance.mirror,
+            transmission=body.appearance.transmission,
+            refractive_index=body.appearance.refractive_index,
+        ),
         p_WB=body.p_WB,
         q_WB=body.q_WB,
         v_WB=body.v_WB,
@@ -368,7 +379,7 @@ class _Simulation:
     """One world of the engine."""
 
     def __init__(self, world: "engine.World", scene: Scene, resolved: Settings) -> None:
-        self._world, self._resolved = world, resolved
+        self._world, self._scene, self._resolved = world, scene, resolved
         self._drives = {j.name for j in scene.joints if getattr(j, "drive", None) is not None}
         if Effect.DRIVES not in scene.effects:
             self._drives = set()
@@ -410,8 +421,40 @@ class _Simulation:
         hits = self._world.cast(origins, directions, max_range)
         return Hits(distance=hits.distance, body=hits.body, normal_W=hits.normal)
 
-    def render(self, camera: Camera) -> Floats:
-        raise Unsupported(f"image of camera '{camera.name}'", "the engine has no renderer yet")
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        import engine
+
+        try:
+            seen = self._world.render(
+                self._eye(camera), camera.renderer, colour=colour, threads=self._world.options.threads
+            )  # fmt: skip
+        except (engine.NotSupported, ValueError) as error:
+            raise Unsupported(f"image of camera '{camera.name}'", str(error)) from error
+        return Image(depth=seen.depth, body=seen.body, colour=seen.colour)
+
+    def _eye(self, camera: Camera) -> "engine.Eye":
+        """The camera in the engine's words, where its body is now."""
+        import engine
+
+        p_WS, q_WS = camera.p_BS, camera.q_BS
+        if camera.body != WORLD:
+            row = self._world.state()[self._scene.index(camera.body)].tolist()
+            q_WB = (row[3], row[4], row[5], row[6])
+            x, y, z = rotate(q_WB, camera.p_BS)
+            p_WS, q_WS = (row[0] + x, row[1] + y, row[2] + z), multiply(q_WB, camera.q_BS)
+        bent = camera.distortion
+        return engine.Eye(
+            p_WE=p_WS,
+            q_WE=q_WS,
+            width=camera.width,
+            height=camera.height,
+            focal_x=camera.focal_x,
+            focal_y=camera.focal_y,
+            centre_x=camera.centre_x,
+            centre_y=camera.centre_y,
+            lens=None if bent is None else engine.Lens(k1=bent.k1, k2=bent.k2, k3=bent.k3, p1=bent.p1, p2=bent.p2),
+            samples=camera.samples,
+        )
 
     def command(self, targets: Mapping[str, float]) -> None:
         for name, target in targets.items():
@@ -492,6 +535,7 @@ def _world(scene: Scene, options: Any) -> Any:
             gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0),
             options=options,
             apart=scene.apart,
+            sun=engine.Sun(towards_W=scene.sun.towards_W, irradiance=scene.sun.irradiance, sky=scene.sun.sky),
         )
     except engine.NotSupported as error:
         raise Unsupported(error.what, error.why) from error
@@ -517,10 +561,14 @@ class _Reference(Adapter):
         return f"{engine.__version__}+{source_digest()[:8]}"
 
     def compile(self, scene: Scene, settings: Settings) -> None:
+        import engine
+
         world = _world(scene, _options(scene, settings))
         world.compile()
         if scene.sensors:
             world.cast([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 1.0)
+        for renderer in {sensor.renderer for sensor in scene.sensors if isinstance(sensor, Camera)}:
+            world.render(engine.Eye(width=2, height=2), renderer)
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         return _build(scene, settings)
@@ -545,8 +593,8 @@ ADAPTER = _Reference(
     features=F.SPHERE | F.BOX | F.CAPSULE | F.CYLINDER | F.PLANE | F.CONVEX_HULL | F.TRIANGLE_MESH | F.COMPOUND | F.FULL_INERTIA
     | F.KINEMATIC | F.FIXED | F.BALL | F.REVOLUTE | F.PRISMATIC | F.DISTANCE | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES
     | F.PAIR_FRICTION | F.STATIC_FRICTION | F.ROLLING_FRICTION | F.TORSIONAL_FRICTION | F.RESTITUTION
-    | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS | F.WRENCH
-    | F.SAVE | F.NATIVE_STEPS,
+    | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS | F.RENDER
+    | F.RAY_TRACING | F.WRENCH | F.SAVE | F.NATIVE_STEPS,
     tracks={
         "default": Settings(
             substeps=4,
@@ -583,6 +631,7 @@ ADAPTER = _Reference(
         "A body that just misses another may be turned aside by speculative contacts, unless collision is swept.",
         "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
         "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",
+        "Ray-traced pictures: clear bodies cast the shadows of dark ones, and nothing keeps the light of the sky off.",
     ),
     orders={
         "explicit_euler": 1, "semi_implicit_euler": 1, "velocity_verlet": 2, "implicit_midpoint": 2, "rk4": 4, "splitting_4": 4,

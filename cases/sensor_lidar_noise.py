@@ -16,6 +16,7 @@ from harness.metrics.range_error import (
 )
 from harness.metrics.range_noise import RANGE_CORRELATION, RANGE_DISTRIBUTION, RANGE_MEAN, RANGE_SPREAD
 from harness.scene import (
+    Appearance,
     Body,
     Box,
     Capsule,
@@ -41,7 +42,8 @@ RATE = 10.0
 CHANNELS, COLUMNS = 32, 360
 HALF = (4.0, 3.0, 1.5)
 """Half extents of the inside of the room [m]; the floor is at z = 0."""
-NOISE = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05, reflectivity=0.8)
+NOISE = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05)
+REFLECTIVITY = 0.8
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 SINGLE = 2.0**-24
 GRAZING = 0.015
@@ -49,7 +51,8 @@ GRAZING = 0.015
 
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED) -> Body:
-    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, q_WB=q_WB)
+    look = Appearance(reflectivity=REFLECTIVITY)
+    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
 def _scene(channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) -> Scene:
@@ -105,7 +108,7 @@ def _expected(time: Floats, channels: int = CHANNELS, columns: int = COLUMNS, ti
     hits = first_hits(scene, start, origins, directions, lidar.max_range)
     count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) + 1 if len(truth) else 0
     streams: dict[str, Floats] = {"lidar/time": np.arange(count) / RATE}
-    for name, signal in zip(("range", "intensity"), scanning.ideal(lidar, directions, hits), strict=True):
+    for name, signal in zip(("range", "intensity"), scanning.ideal(lidar, scene, directions, hits), strict=True):
         streams[f"lidar/{name}_ideal"] = np.broadcast_to(signal, (count, *signal.shape))
     return replace(truth, streams=streams)
 

@@ -1,10 +1,12 @@
-"""The reference physics engine: rigid bodies, joints, contacts with friction, and rays. It knows nothing of the harness."""
+"""The reference physics engine: rigid bodies, joints, contacts, rays and pictures. It knows nothing of the harness."""
 
 from typing import TYPE_CHECKING, Any
 
 from engine.bodies import Body, Surface
 from engine.errors import Diverged, ManyImpacts, NotSupported
+from engine.images.eye import Eye, Lens, Picture
 from engine.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
+from engine.optics import Optics, Sun
 from engine.options import Options
 from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh
 
@@ -14,8 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged",
-    "Drive", "Fixed", "Hits", "Joint", "Limits", "ManyImpacts", "NotSupported", "Options", "Placed", "Plane", "Prismatic",
-    "Revolute", "Shape", "Sphere", "Spring", "Surface", "TriangleMesh", "World",
+    "Drive", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported", "Optics", "Options", "Picture",
+    "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface", "TriangleMesh", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.check import finite, not_negative, positive, spd_inertia, unit_quaternion
+from engine.optics import Optics
 from engine.shapes import Placed
 
 __all__ = ["Body", "Numbers", "Surface"]
@@ -16,14 +17,18 @@ Numbers = Sequence[float] | NDArray[np.float64]
 """A few numbers: a tuple, a list or an array."""
 
 
+PLAIN = Optics()
+"""Light grey that only scatters."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Body:
     """A rigid body.
 
     Terms:
         mass [kg]; inertia (3, 3) kg m2 in B about the centre of mass; shapes: what touches; visual: what is drawn and seen by
-        rays that ask for it, the same if None; p_WB [m], q_WB (w, x, y, z), v_WB [m/s] of the centre of
-        mass, w_WB [rad/s] in W; linear_damping and angular_damping: rates c [1/s] in v' = -c v and w' = -c w;
+        rays that ask for it, the same if None; optics: what light does at its surface; p_WB [m], q_WB (w, x, y, z), v_WB [m/s]
+        of the centre of mass, w_WB [rad/s] in W; linear_damping and angular_damping: rates c [1/s] in v' = -c v and w' = -c w;
         motion: 'static' never moves, 'kinematic' keeps its velocities whatever touches it.
     """
 
@@ -33,6 +38,7 @@ class Body:
     shapes: Sequence[Placed] = ()
     visual: Sequence[Placed] | None = None
     material: str = "default"
+    optics: Optics = PLAIN
     p_WB: Numbers = (0.0, 0.0, 0.0)
     q_WB: Numbers = (1.0, 0.0, 0.0, 0.0)
     v_WB: Numbers = (0.0, 0.0, 0.0)
@@ -48,6 +54,8 @@ class Body:
         for part, placed in enumerate(self.shapes):
             if not isinstance(placed, Placed):
                 raise ValueError(f"{label}: shape {part} is {placed!r}, expected a Placed")
+        if not isinstance(self.optics, Optics):
+            raise ValueError(f"{label}: optics {self.optics!r}, expected Optics")
         if self.motion not in ("dynamic", "static", "kinematic"):
             raise ValueError(f"{label}: motion '{self.motion}', expected dynamic, static or kinematic")
         if self.motion == "dynamic":

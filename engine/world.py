@@ -18,11 +18,14 @@ from engine.broad.choice import DropApart, FindPairs, choose_broad_phase, load_s
 from engine.check import finite, number, whole
 from engine.errors import Diverged, NotSupported
 from engine.joints import Joint
+from engine.optics import Sun
 from engine.options import FREE_INTEGRATORS, Options
 from engine.shapes import Placed
 
 if TYPE_CHECKING:
     from engine.exact.steps import Certificate
+    from engine.images.eye import Eye, Picture
+    from engine.images.paths import Paths
     from engine.ray_tree import RayTree
     from engine.swept.steps import Impacts
 
@@ -30,6 +33,7 @@ __all__ = ["Contacts", "Hits", "Kernels", "World"]
 
 GEOMETRIES = ("collision", "visual")
 METHODS = ("tiles", "brute_force")
+RENDERERS = ("rasterised", "ray_traced")
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -77,7 +81,7 @@ class World:
     Args:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
-        never touch.
+        never touch. sun: the light that pictures are taken in.
     Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for an integrator of free
         bodies where there are joints or contacts, for what the exact solver lacks, and for joints beside contacts where these
         are swept or solved by sequential impulses.
@@ -91,8 +95,10 @@ class World:
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         options: Options | None = None,
         apart: Sequence[tuple[str, str]] = (),
+        sun: Sun | None = None,
     ) -> None:
         self.options = options or Options()
+        self.sun = sun or Sun()
         self.touching = self.options.contacts and _may_touch(bodies)
         islands = self.touching and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
@@ -345,6 +351,34 @@ class World:
             branches = (tree.root, tree.node, tree.link, tree.solid, tree.frame)
             cast_on_polyhedra(self._floats, self._ints, *branches, o, d, float(max_range), *answers)
         return hits
+
+    def render(self, eye: "Eye", method: str = "rasterised", colour: bool = True, threads: int = 1) -> "Picture":
+        """What an eye sees of the visual shapes.
+
+        Args: method: 'rasterised', a z-buffer that knows sun and sky but no shadow, mirror or glass; or 'ray_traced', with
+            hard shadows, mirrors and refraction. There all bodies keep the sun off, clear ones too, and no light comes from
+            the sun by mirrors or through glass. colour: whether colours are wanted. threads: of the rays.
+        Raises: ValueError for another method, or a lens that shows nothing at some pixel; NotSupported for a lens of a
+            rasterised picture.
+        """
+        if method not in RENDERERS:
+            raise ValueError(f"picture: method '{method}', expected {' or '.join(RENDERERS)}")
+        from engine.images.draw import rasterised, ray_traced
+
+        drawn = self._as_drawn()
+        if method == "rasterised":
+            return rasterised(drawn._floats, drawn._ints, self._bodies, self.sun, eye, colour)
+        return ray_traced(partial(drawn.cast, threads=threads), self._bodies, self.sun, eye, colour)
+
+    def trace(self, origins: Any, directions: Any, bounces: int = 12) -> "Paths":
+        """The ways of rays of light with origins (r, 3) m and directions (r, 3), over mirrors and through clear solids.
+
+        Raises: ValueError as `cast`.
+        """
+        from engine.images.paths import traced_paths
+
+        o, d = np.atleast_2d(np.ascontiguousarray(origins, float)), np.ascontiguousarray(directions, float)
+        return traced_paths(self._as_drawn().cast, self._bodies, o, d, whole("rays", "bounces", bounces, 0))
 
     def _as_drawn(self) -> "World":
         """A world of the bodies with their visual shapes, where they are now."""

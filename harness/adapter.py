@@ -21,7 +21,8 @@ The contract, proven by `harness.conformance`:
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
-* Three things may be offered beyond the protocol. For the clock: `build_batch`, many worlds of one scene on one thread, and
+* Four things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
+  and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock: `build_batch`, many worlds of one scene on one thread, and
   `Simulation.caster(origins, directions, max_range)`, a function that casts the same rays again into arrays made beforehand.
   For forces told anew before each step: `Simulation.force_lead`, the share of a step after whose start a force held over it is
   to be evaluated (see `harness.control`); 0 unless said.
@@ -35,7 +36,7 @@ from typing import Any, Protocol
 
 from harness.batch import Batch, Turns
 from harness.scene import Camera, Scene
-from harness.trajectory import Contacts, Floats, Hits, State
+from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = ["Adapter", "Diverged", "Feature", "Settings", "SettingsError", "Simulation", "Unavailable", "Unsupported"]
 
@@ -78,6 +79,8 @@ class Feature(Flag):
     CONTACT_FORCES = auto()
     RAYS = auto()
     RENDER = auto()
+    RAY_TRACING = auto()
+    """Pictures with shadows, reflection and refraction, through any lens."""
     WRENCH = auto()
     SAVE = auto()
     NATIVE_STEPS = auto()
@@ -164,8 +167,8 @@ class Simulation(Protocol):
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hit of each ray within max_range [m]; origins (r, 3) m, directions (r, 3) unit, in W. Raises: Unsupported."""
 
-    def render(self, camera: Camera) -> Floats:
-        """The engine's own z-depth image (height, width) m, inf where nothing is seen. Raises: Unsupported."""
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        """The engine's own picture by `camera.renderer`, without colours if these are not wanted. Raises: Unsupported."""
 
     def command(self, targets: Mapping[str, float]) -> None:
         """Set the targets [rad or m] of drives by the names of their joints, until told otherwise."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.scene import Scene
 
-__all__ = ["Contacts", "Floats", "Hits", "Integers", "State", "Trajectory"]
+__all__ = ["Contacts", "Floats", "Hits", "Image", "Integers", "State", "Trajectory"]
 
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
@@ -110,6 +110,20 @@ class Hits:
     distance: Floats
     body: Integers
     normal_W: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """What a camera saw.
+
+    Terms:
+        depth (height, width) m along the optical axis, inf where nothing is seen. body (height, width): place in the scene of
+        what is seen, -1 for nothing. colour (height, width, 3): linear red, green, blue; None where only shapes were drawn.
+    """
+
+    depth: Floats
+    body: Integers
+    colour: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.scene import Body, Camera, Scene, Vector3
-from harness.trajectory import Contacts, Floats, Hits, State
+from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = ["Broken", "Edit", "Repaired", "Rewritten", "Wrapped", "plant"]
 
@@ -91,9 +91,9 @@ class Wrapped:
         """As inside."""
         return self.inner.cast(origins, directions, max_range)
 
-    def render(self, camera: Camera) -> Floats:
+    def render(self, camera: Camera, colour: bool = True) -> Image:
         """As inside."""
-        return self.inner.render(camera)
+        return self.inner.render(camera, colour)
 
     def command(self, targets: Mapping[str, float]) -> None:
         """As inside."""

@@ -1,6 +1,7 @@
 """One probe for each feature: a scene or a call that an engine without the feature cannot honour."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import reduce
 from operator import or_
 
@@ -20,6 +21,7 @@ from harness.scene import (
     ConvexHull,
     Cylinder,
     Distance,
+    Distortion,
     Drive,
     Effect,
     Fixed,
@@ -192,10 +194,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
 """What each feature lets a scene say. CONTACT_FORCES and NATIVE_STEPS have no scene or call that could be refused."""
 
 
-def _camera(simulation: Simulation) -> None:
-    simulation.render(
-        Camera(name="camera", body=WORLD, rate=1.0, width=16, height=12, focal_x=10, focal_y=10, centre_x=8, centre_y=6)
-    )
+_CAMERA = Camera(name="camera", body=WORLD, rate=1.0, width=16, height=12, focal_x=10, focal_y=10, centre_x=8, centre_y=6)
 
 
 def _ray(simulation: Simulation) -> None:
@@ -205,7 +204,10 @@ def _ray(simulation: Simulation) -> None:
 _CALLS: Mapping[Feature, Callable[[Simulation], object]] = {
     Feature.CONTACTS: lambda simulation: simulation.contacts(),
     Feature.RAYS: _ray,
-    Feature.RENDER: _camera,
+    Feature.RENDER: lambda simulation: simulation.render(_CAMERA),
+    Feature.RAY_TRACING: lambda simulation: simulation.render(
+        replace(_CAMERA, renderer="ray_traced", distortion=Distortion(k1=-0.01))
+    ),
     Feature.WRENCH: lambda simulation: simulation.wrench(np.zeros((1, 3)), np.zeros((1, 3))),
     Feature.SAVE: lambda simulation: simulation.restore(simulation.save()),
 }

@@ -45,6 +45,14 @@ from harness.conformance.broken_engines import (
     unrepeatable,
     wrapped,
 )
+from harness.conformance.broken_pictures import (
+    DistantNearPlane,
+    EncodedColours,
+    HalfAPixelOff,
+    MisnamedBodies,
+    RangeForDepth,
+    ShadowsLeftOut,
+)
 from harness.conformance.faults import plant
 from harness.scene import (
     Effect,
@@ -89,7 +97,7 @@ _SLIDES = (
 )  # fmt: skip
 """Cases by what moves in them, as far as they notice the same faults."""
 
-_C, _W = Feature.BOX | Feature.CONTACTS, Feature.WRENCH
+_C, _W, _R = Feature.BOX | Feature.CONTACTS, Feature.WRENCH, Feature.BOX | Feature.RENDER
 _FALL = "free_fall_has_the_size_and_sign_of_g"
 
 CONTROLS: tuple[Control, ...] = (
@@ -312,6 +320,48 @@ CONTROLS: tuple[Control, ...] = (
         plant=wrapped(EndlessRays),
         caught_by=("ray_beyond_max_range_misses",),
         needs=Feature.RAYS,
+    ),
+    Control(
+        name="range_for_depth",
+        fault="depth images hold distances from the pinhole",
+        plant=wrapped(RangeForDepth),
+        caught_by=("image_is_z_depth", "image_is_cut_near_the_camera"),
+        needs=_R,
+    ),
+    Control(
+        name="half_a_pixel_off",
+        fault="the centre of the first pixel is taken to be at (0, 0)",
+        plant=wrapped(HalfAPixelOff),
+        caught_by=("pixel_centre_is_at_half",),
+        needs=_R,
+    ),
+    Control(
+        name="misnamed_bodies",
+        fault="images count bodies from 1",
+        plant=wrapped(MisnamedBodies),
+        caught_by=("image_names_bodies",),
+        needs=_R,
+    ),
+    Control(
+        name="distant_near_plane",
+        fault="images leave out what is nearer than half a metre",
+        plant=wrapped(DistantNearPlane),
+        caught_by=("image_is_cut_near_the_camera",),
+        needs=_R,
+    ),
+    Control(
+        name="encoded_colours",
+        fault="colours are encoded for screens",
+        plant=wrapped(EncodedColours),
+        caught_by=("image_is_lit_by_sun_and_sky",),
+        needs=_R,
+    ),
+    Control(
+        name="shadows_left_out",
+        fault="a rasterised image is passed off as a ray-traced one",
+        plant=wrapped(ShadowsLeftOut),
+        caught_by=("ray_traced_image_has_shadows",),
+        needs=Feature.RAY_TRACING | Feature.BOX,
     ),
     Control(
         name="save_keeps_nothing",

@@ -1,22 +1,17 @@
 """A scene: bodies, joints, surfaces and sensors in SI units, as frozen values that validate themselves on construction."""
 
+from harness.scene.appearance import Appearance, Sun
 from harness.scene.body import Body, PlacedShape
+from harness.scene.camera import Camera, Distortion
+from harness.scene.depth_camera import DepthCamera, DepthNoise
 from harness.scene.effect import Effect
+from harness.scene.imu import AxisNoise, Imu, ImuNoise
 from harness.scene.inertia import box_inertia, capsule_inertia, cylinder_inertia, principal_inertia, sphere_inertia
 from harness.scene.joint import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
+from harness.scene.lidar import Lidar, LidarNoise
 from harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
 from harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
-from harness.scene.sensor import (
-    AxisNoise,
-    Camera,
-    DepthCamera,
-    DepthNoise,
-    Imu,
-    ImuNoise,
-    Lidar,
-    LidarNoise,
-    Sensor,
-)
+from harness.scene.sensor import Sensor
 from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh, width
 from harness.scene.surface import Surface
 from harness.scene.values import Matrix3, Quaternion, Vector3
@@ -24,6 +19,7 @@ from harness.scene.values import Matrix3, Quaternion, Vector3
 __all__ = [
     "EARTH_GRAVITY",
     "WORLD",
+    "Appearance",
     "AxisNoise",
     "Ball",
     "Body",
@@ -35,6 +31,7 @@ __all__ = [
     "DepthCamera",
     "DepthNoise",
     "Distance",
+    "Distortion",
     "Drive",
     "Effect",
     "Fixed",
@@ -56,6 +53,7 @@ __all__ = [
     "Shape",
     "Sphere",
     "Spring",
+    "Sun",
     "Surface",
     "TriangleMesh",
     "Vector3",

@@ -5,6 +5,7 @@ from typing import Literal
 import numpy as np
 from pydantic.dataclasses import dataclass
 
+from harness.scene.appearance import Appearance
 from harness.scene.shape import Shape
 from harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
 
@@ -27,7 +28,7 @@ class Body:
     Terms:
         mass [kg], inertia [kg m2] shape (3, 3), symmetric, about the centre of mass in B.
         collision: the shapes that touch (several make a compound); visual: what is drawn, the same if None.
-        material: the name that surfaces pair up.
+        material: the name that surfaces pair up. appearance: what light does at its surface.
         p_WB [m], q_WB, v_WB [m/s], w_WB [rad/s]: pose and velocity at time 0, in W.
         motion: static bodies never move, kinematic ones keep their velocity whatever touches them.
         linear_damping, angular_damping [1/s]: v' = -c v and w' = -c w beside all other accelerations.
@@ -39,6 +40,7 @@ class Body:
     collision: tuple[PlacedShape, ...] = ()
     visual: tuple[PlacedShape, ...] | None = None
     material: Name = "default"
+    appearance: Appearance = Appearance()
     p_WB: Vector3 = (0.0, 0.0, 0.0)
     q_WB: Quaternion = (1.0, 0.0, 0.0, 0.0)
     v_WB: Vector3 = (0.0, 0.0, 0.0)

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import WithJsonSchema, field_serializer, field_validator
 from pydantic.dataclasses import dataclass
 
+from harness.scene.appearance import Sun
 from harness.scene.body import Body
 from harness.scene.effect import Effect
 from harness.scene.joint import WORLD, Joint
@@ -39,7 +40,7 @@ class Scene:
     """Everything that an engine is told, apart from how to solve it.
 
     Terms:
-        gravity [m/s2] in W. widen, narrow: effects switched on or off against what the content says.
+        gravity [m/s2] in W. sun: the light that cameras see by. widen, narrow: effects switched on or off against what the content says.
         apart: pairs of materials whose bodies pass through each other (both may be the same), so that they need no surface.
     """
 
@@ -48,6 +49,7 @@ class Scene:
     surfaces: tuple[Surface, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     gravity: Vector3 = EARTH_GRAVITY
+    sun: Sun = Sun()
     widen: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
     narrow: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
     apart: tuple[tuple[Name, Name], ...] = ()

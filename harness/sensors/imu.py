@@ -11,10 +11,12 @@ Source: Titterton and Weston, Strapdown Inertial Navigation Technology, 2nd ed.,
 import numpy as np
 
 from harness.kinematics import conjugate, product, rotate, rotate_back
-from harness.scene import Imu
-from harness.trajectory import Floats
+from harness.scene import Effect, Imu
+from harness.sensors.imu_noise import three_axes
+from harness.sensors.reader import Setting, row_of
+from harness.trajectory import Floats, State
 
-__all__ = ["ideal"]
+__all__ = ["ImuReader", "ideal"]
 
 
 def ideal(
@@ -41,3 +43,30 @@ def _middle(q: Floats) -> Floats:
     total = q[:-1] + np.where(step[:, :1] < 0, -1.0, 1.0) * q[1:]
     middle: Floats = total / np.linalg.norm(total, axis=1, keepdims=True)
     return middle
+
+
+class ImuReader:
+    """Readings '<name>/accelerometer' and '<name>/gyroscope' (k, 3); none at time 0, before which no interval has passed."""
+
+    def __init__(self, imu: Imu, setting: Setting, start: State) -> None:
+        self._imu, self._setting = imu, setting
+        self._times, self._rows = [0.0], [row_of(setting.scene, imu.body, start)]
+
+    def read(self, time: float, state: State) -> None:
+        """Note the state of the carrying body."""
+        if time > 0:
+            self._times.append(time)
+            self._rows.append(row_of(self._setting.scene, self._imu.body, state))
+
+    def streams(self) -> dict[str, Floats]:
+        """Both channels, ideal and with noise."""
+        imu, scene = self._imu, self._setting.scene
+        name, time, rows = imu.name, np.array(self._times), np.stack(self._rows)
+        felt = (0.0, 0.0, 0.0) if Effect.GRAVITY in scene.narrow else scene.gravity
+        force, rate = ideal(imu, time, rows[:, 3:7], rows[:, 7:10], rows[:, 10:], felt)
+        found = {f"{name}/time": time[1:], f"{name}/accelerometer_ideal": force, f"{name}/gyroscope_ideal": rate}
+        for channel, signal in (("accelerometer", force), ("gyroscope", rate)):
+            law = None if imu.noise is None else getattr(imu.noise, channel)
+            noise = 0.0 if law is None else three_axes(law, len(signal), 1.0 / imu.rate, self._setting.seed, name, channel)
+            found[f"{name}/{channel}"] = signal + noise
+        return found

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Unsupported
 from harness.scene import Camera, Effect, Scene, multiply, rotation_matrix
-from harness.trajectory import Contacts, Floats, Hits, State
+from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = ["ADAPTER", "Flight", "FreeFlight"]
 
@@ -86,7 +86,7 @@ class Flight:
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         raise Unsupported("rays", "free flight has no shapes")
 
-    def render(self, camera: Camera) -> Floats:
+    def render(self, camera: Camera, colour: bool = True) -> Image:
         raise Unsupported("render", "free flight has no shapes")
 
     def command(self, targets: Mapping[str, float]) -> None:

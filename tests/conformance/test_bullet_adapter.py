@@ -601,7 +601,7 @@ def test_depth_of_a_plane_is_right_at_the_centres_of_the_pixels(axis: tuple[floa
         centre_y=20.0,
     )
     with built(Scene(bodies=(plane,)), TUNED) as simulation:
-        depth = simulation.render(camera)
+        depth = simulation.render(camera).depth
     u, v = np.meshgrid(np.arange(64) + 0.5, np.arange(48) + 0.5)
     rays = np.stack([(u - 30) / 50, (v - 20) / 60, np.ones_like(u)], axis=-1) @ rotation(camera.q_BS).T
     with np.errstate(divide="ignore"):

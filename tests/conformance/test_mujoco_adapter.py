@@ -520,7 +520,7 @@ def test_depth_agrees_with_rays_through_a_tilted_pinhole_off_its_centre() -> Non
     mount = Body(name="mount", motion="static", p_WB=(0.2, 0.1, -1.0), q_WB=axis_angle((0.0, 1.0, 0.0), 0.1))
     simulation = _build(Scene(bodies=(wall, mount)))
     try:
-        depth = simulation.render(camera)
+        depth = simulation.render(camera).depth
     except Unsupported as refused:
         pytest.skip(str(refused))
     finally:

@@ -105,7 +105,7 @@ def scenes(draw: st.DrawFn) -> Scene:
         Imu(name="imu", body=a, rate=100.0, noise=draw(st.none() | st.just(ImuNoise()))),
         Lidar(name="lidar", body="world", rate=10.0, noise=LidarNoise(dropout=draw(shares))),
         Camera(name="camera", body=b, rate=30.0),
-        DepthCamera(name="depth", body=b, rate=30.0, principle=draw(st.sampled_from(("stereo", "time_of_flight")))),
+        DepthCamera(name="depth", body=b, rate=30.0),
     )
     return Scene(
         bodies=(*bodies, ground),

@@ -19,7 +19,7 @@ from harness.scene import Body, Lidar, LidarNoise, Scene
 from harness.sensors.lidar_noise import noisy
 from harness.trajectory import Floats, Trajectory
 
-LAW = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05, reflectivity=0.8)
+LAW = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05)
 SENSOR = Lidar(name="l", body="b", rate=10.0, channels=16, columns=60, noise=LAW)
 SCENE = Scene(bodies=(Body(name="b"),), sensors=(SENSOR,))
 SCORES = (RANGE_MEAN, RANGE_SPREAD, RANGE_CORRELATION, DROPOUT_SCORE)

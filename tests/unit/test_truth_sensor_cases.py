@@ -7,7 +7,7 @@ import pytest
 from cases.sensor_imu_noise import CASE as IMU
 from cases.sensor_imu_noise import RATE
 from cases.sensor_lidar_noise import CASE as LIDAR
-from cases.sensor_lidar_noise import GRAZING, NOISE
+from cases.sensor_lidar_noise import GRAZING, REFLECTIVITY
 from harness.scene import Imu, Lidar, rotation_matrix
 from harness.sensors import lidar as scanning
 from harness.sensors.rays import first_hits
@@ -83,9 +83,9 @@ def test_intensity_is_lamberts_cosine_of_the_closed_form_normal() -> None:
     lidar, origins, directions = _scan(0.1)
     hits = first_hits(scene, State.initial(scene), origins, directions, 20.0)
     floor = hits.body == scene.index("floor")
-    _, intensity = scanning.ideal(lidar, directions, hits)
-    np.testing.assert_allclose(intensity.ravel()[floor], NOISE.reflectivity * -directions[floor, 2], atol=1e-14)
-    assert (intensity <= NOISE.reflectivity + 1e-14).all()
+    _, intensity = scanning.ideal(lidar, scene, directions, hits)
+    np.testing.assert_allclose(intensity.ravel()[floor], REFLECTIVITY * -directions[floor, 2], atol=1e-14)
+    assert (intensity <= REFLECTIVITY + 1e-14).all()
 
 
 @pytest.mark.parametrize("case", [IMU, LIDAR], ids=lambda c: c.name)

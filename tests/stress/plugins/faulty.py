@@ -13,7 +13,7 @@ from harness.adapter import Adapter, Feature, Settings, Unavailable, Unsupported
 from harness.case import Case, Check
 from harness.metrics import position
 from harness.scene import Body, Camera, Scene
-from harness.trajectory import Contacts, Floats, Hits, State, Trajectory
+from harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
 POSITION = next(metric for metric in position.METRIC if metric.name == "position_error_max")
 
@@ -65,7 +65,7 @@ class Falling:
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         raise Unsupported("rays", "there is no geometry")
 
-    def render(self, camera: Camera) -> Floats:
+    def render(self, camera: Camera, colour: bool = True) -> Image:
         raise Unsupported("images", "there is no geometry")
 
     def command(self, targets: dict[str, float]) -> None:

@@ -1,0 +1,107 @@
+"""A picture by either renderer."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.errors import NotSupported
+from engine.images.eye import Eye, Picture
+from engine.images.tables import optics_table, sun_row
+
+if TYPE_CHECKING:
+    from engine.bodies import Body
+    from engine.images.waves import Cast
+    from engine.optics import Sun
+    from engine.world import Hits
+
+__all__ = ["rasterised", "ray_traced"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BLOCK = 1 << 16
+"""Pixels that are traced at once: their rays of one generation take some ten megabytes."""
+
+
+def rasterised(
+    floats: FloatArray, ints: IntArray, bodies: "Sequence[Body]", sun: "Sun", eye: Eye, colour: bool = True
+) -> Picture:
+    """A picture by the z-buffer. Raises: NotSupported for a lens."""
+    from engine.images.rasteriser import rasterise
+    from engine.images.shading import name_bodies, shade
+
+    if eye.lens is not None:
+        raise NotSupported("lens of a rasterised picture", "a rasteriser draws straight lines; the ray tracer knows lenses")
+    size = (eye.height, eye.width)
+    depth, tags, body = np.empty(size), np.empty(size, np.int64), np.empty(size, np.int64)
+    rasterise(floats, ints, eye.row, depth, tags)
+    if not colour:
+        name_bodies(ints, tags, body)
+        return Picture(depth, body, None)
+    painted = np.empty((*size, 3))
+    shade(floats, ints, eye.row, optics_table(bodies), sun_row(sun), depth, tags, body, painted)
+    return Picture(depth, body, painted)
+
+
+def ray_traced(cast: "Cast", bodies: "Sequence[Body]", sun: "Sun", eye: Eye, colour: bool = True) -> Picture:
+    """A picture by rays. Raises: ValueError for a lens that shows nothing at some pixel."""
+    from engine.images.patterns import even_points
+    from engine.images.waves import Light, first_wave, follow
+
+    depth, body = np.empty((eye.height, eye.width)), np.empty((eye.height, eye.width), np.int64)
+    painted = np.zeros((eye.height, eye.width, 3)) if colour else None
+    light = Light(optics_table(bodies), sun_row(sun), eye.bounces, eye.sky_rays)
+    points = even_points(eye.samples)
+    rows = max(1, BLOCK // eye.width)
+    for first in range(0, eye.height, rows):
+        part = slice(first, min(first + rows, eye.height))
+        aim = partial(_aimed, eye, first, part.stop - first)
+        origins, directions = aim(0.5, 0.5)
+        origins, hits = _seen(cast, origins, directions, eye)
+        along = np.linalg.norm(directions, axis=1)
+        start = 0.0 if len(origins) == 1 else ((origins - np.asarray(eye.p_WE, float)) * directions).sum(axis=1) / along**2
+        depth[part] = (start + hits.distance / along).reshape(-1, eye.width)
+        body[part] = hits.body.reshape(-1, eye.width)
+        if painted is None:
+            continue
+        pixels, radiance = np.arange(len(directions)), np.zeros((len(directions), 3))
+        for sample, (x, y) in enumerate(points):
+            if eye.samples > 1:
+                origins, directions = aim(float(x), float(y))
+                origins, hits = _seen(cast, origins, directions, eye)
+            for _ in follow(cast, first_wave(origins, directions, hits, pixels), light, sample, radiance):
+                pass
+        painted[part] = (radiance / eye.samples).reshape(-1, eye.width, 3)
+    return Picture(depth, body, painted)
+
+
+def _aimed(eye: Eye, first: int, rows: int, x: float, y: float) -> tuple[FloatArray, FloatArray]:
+    """Origin (1, 3) m and directions (n, 3) of the rays through one point (x, y) of each pixel in some rows.
+
+    Raises: ValueError naming the first pixel at which the lens shows nothing.
+    """
+    from engine.images.lens import look
+
+    directions = np.empty((rows * eye.width, 3))
+    dark = look(eye.row, eye.width, first, rows, x, y, directions)
+    if dark >= 0:
+        raise ValueError(
+            f"eye: lens {eye.lens} shows nothing at pixel ({dark % eye.width}, {first + dark // eye.width}), which lies beyond "
+            "its fold; expected one that covers the picture"
+        )
+    return np.atleast_2d(np.asarray(eye.p_WE, float)), directions
+
+
+def _seen(cast: "Cast", origin: FloatArray, directions: FloatArray, eye: Eye) -> "tuple[FloatArray, Hits]":
+    """First hits from the near plane on: rays that meet something before it start on it. Returns: the origins, and the hits."""
+    hits: Hits = cast(origin, directions)
+    early = np.flatnonzero(hits.distance < eye.near * np.linalg.norm(directions, axis=1))
+    if len(early) == 0:
+        return origin, hits
+    origins = np.repeat(origin, len(directions), axis=0)
+    origins[early] += eye.near * directions[early]
+    again = cast(origins[early], directions[early])
+    hits.distance[early], hits.body[early], hits.normal[early] = again.distance, again.body, again.normal
+    return origins, hits

@@ -1,0 +1,112 @@
+"""The camera that a picture is taken with, and the picture."""
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.check import finite, not_negative, number, positive, unit_quaternion, whole
+from engine.solids import quat_mat
+
+__all__ = ["Eye", "Lens", "Picture"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+WIDEST = 16384
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lens:
+    """Radial (k1, k2, k3) and tangential (p1, p2) distortion [1] of normalised image coordinates.
+
+    x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), and y' alike with p1 and p2 exchanged.
+    Source: Brown, Decentering Distortion of Lenses, Photogrammetric Engineering 32, 1966.
+    """
+
+    k1: float = 0.0
+    k2: float = 0.0
+    k3: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("k1", "k2", "k3", "p1", "p2"):
+            finite("lens", name, getattr(self, name), (), "1")
+
+    @property
+    def fold(self) -> float:
+        """The radius [1] up to which the radial part grows: beyond it the lens would show two things at one place."""
+        squares = np.roots([7 * self.k3, 5 * self.k2, 3 * self.k1, 1.0])
+        real = squares.real[(np.abs(squares.imag) <= 1e-9 * np.abs(squares)) & (squares.real > 0)]
+        return float(np.sqrt(real.min())) if len(real) else np.inf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Eye:
+    """A pinhole, or a pinhole behind a lens, that looks along z of its frame E with x right and y down.
+
+    Terms:
+        p_WE [m], q_WE (w, x, y, z); width, height, focal_x, focal_y, centre_x, centre_y [pixels], the centre of pixel (0, 0) at
+        (0.5, 0.5); near [m]: z-depth before which nothing is seen; lens: straight lines stay straight without.
+        Of the ray tracer: samples [1] a pixel; bounces [1]: surfaces after which a ray that is not scattered is given up, and
+        what it would have brought is taken to be the sky's; sky_rays [1]: directions in which a scattering point looks for the
+        sky, 0 if all of it is taken to be in view.
+    """
+
+    p_WE: Sequence[float] = (0.0, 0.0, 0.0)
+    q_WE: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
+    width: int = 640
+    height: int = 480
+    focal_x: float = 500.0
+    focal_y: float = 500.0
+    centre_x: float = 320.0
+    centre_y: float = 240.0
+    near: float = 1e-3
+    lens: Lens | None = None
+    samples: int = 1
+    bounces: int = 12
+    sky_rays: int = 0
+
+    def __post_init__(self) -> None:
+        finite("eye", "p_WE", self.p_WE, (3,), "m")
+        unit_quaternion("eye", "q_WE", self.q_WE)
+        for name in ("width", "height"):
+            if whole("eye", name, getattr(self, name), 1) > WIDEST:
+                raise ValueError(f"eye: {name} {getattr(self, name)} pixels, expected at most {WIDEST}")
+        for name in ("focal_x", "focal_y"):
+            positive("eye", name, getattr(self, name), "pixels")
+        for name in ("centre_x", "centre_y"):
+            not_negative("eye", f"|{name}|", abs(number("eye", name, getattr(self, name))), "pixels")
+        positive("eye", "near", self.near, "m")
+        if self.lens is not None and not isinstance(self.lens, Lens):
+            raise ValueError(f"eye: lens {self.lens!r}, expected a Lens or None")
+        whole("eye", "samples", self.samples, 1)
+        whole("eye", "bounces", self.bounces, 0)
+        whole("eye", "sky_rays", self.sky_rays, 0)
+
+    @property
+    def axes(self) -> FloatArray:
+        """R_WE (3, 3): right, down and ahead as columns."""
+        return quat_mat(unit_quaternion("eye", "q_WE", self.q_WE))
+
+    @property
+    def row(self) -> FloatArray:
+        """(1, 23) for compiled code: p_WE, R_WE by rows, focal lengths, centre, near, then k1, k2, k3, p1, p2 and the fold."""
+        lens = self.lens or Lens()
+        pinhole = (self.focal_x, self.focal_y, self.centre_x, self.centre_y, self.near)
+        return np.array([[*self.p_WE, *self.axes.ravel(), *pinhole, *astuple(lens), lens.fold]], float)
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """What an eye sees.
+
+    Terms:
+        depth (h, w) m along its z axis, at the centres of the pixels, inf where nothing is; body (h, w): index, -1 for nothing;
+        colour (h, w, 3): radiance, linear red, green, blue, averaged over the pixel where it is sampled; None if not wanted.
+    """
+
+    depth: FloatArray
+    body: IntArray
+    colour: FloatArray | None

@@ -1,0 +1,67 @@
+"""The ways of single rays of light through mirrors and clear solids, to look at one by one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.images.tables import optics_table, sun_row
+from engine.optics import Sun
+
+if TYPE_CHECKING:
+    from engine.bodies import Body
+    from engine.images.waves import Cast
+
+__all__ = ["Paths", "traced_paths"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+KINDS = ("given", "mirrored", "reflected", "refracted")
+
+
+@dataclass(frozen=True, slots=True)
+class Paths:
+    """Straight pieces of light's way, generation after generation.
+
+    Terms:
+        parent (k,): the piece before, -1 for a given ray; kind (k,): given, mirrored, reflected or refracted; start (k, 3) m;
+        direction (k, 3), unit; end (k, 3) m, infinite if nothing is met; body (k,): what is met, -1 for nothing; weight (k,):
+        share of the light of the given ray.
+    """
+
+    parent: IntArray
+    kind: NDArray[np.str_]
+    start: FloatArray
+    direction: FloatArray
+    end: FloatArray
+    body: IntArray
+    weight: FloatArray
+
+
+def traced_paths(cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, directions: FloatArray, bounces: int) -> Paths:
+    """All pieces of rays with origins (r, 3) m and directions (r, 3) over so many surfaces; scattering ends a way."""
+    from engine.images.waves import Light, first_wave, follow
+
+    light = Light(optics_table(bodies), sun_row(Sun(irradiance=0.0)), bounces, 0)
+    count = len(directions)
+    wave, radiance = first_wave(origins, directions, cast(origins, directions), np.arange(count)), np.zeros((count, 3))
+    waves = list(follow(cast, wave, light, 0, radiance))
+    sizes = [len(one.directions) for one in waves]
+    shift = np.repeat(np.cumsum([0, 0, *sizes])[: len(sizes)], sizes)
+    way = np.concatenate([one.directions for one in waves])
+    way = way / np.linalg.norm(way, axis=1, keepdims=True)
+    start, roots = np.concatenate([one.origins for one in waves]), np.concatenate([one.roots for one in waves])
+    distance = np.concatenate([one.hits.distance for one in waves])
+    with np.errstate(invalid="ignore"):
+        end = np.where(np.isfinite(distance)[:, None], start + distance[:, None] * way, np.inf)
+    return Paths(
+        parent=np.where(roots[:, 1] < 0, -1, roots[:, 1] + shift),
+        kind=np.array(KINDS)[roots[:, 2]],
+        start=start,
+        direction=way,
+        end=end,
+        body=np.concatenate([one.hits.body for one in waves]),
+        weight=np.concatenate([one.light[:, 0] for one in waves]),
+    )

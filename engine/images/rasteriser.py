@@ -1,0 +1,148 @@
+"""A z-buffer: every shape is drawn by itself into the pixels that it covers, and the nearest surface stays.
+
+Polygons are filled between their edges; what is round is solved for its depth in each pixel of its rows, so that outlines and
+depths are exact to rounding. Nothing is culled by its facing: a solid cut open by the near plane shows its inside.
+
+Source: Catmull, A Subdivision Algorithm for Computer Display of Curved Surfaces, 1974 (the z-buffer).
+"""
+
+import math
+
+import numpy as np
+
+from engine.arena import (
+    BOX,
+    CAPSULE,
+    COUNT,
+    CYLINDER,
+    FACE,
+    FACES,
+    FIRST_FACE,
+    HULL,
+    LOOP,
+    OFFSET,
+    OWNER,
+    PLANE,
+    POLYHEDRON,
+    SHAPE,
+    SHAPE_KIND,
+    SHAPES,
+    SIZE,
+    SPAN,
+    SPHERE,
+    STATE,
+    TRIANGLE,
+    TURN,
+    TYPE,
+    VERTEX,
+    P,
+    Q,
+)  # fmt: skip
+from engine.carve import floats_of, ints_of
+from engine.images.polygons import draw_polygon
+from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder
+from engine.images.scanlines import flat_row
+from engine.jit import entry, kernel
+from engine.vec import (
+    Floats,
+    Ints,
+    Mat,
+    Vec,
+    add,
+    dot,
+    load3,
+    load4,
+    load9,
+    mat_vec,
+    quat_mat,
+    quat_mul,
+    store3,
+    sub,
+    tmat_vec,
+)
+
+__all__ = ["TAGS", "rasterise", "shape_pose"]
+
+TAGS = 2**32
+"""Patches of a shape that can be told apart: a tag is its row in the table of shapes times this, plus the patch."""
+
+
+@kernel
+def shape_pose(state: Floats, shape: Floats, shape_kind: Ints, s: int) -> tuple[Vec, Mat]:
+    """Origin [m] and axes of a shape in W."""
+    b = shape_kind[s, OWNER]
+    q = load4(state, b, Q)
+    return (
+        add(load3(state, b, P), mat_vec(quat_mat(q), load3(shape, s, OFFSET))),
+        quat_mat(quat_mul(q, load4(shape, s, TURN))),
+    )
+
+
+@kernel
+def draw_box(
+    c: Vec, m: Mat, h: Vec, view: Floats, u: Floats, v: Floats, tag: int, corner: Floats, kept: Floats, depth: Floats, who: Ints
+) -> None:
+    """Draw the six faces of a box; patch 2 k is the face at -h[k], 2 k + 1 the one opposite."""
+    for face in range(6):
+        k, sign = face // 2, (1.0 if face % 2 else -1.0)
+        for at in range(4):
+            one, two = (1.0 if at in (1, 2) else -1.0), (1.0 if at in (2, 3) else -1.0)
+            spot = (
+                h[0] * (sign if k == 0 else (two if k == 1 else one)),
+                h[1] * (sign if k == 1 else (one if k == 0 else two)),
+                h[2] * (sign if k == 2 else (two if k == 0 else one)),
+            )
+            store3(corner, at, 0, add(c, mat_vec(m, spot)))
+        draw_polygon(4, corner, (m[k], m[3 + k], m[6 + k]), view, u, v, tag + face, kept, depth, who)
+
+
+@entry
+def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints) -> None:
+    """Write z-depth (h, w) m, inf for nothing, and tag (h, w), -1 for nothing, of what is nearest in each pixel.
+
+    Args: eye (1, 23): see `engine.images.eye.Eye.row`; without distortion.
+    """
+    state, shape, shape_kind = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
+    vertex, face = floats_of(floats, ints, VERTEX), floats_of(floats, ints, FACE)
+    polyhedron, span, loop = ints_of(ints, POLYHEDRON), ints_of(ints, SPAN), ints_of(ints, LOOP)
+    at, turn, view = load3(eye, 0, 0), load9(eye, 0, 3), eye[:, 12:17]
+    near, height, width = view[0, 4], depth.shape[0], depth.shape[1]
+    u, v = np.empty(width), np.empty(height)
+    for i in range(width):
+        u[i] = (i + 0.5 - view[0, 2]) / view[0, 0]
+    for j in range(height):
+        v[j] = (j + 0.5 - view[0, 3]) / view[0, 1]
+    depth[:], tags[:] = math.inf, -1
+    most = 4
+    for f in range(len(span)):
+        most = max(most, span[f, 1])
+    corner, kept = np.empty((most, 3)), np.empty((most + 2, 3))
+    for s in range(ints_of(ints, COUNT)[0, SHAPES]):
+        p_WS, axes = shape_pose(state, shape, shape_kind, s)
+        c, tag, kind, size = tmat_vec(turn, sub(p_WS, at)), s * TAGS, shape_kind[s, TYPE], load3(shape, s, SIZE)
+        x, y, a = (
+            tmat_vec(turn, (axes[0], axes[3], axes[6])),
+            tmat_vec(turn, (axes[1], axes[4], axes[7])),
+            tmat_vec(turn, (axes[2], axes[5], axes[8])),
+        )
+        m = (x[0], y[0], a[0], x[1], y[1], a[1], x[2], y[2], a[2])
+        if kind == SPHERE:
+            draw_ball(c, size[0], view, u, v, tag, depth, tags)
+        elif kind == BOX:
+            draw_box(c, m, size, view, u, v, tag, corner, kept, depth, tags)
+        elif kind == CAPSULE:
+            draw_capsule(c, a, size[0], size[1], view, u, v, tag, depth, tags)
+        elif kind == CYLINDER:
+            draw_cylinder(c, a, size[0], size[1], view, u, v, tag, depth, tags)
+        elif kind == PLANE:
+            for j in range(height):
+                flat_row(0, width, u, v[j], a, dot(a, c), near, tag, depth[j], tags[j])
+        elif kind in (HULL, TRIANGLE):
+            # The second face of a triangle is the first, seen from behind.
+            for f in range(polyhedron[s, FACES] if kind == HULL else 1):
+                row = polyhedron[s, FIRST_FACE] + f
+                for k in range(span[row, 1]):
+                    store3(corner, k, 0, add(c, mat_vec(m, load3(vertex, loop[span[row, 0] + k, 0], 0))))
+                draw_polygon(
+                    span[row, 1], corner, mat_vec(m, load3(face, row, 0)), view, u, v, tag + f, kept, depth, tags
+                )  # fmt: skip

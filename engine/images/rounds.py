@@ -1,0 +1,116 @@
+"""Balls, cylinders and capsules on the screen: the rectangle of pixels that each may cover, and its rows.
+
+Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere, 2013 (tangents in a plane).
+"""
+
+import math
+
+from engine.images.polygons import pixel_range
+from engine.images.scanlines import ball_end_row, ball_row, cap_row, side_row
+from engine.jit import kernel
+from engine.vec import Floats, Ints, Vec, axpy, dot, neg
+
+__all__ = ["draw_ball", "draw_capsule", "draw_cylinder"]
+
+Window = tuple[float, float, float, float]
+"""Left, right, upper and lower end in units of the focal lengths."""
+EVERYTHING = (-math.inf, math.inf, -math.inf, math.inf)
+NOTHING = (math.inf, -math.inf, math.inf, -math.inf)
+
+
+@kernel
+def tangents(x: float, z: float, radius: float) -> tuple[float, float]:
+    """The slopes x/z of the two lines through the origin that touch the circle about (x, z), which lies before it."""
+    across, depth2 = radius * math.sqrt(x * x + z * z - radius * radius), (z - radius) * (z + radius)
+    return (x * z - across) / depth2, (x * z + across) / depth2
+
+
+@kernel
+def ball_window(c: Vec, radius: float, near: float) -> Window:
+    """What the ball may cover: all if it reaches over the near plane, nothing behind it."""
+    if c[2] + radius < near:
+        return NOTHING
+    if c[2] - radius < near:
+        return EVERYTHING
+    left, right = tangents(c[0], c[2], radius)
+    top, bottom = tangents(c[1], c[2], radius)
+    return left, right, top, bottom
+
+
+@kernel
+def joined(a: Window, b: Window) -> Window:
+    """The least window around two."""
+    return min(a[0], b[0]), max(a[1], b[1]), min(a[2], b[2]), max(a[3], b[3])
+
+
+@kernel
+def pixels_of(window: Window, view: Floats, u: Floats, v: Floats) -> tuple[int, int, int, int]:
+    """First and last column, first and last row, with a pixel to spare on each side against rounding."""
+    left, right = pixel_range(view[0, 2] + view[0, 0] * window[0] - 1.0, view[0, 2] + view[0, 0] * window[1] + 1.0, len(u))
+    top, bottom = pixel_range(view[0, 3] + view[0, 1] * window[2] - 1.0, view[0, 3] + view[0, 1] * window[3] + 1.0, len(v))
+    return left, right, top, bottom
+
+
+@kernel
+def ball_span(c: Vec, radius: float, y: float, view: Floats, left: int, right: int) -> tuple[int, int]:
+    """The columns of a row in which the outline of a ball that lies before the near plane runs, a pixel to spare.
+
+    The outline is the conic (d . c)^2 = |d|^2 (c^2 - r^2).
+    """
+    outside, rest = dot(c, c) - radius * radius, y * c[1] + c[2]
+    a, b = c[0] * c[0] - outside, c[0] * rest
+    root = b * b - a * (rest * rest - outside * (y * y + 1.0))
+    if root < 0.0 or a >= 0.0:
+        return left, right
+    root = math.sqrt(root)
+    first, last = pixel_range(
+        view[0, 2] + view[0, 0] * (-b + root) / a - 1.0, view[0, 2] + view[0, 0] * (-b - root) / a + 1.0, right
+    )
+    return max(first, left), last
+
+
+@kernel
+def draw_ball(c: Vec, radius: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints) -> None:
+    """Draw the ball about c [m] in E."""
+    near = view[0, 4]
+    left, right, top, bottom = pixels_of(ball_window(c, radius, near), view, u, v)
+    whole = c[2] - radius >= near
+    for j in range(top, bottom):
+        first, last = ball_span(c, radius, v[j], view, left, right) if whole else (left, right)
+        ball_row(first, last, u, v[j], c, radius, near, tag, depth[j], who[j])
+
+
+@kernel
+def draw_cylinder(
+    c: Vec, a: Vec, radius: float, half: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints
+) -> None:
+    """Draw the cylinder about c along a: its side, then the ends with the tags that follow."""
+    near, up, low = view[0, 4], axpy(half, a, c), axpy(-half, a, c)
+    left, right, top, bottom = pixels_of(joined(ball_window(up, radius, near), ball_window(low, radius, near)), view, u, v)
+    for j in range(top, bottom):
+        side_row(left, right, u, v[j], c, a, radius, half, near, tag, depth[j], who[j])
+    for end in range(2):
+        middle = up if end == 0 else low
+        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), view, u, v)
+        for j in range(top, bottom):
+            cap_row(left, right, u, v[j], middle, a, radius, near, tag + 1 + end, depth[j], who[j])
+
+
+@kernel
+def draw_capsule(
+    c: Vec, a: Vec, radius: float, half: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints
+) -> None:
+    """Draw the capsule about c along a: the side, and the balls at its ends, whose inner halves the side hides."""
+    near, up, low = view[0, 4], axpy(half, a, c), axpy(-half, a, c)
+    left, right, top, bottom = pixels_of(joined(ball_window(up, radius, near), ball_window(low, radius, near)), view, u, v)
+    for j in range(top, bottom):
+        side_row(left, right, u, v[j], c, a, radius, half, near, tag, depth[j], who[j])
+    if min(up[2], low[2]) - radius >= near:
+        draw_ball(up, radius, view, u, v, tag, depth, who)
+        draw_ball(low, radius, view, u, v, tag, depth, who)
+        return
+    for end in range(2):
+        middle, out = (up, a) if end == 0 else (low, neg(a))
+        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), view, u, v)
+        for j in range(top, bottom):
+            ball_end_row(left, right, u, v[j], middle, radius, out, near, tag, depth[j], who[j])

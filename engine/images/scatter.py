@@ -1,0 +1,156 @@
+"""What becomes of rays of light, followed backwards, where they meet a surface: light that arrives there, and rays that go on.
+
+A ray at a surface with mirror m and transmission t goes on as a mirrored ray with the share m, as the two rays of Fresnel's
+equations with (1 - m) t between them, and ends in scattering with (1 - m)(1 - t). A ray that is given up is said to see the
+sky: where everything sends back all light, a picture under a sky alone is as bright as the sky, however early that happens.
+
+Source: Whitted, An Improved Illumination Model for Shaded Display, 1980 (rays that branch); Pharr, Jakob, Humphreys, Physically
+Based Rendering, 2016, section 13.6 (directions by their cosine); Roberts, The Unreasonable Effectiveness of Quasirandom
+Sequences, 2018 (the shifts).
+"""
+
+import math
+
+from engine.images.fresnel import reflect, reflectance, refract
+from engine.jit import entry, kernel
+from engine.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3
+
+__all__ = ["AIR", "GIVEN", "LEAST", "MIRRORED", "REFLECTED", "REFRACTED", "SCATTERED", "add_unshaded", "scatter"]
+
+GIVEN, MIRRORED, REFLECTED, REFRACTED, SCATTERED = 0, 1, 2, 3, 4
+"""How a ray came to be."""
+AIR = 1.0
+LEAST = 1e-4
+"""Weight [1] below which a ray is given up."""
+STEP = 1e-12
+"""Share of the coordinates [1] by which a ray starts off the surface that it leaves: a thousand roundings."""
+GOLDEN, PLASTIC = 0.6180339887498949, 0.7548776662466927
+"""Shares of 1 [1] whose multiples spread evenly in one and, with their squares, in two dimensions."""
+
+
+@kernel
+def go_on(
+    k: int, parent: int, kind: int, p: Vec, n: Vec, d: Vec, share: float, here: float, outer: float, colour: Vec,
+    light: Floats, roots: Ints, next_origin: Floats, next_way: Floats, next_light: Floats, next_roots: Ints, sky: float,
+    radiance: Floats,
+) -> int:  # fmt: skip
+    """Write ray k of the next generation, or let it see the sky if its weight is too small. Returns: the number of rays then.
+
+    It starts off the surface on the side of n.
+    """
+    if share <= 0.0:
+        return k
+    weight = (
+        share * colour[0] * light[parent, 0], share * colour[1] * light[parent, 1], share * colour[2] * light[parent, 2]
+    )  # fmt: skip
+    if max(weight[0], weight[1], weight[2]) < LEAST:
+        for c in range(3):
+            radiance[roots[parent, 0], c] += weight[c] * sky
+        return k
+    reach = max(abs(p[0]), abs(p[1]), abs(p[2]))
+    store3(next_origin, k, 0, axpy(STEP * (1.0 + reach), n, p))
+    store3(next_way, k, 0, d)
+    store3(next_light, k, 0, weight)
+    next_light[k, 3], next_light[k, 4] = here, outer
+    next_roots[k, 0], next_roots[k, 1], next_roots[k, 2] = roots[parent, 0], parent, kind
+    return k + 1
+
+
+@kernel
+def towards_sky(n: Vec, k: int, count: int, place: int) -> Vec:
+    """Direction k of `count` about the normal, as likely as its cosine: a spiral, shifted from place to place."""
+    a, b = (place * PLASTIC + k * GOLDEN) % 1.0, (place * PLASTIC * PLASTIC + (k + 0.5) / count) % 1.0
+    angle = 2.0 * math.pi * a
+    x = perpendicular(n)
+    flat = axpy(math.cos(angle), x, scale(math.sin(angle), cross(n, x)))
+    d = axpy(math.sqrt(b), flat, scale(math.sqrt(1.0 - b), n))
+    return scale(1.0 / norm(d), d)
+
+
+@entry
+def scatter(
+    origins: Floats, directions: Floats, light: Floats, roots: Ints, distance: Floats, body: Ints, normal: Floats,
+    optics: Floats, sun: Floats, last: bool, sky_rays: int, sample: int, radiance: Floats, next_origin: Floats,
+    next_way: Floats, next_light: Floats, next_roots: Ints, lit_origin: Floats, gain: Floats, lit_root: Ints,
+) -> tuple[int, int]:  # fmt: skip
+    """Follow rays one surface further.
+
+    Args:
+        origins (n, 3) or (1, 3) m, directions (n, 3), light (n, 5): weight in red, green and blue, index of the medium around
+        the ray, and of what is around that; roots (n, 3): row of radiance, ray of the generation before, how it came to be.
+        distance, body, normal (n,): what they meet. optics, sun: see `engine.images.shading.shade`. last: no ray goes on.
+        sky_rays: directions in which a scattering point looks for the sky, another set for each sample of a pixel.
+    Returns: how many rays go on, and how many ask for the sun (lit_origin, with what they gain, gain (n, 3)).
+    """
+    towards, irradiance, sky = load3(sun, 0, 0), sun[0, 3], sun[0, 4]
+    more, asking, white = 0, 0, (1.0, 1.0, 1.0)
+    one = origins.shape[0] == 1
+    for r in range(directions.shape[0]):
+        root = roots[r, 0]
+        b = body[r]
+        if b < 0:
+            for c in range(3):
+                radiance[root, c] += light[r, c] * sky
+            continue
+        way = load3(directions, r, 0)
+        d = scale(1.0 / norm(way), way)
+        p = axpy(distance[r], d, load3(origins, 0 if one else r, 0))
+        outward = load3(normal, r, 0)
+        inside = dot(d, outward) > 0.0
+        n = neg(outward) if inside else outward
+        mirror, clear, index = optics[b, 3], (1.0 - optics[b, 3]) * optics[b, 4], optics[b, 5]
+        plain = (1.0 - mirror) * (1.0 - optics[b, 4])
+        if last:
+            for c in range(3):
+                radiance[root, c] += (mirror + clear) * light[r, c] * sky
+        else:
+            around, outer = light[r, 3], light[r, 4]
+            if mirror > 0.0:
+                more = go_on(
+                    more, r, MIRRORED, p, n, reflect(d, n), mirror, around, outer, white, light, roots, next_origin, next_way,
+                    next_light, next_roots, sky, radiance,
+                )  # fmt: skip
+            if clear > 0.0:
+                before, after = (index, outer) if inside else (around, index)
+                passes, through = refract(d, n, before / after)
+                back = reflectance(-dot(d, n), -dot(through, n), before, after) if passes else 1.0
+                more = go_on(
+                    more, r, REFLECTED, p, n, reflect(d, n), clear * back, before if inside else around, outer, white, light,
+                    roots, next_origin, next_way, next_light, next_roots, sky, radiance,
+                )  # fmt: skip
+                if passes:
+                    more = go_on(
+                        more, r, REFRACTED, p, neg(n), through, clear * (1.0 - back), after, AIR if inside else around, white,
+                        light, roots, next_origin, next_way, next_light, next_roots, sky, radiance,
+                    )  # fmt: skip
+        if plain <= 0.0:
+            continue
+        colour = load3(optics, b, 0)
+        cosine = dot(n, towards)
+        if irradiance > 0.0 and cosine > 0.0:
+            reach = max(abs(p[0]), abs(p[1]), abs(p[2]))
+            store3(lit_origin, asking, 0, axpy(STEP * (1.0 + reach), n, p))
+            for c in range(3):
+                gain[asking, c] = light[r, c] * plain * colour[c] * irradiance / math.pi * cosine
+            lit_root[asking] = root
+            asking += 1
+        if sky_rays == 0 or last or roots[r, 2] == SCATTERED:
+            for c in range(3):
+                radiance[root, c] += light[r, c] * plain * colour[c] * sky
+            continue
+        for k in range(sky_rays):
+            way = towards_sky(n, k, sky_rays, root + 7919 * sample)
+            more = go_on(
+                more, r, SCATTERED, p, n, way, plain / sky_rays, light[r, 3], light[r, 4], colour, light, roots, next_origin,
+                next_way, next_light, next_roots, sky, radiance,
+            )  # fmt: skip
+    return more, asking
+
+
+@entry
+def add_unshaded(distance: Floats, gain: Floats, lit_root: Ints, radiance: Floats) -> None:
+    """Add what each asking point gains from the sun, unless something stands between."""
+    for r in range(len(distance)):
+        if distance[r] == math.inf:
+            for c in range(3):
+                radiance[lit_root[r], c] += gain[r, c]

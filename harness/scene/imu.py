@@ -1,0 +1,64 @@
+"""An inertial measurement unit: accelerometer and gyroscope, with their noise in the units of data sheets."""
+
+from typing import Literal
+
+from pydantic.dataclasses import dataclass
+
+from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive, Quaternion, Vector3
+
+__all__ = ["AxisNoise", "Imu", "ImuNoise"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class AxisNoise:
+    """Errors of one inertial channel, u being rad/s (gyroscope) or m/s2 (accelerometer), in the order in which they arise.
+
+    Terms:
+        misalignment [rad]: rotation vector that turns the channel's triad against S. scale_error [1]: the signal is multiplied
+        by 1 + scale_error.
+        density [u/sqrt(Hz)]: white noise. bias [u]: constant. instability [u]: the flat floor of the Allan deviation.
+        instability_time [s]: correlation time of the process that makes that floor.
+        random_walk [u/s/sqrt(Hz)]: rate of the drifting bias.
+        saturation [u]: greatest size of what can be read, None for no bound. quantisation [u]: distance of neighbouring
+        readings, 0 for none.
+    Source: IEEE Std 952-1997, annex C; IEEE Std 1293-2018 (accelerometers: scale factor, misalignment).
+    """
+
+    misalignment: Vector3 = (0.0, 0.0, 0.0)
+    scale_error: Finite = 0.0
+
+    density: NonNegative = 0.0
+    bias: float = 0.0
+    instability: NonNegative = 0.0
+    instability_time: Positive = 100.0
+    random_walk: NonNegative = 0.0
+    saturation: Positive | None = None
+    quantisation: NonNegative = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class ImuNoise:
+    """Noise of an inertial measurement unit: the same law on each of three axes, drawn independently."""
+
+    accelerometer: AxisNoise = AxisNoise()
+    gyroscope: AxisNoise = AxisNoise()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Imu:
+    """Accelerometer (specific force) and gyroscope at p_BS [m], turned by q_BS, read `rate` [Hz] times a second.
+
+    Terms:
+        latency [s]: age of a signal when it is read; a reading stamped t tells of t - latency.
+        reading: 'native' takes the engine's own sensor where it has one, 'states' differences the velocities in any engine.
+    """
+
+    name: Name
+    body: Name
+    rate: Positive
+    p_BS: Vector3 = (0.0, 0.0, 0.0)
+    q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    latency: NonNegative = 0.0
+    reading: Literal["native", "states"] = "native"
+    noise: ImuNoise | None = None
+    type: Literal["imu"] = "imu"

@@ -1,0 +1,49 @@
+"""What reads one sensor while its scene is simulated, and where it stands."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from harness.adapter import Simulation
+from harness.kinematics import product, rotate
+from harness.scene import WORLD, Quaternion, Scene, Vector3
+from harness.trajectory import Floats, State
+
+__all__ = ["Reader", "Setting", "pose_of", "row_of"]
+
+_WORLD_ROW = np.array([0.0, 0.0, 0.0, 1.0] + [0.0] * 9)
+
+
+class Reader(Protocol):
+    """Collects the readings of one sensor."""
+
+    def read(self, time: float, state: State) -> None:
+        """Take the reading that is due at `time` [s], at which the simulation has this state. Raises: Unsupported."""
+
+    def streams(self) -> dict[str, Floats]:
+        """All readings so far by the names of their streams, noise laid over them, time stamps under '<sensor>/time'."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a reader is made from: the scene, its running simulation, the seed of all noise, and the time step dt [s]."""
+
+    scene: Scene
+    simulation: Simulation
+    seed: int
+    dt: float
+
+
+def row_of(scene: Scene, body: str, state: State) -> Floats:
+    """p_WB, q_WB, v_WB, w_WB of a body, or of the world frame, (13,)."""
+    if body == WORLD:
+        return _WORLD_ROW
+    place = scene.index(body)
+    return np.concatenate([state.p_WB[place], state.q_WB[place], state.v_WB[place], state.w_WB[place]])
+
+
+def pose_of(row: Floats, p_BS: Vector3, q_BS: Quaternion) -> tuple[Floats, Floats]:
+    """p_WS [m] (3,) and q_WS (4,) of a frame mounted on a body with this row."""
+    p_WB, q_WB = row[:3], row[3:7]
+    return p_WB + rotate(q_WB, np.array(p_BS)), product(q_WB, np.array(q_BS))

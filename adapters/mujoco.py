@@ -407,7 +407,11 @@ class MujocoSimulation:
         mj.mj_getState(m, self._d, state, kind)
         mj.mj_setState(m, self._felt, state, kind)
         without = m.opt.disableflags
-        m.opt.disableflags = without & ~_flag(mj, "mjtDisableBit", "mjDSBL_SENSOR")
+        needed = _flag(mj, "mjtDisableBit", "mjDSBL_SENSOR")
+        if Effect.GRAVITY not in self._scene.narrow:
+            # Where nothing can fall the effect is left out of the steps, but what stands still feels its support.
+            needed |= _flag(mj, "mjtDisableBit", "mjDSBL_GRAVITY")
+        m.opt.disableflags = without & ~needed
         try:
             mj.mj_forward(m, self._felt)
         finally:

@@ -51,8 +51,10 @@ def test_a_wrench_is_felt_as_soon_as_it_is_told() -> None:
     simulation.close()
 
 
-def test_what_stands_on_the_world_reads_gravity_upwards() -> None:
-    simulation = _built(Scene(bodies=(Body(name="b"),), sensors=(_imu(WORLD),)))
+@pytest.mark.parametrize("motion", ["dynamic", "static"])
+def test_what_stands_on_the_world_reads_gravity_upwards_whether_or_not_something_can_fall(motion: str) -> None:
+    body = Body(name="b", motion=motion)  # type: ignore[arg-type]
+    simulation = _built(Scene(bodies=(body,), sensors=(_imu(WORLD),)))
     force, rate = simulation.inertial("imu")
     np.testing.assert_allclose(force, np.array(rotation_matrix(MOUNT)).T @ [0.0, 0.0, 9.81], atol=1e-13)
     np.testing.assert_array_equal(rate, np.zeros(3))

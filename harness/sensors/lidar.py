@@ -29,13 +29,22 @@ def in_world(lidar: Lidar, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
     return fired(p_WB + rotate(q_WB, np.array(lidar.p_BS)), q_WS, spread(beams(lidar), lidar.divergence).reshape(-1, 3))
 
 
-def fired(p_WS: Floats, q_WS: Floats, rays_S: Floats) -> tuple[Floats, Floats]:
-    """Origins [m] and unit directions (r, 3) in W of rays (r, 3) in S."""
+def fired(p_WS: Floats, q_WS: Floats, rays_S: Floats, room: Floats | None = None) -> tuple[Floats, Floats]:
+    """Origins [m] and unit directions (r, 3) in W of rays (r, 3) in S; directions are written into `room` where there is one.
+
+    The origins are one row seen r times over, read-only.
+    """
     w, x, y, z = (float(c) for c in q_WS)
-    directions = rays_S @ np.array(rotation_matrix((w, x, y, z))).T
-    origins = np.empty_like(directions)
-    origins[:] = p_WS
-    return origins, directions
+    directions = np.matmul(rays_S, np.array(rotation_matrix((w, x, y, z))).T, out=room)
+    return np.broadcast_to(p_WS, directions.shape), directions
+
+
+def _dots(a: Floats, b: Floats) -> Floats:
+    """Row by row the scalar product, shapes (r, 3); twice as fast as einsum for these shapes."""
+    products = a * b
+    total: Floats = products[:, 0] + products[:, 1]
+    total += products[:, 2]
+    return total
 
 
 def ideal(lidar: Lidar, scene: Scene, directions: Floats, hits: Hits) -> tuple[Floats, Floats]:
@@ -49,14 +58,20 @@ def returns(lidar: Lidar, scene: Scene, directions: Floats, hits: Hits) -> tuple
     """Ranges [m] and intensities [1] of beams, each (b,), from the hits of their sub-rays, (sub-rays * b)."""
     distance, normal = hits.distance, hits.normal_W
     # NaN is neither inside nor outside: it stays NaN and shows as such.
-    outside = (distance < lidar.min_range) | (distance > lidar.max_range)
-    ranges = np.where(outside, np.inf, distance)
+    outside = distance > lidar.max_range
+    if lidar.min_range > 0.0:
+        outside |= distance < lidar.min_range
+    ranges = distance.copy()
+    np.putmask(ranges, outside, np.inf)
     # The last place stands for nothing, which body -1 names.
     reflectivity = np.array([*(body.appearance.reflectivity for body in scene.bodies), 0.0])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        facing = np.abs(np.einsum("ri,ri->r", normal, directions))
-        cosine = facing / np.sqrt(np.einsum("ri,ri->r", normal, normal))
-        intensity = np.where(ranges == np.inf, 0.0, reflectivity[hits.body] * cosine)
+    intensity = _dots(normal, directions)
+    np.abs(intensity, out=intensity)
+    # Normals are unit or zero: where the product says nothing, the length tells a grazing beam from a missing normal.
+    dark = np.flatnonzero(intensity == 0.0)
+    intensity[dark[~normal[dark].any(axis=1)]] = np.nan
+    intensity *= reflectivity[hits.body]
+    np.putmask(intensity, ranges == np.inf, 0.0)
     if lidar.divergence == 0.0:
         return ranges, intensity
     return _strongest(ranges, intensity, hits.body)
@@ -90,13 +105,15 @@ class LidarReader:
         self._lidar, self._setting = lidar, setting
         self._pattern = beams(lidar)
         self._rays = spread(self._pattern, lidar.divergence).reshape(-1, 3)
+        # Memory that is new costs more to touch than to fill.
+        self._room = np.empty_like(self._rays)
         self._scans = Scans(lidar, self._pattern, setting.seed)
 
     def read(self, time: float, state: State) -> None:
         """Cast all beams. Raises: Unsupported."""
         lidar, setting = self._lidar, self._setting
         pose = pose_of(row_of(setting.scene, lidar.body, state), lidar.p_BS, lidar.q_BS)
-        origins, directions = fired(*pose, self._rays)
+        origins, directions = fired(*pose, self._rays, self._room)
         # An engine may cut the ray's end off by rounding; the bounds of the sensor are applied to what comes back.
         hits = setting.simulation.cast(origins, directions, lidar.max_range)
         self._scans.add(time, *ideal(lidar, setting.scene, directions, hits))

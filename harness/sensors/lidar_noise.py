@@ -29,31 +29,39 @@ class ScanNoise:
             generator(seed, sensor, channel) for channel in ("range", "dropout", "intensity")
         )
 
-    def next(self, ranges: Floats, intensities: Floats) -> tuple[Floats, Floats]:
-        """The next scan's noisy ranges [m] and intensities [1] from its ideal ones."""
-        law, room = self._law, self._room
-        heard, light = ranges.copy(), intensities.copy()
+    def next(self, ranges: Floats, intensities: Floats, heard: Floats, light: Floats) -> None:
+        """Write the next scan's noisy ranges [m] and intensities [1] into `heard` and `light`, from its ideal ones."""
+        law, room, lost = self._law, self._room, ranges == np.inf
         if law.range_sigma > 0.0 or law.range_sigma_slope > 0.0:
             self._range.standard_normal(out=room)
-            # No return is infinite, and an infinite sigma would make it NaN.
-            sigma = law.range_sigma + law.range_sigma_slope * np.where(ranges == np.inf, 0.0, ranges)
-            heard += np.multiply(room, sigma, out=room)
+            # The sigma of what is infinite is infinite too; the sum is no number, and is lost below.
+            with np.errstate(invalid="ignore"):
+                sigma = np.multiply(ranges, law.range_sigma_slope, out=heard)
+                sigma += law.range_sigma
+                room *= sigma
+                np.add(ranges, room, out=heard)
+        else:
+            heard[:] = ranges
         if law.intensity_sigma > 0.0:
             self._intensity.standard_normal(out=room)
-            light = np.where(ranges == np.inf, 0.0, np.maximum(intensities + law.intensity_sigma * room, 0.0))
-        lost = intensities < law.least_intensity
+            room *= law.intensity_sigma
+            room += intensities
+            np.maximum(room, 0.0, out=light)
+        else:
+            light[:] = intensities
+        if law.least_intensity > 0.0:
+            lost |= intensities < law.least_intensity
         if law.dropout > 0.0:
             self._dropout.random(out=room)
             lost |= room < law.dropout
-        heard[lost], light[lost] = np.inf, 0.0
-        return heard, light
+        np.putmask(heard, lost, np.inf)
+        np.putmask(light, lost, 0.0)
 
 
 def noisy(law: LidarNoise, ranges: Floats, intensities: Floats, seed: int, sensor: str) -> tuple[Floats, Floats]:
     """Noisy ranges [m] and intensities [1] of whole records, each (scans, channels, columns)."""
     noise = ScanNoise(law, ranges.shape[1:], seed, sensor)
-    scans = [noise.next(*scan) for scan in zip(ranges, intensities, strict=True)]
-    return (
-        np.array([scan[0] for scan in scans]).reshape(ranges.shape),
-        np.array([scan[1] for scan in scans]).reshape(ranges.shape),
-    )
+    heard, light = np.empty(ranges.shape), np.empty(ranges.shape)
+    for scan in zip(ranges, intensities, heard, light, strict=True):
+        noise.next(*scan)
+    return heard, light

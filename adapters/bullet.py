@@ -82,6 +82,8 @@ KINEMATIC_RATIO = 1e12
 """Mass of a kinematic body over the greatest mass of the scene."""
 RAY_BATCH = 16_000
 """Rays in one call; beyond 16383 the binding drops rays in silence."""
+RAY_MARGIN = 1e-6
+"""Least collision margin [m] of the hulls that rays are cast at: four of five rays miss a hull that has none."""
 GREATEST_FRICTION = 10.0
 """btManifoldResult clamps every combined coefficient to this."""
 MOST_COORDINATES = 128
@@ -943,7 +945,7 @@ class _Twin:
                     useMaximalCoordinates=0 if solid < 0 else 1,
                 )
                 if solid >= 0 and isinstance(placed.shape, ConvexHull | TriangleMesh):
-                    port.call("changeDynamics", number, -1, collisionMargin=margin)
+                    port.call("changeDynamics", number, -1, collisionMargin=max(margin, RAY_MARGIN))
                 parts.append((number, place, placed.p_BS, placed.q_BS))
         poses = {place: (body.p_WB, body.q_WB) for place, body in enumerate(scene.bodies)}
         return cls(port, tuple(parts), {number: place for number, place, _, _ in parts}, poses)
@@ -1579,6 +1581,7 @@ class BulletAdapter(Adapter):
 
 _DAMPED = "vendor default: a multibody loses 0.04 (1 + |v|) v a second, linear and angular, also where the scene says 0"
 _CLAMPED = "vendor default: a multibody's velocities are damped by 0.04 (1 + |v|) v and clamped to 100 m/s and 100 rad/s"
+_FROM_INSIDE = "Bullet casts a ray as a point swept against each shape and reports no hit of a shape that it starts in"
 _GRAZING = (
     "Bullet's ray test (subsimplex convex cast) stops millimetres off at grazing incidence and edges, whatever the settings"
 )
@@ -1644,6 +1647,8 @@ ADAPTER = BulletAdapter(
         "default/huge_state_is_not_reset": _CLAMPED,
         "default/rays_match_closed_forms": _GRAZING,
         "tuned/rays_match_closed_forms": _GRAZING,
+        "default/ray_from_inside_meets_the_far_side": _FROM_INSIDE,
+        "tuned/ray_from_inside_meets_the_far_side": _FROM_INSIDE,
     },
     orders={"semi_implicit_euler": 1},
     deviations=(
@@ -1652,6 +1657,7 @@ ADAPTER = BulletAdapter(
         "contact forces are those of the last (sub)step",
         "rays and images are taken in a second world of the same shapes at the present poses; grazing rays miss by millimetres",
         "in images round shapes are polyhedra of a dozen corners around; colours have 8 bits and no shadows",
+        "a ray that starts inside a solid meets nothing of that solid",
         "a rotation of more than pi/4 in one (sub)step is cut to pi/4, the angular velocity stays",
         "hulls in compounds and on links are 1 mm thicker (collision margin); in compounds they have single precision",
         "rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP)",

@@ -54,6 +54,7 @@ from harness.scene import (
     Distance,
     Effect,
     Fixed,
+    Imu,
     Joint,
     Limits,
     PlacedShape,
@@ -204,7 +205,7 @@ class _Places:
     Terms:
         body (n,): MuJoCo's body of each body of the scene. scene_body (nbody,): the way back, -1 for the world.
         q_MB (n, 4): from B to the principal frame M, or None where all of them agree. single: no body hangs on another one.
-        drives: actuator by joint. remarks: effects that could not be left out, known faults.
+        drives: actuator by joint. inertial: places of accelerometer and gyroscope in the sensor data, by sensor. remarks: effects that could not be left out, known faults.
     """
 
     body: Integers
@@ -212,6 +213,7 @@ class _Places:
     q_MB: Floats | None
     single: bool
     drives: Mapping[str, int]
+    inertial: Mapping[str, tuple[int, int]]
     remarks: tuple[str, ...]
 
 
@@ -229,6 +231,7 @@ class MujocoSimulation:
         self._movable = np.array([k for k, b in enumerate(scene.bodies) if b.movable], dtype=np.int64)
         self._root = model.body_rootid[places.body]
         self._window: tuple[Any, Any, Any] | None = None
+        self._felt: Any = None
 
     @property
     def resolved(self) -> Settings:
@@ -429,6 +432,35 @@ class MujocoSimulation:
             eye.frustum_center, eye.frustum_width = (left + right) / 2, (right - left) / 2
             eye.frustum_top = camera.centre_y / camera.focal_y * near
             eye.frustum_bottom = -(camera.height - camera.centre_y) / camera.focal_y * near
+
+    def inertial(self, name: str) -> tuple[Floats, Floats]:
+        """Specific force [m/s2] and angular velocity [rad/s] in S, each (3,), by MuJoCo's own sensors at this instant.
+
+        `mj_step` leaves what sensors said before the step; a forward pass here would move the warm start of the next one. So
+        the pass is made on a copy, under the forces, the wrench included, that the present state has been told.
+        """
+        mj, m = self._mj, self._m
+        if name not in self._places.inertial:
+            raise ValueError(f"inertial: '{name}', expected one of {', '.join(self._places.inertial) or 'none'}")
+        if self._felt is None:
+            self._felt = mj.MjData(m)
+        kind = _flag(mj, "mjtState", "mjSTATE_INTEGRATION")
+        state = np.empty(mj.mj_stateSize(m, kind))
+        mj.mj_getState(m, self._d, state, kind)
+        mj.mj_setState(m, self._felt, state, kind)
+        without = m.opt.disableflags
+        needed = _flag(mj, "mjtDisableBit", "mjDSBL_SENSOR")
+        if Effect.GRAVITY not in self._scene.narrow:
+            # Where nothing can fall the effect is left out of the steps, but what stands still feels its support.
+            needed |= _flag(mj, "mjtDisableBit", "mjDSBL_GRAVITY")
+        m.opt.disableflags = without & ~needed
+        try:
+            mj.mj_forward(m, self._felt)
+        finally:
+            m.opt.disableflags = without
+        force, rate = self._places.inertial[name]
+        said = self._felt.sensordata
+        return said[force : force + 3].copy(), said[rate : rate + 3].copy()
 
     def command(self, targets: Mapping[str, float]) -> None:
         """Set the targets of drives [rad or m]."""
@@ -728,6 +760,7 @@ class _Builder:
         self.parts: dict[int, Any] = {}
         self.meshes = 0
         self.drives: dict[str, int] = {}
+        self.own: list[str] = []
         self.tolerance_scale = 1.0
         self.rebounds = False
 
@@ -745,6 +778,8 @@ class _Builder:
                 self._distance(joint)
         if Effect.DRIVES in self.effects:
             self._actuators()
+        if Effect.SENSING in self.effects:
+            self._inertial()
         try:
             model = self.spec.compile()
         except (ValueError, RuntimeError, self.mj.FatalError) as error:
@@ -951,6 +986,23 @@ class _Builder:
             case _ as other:
                 assert_never(other)
 
+    def _inertial(self) -> None:
+        """Sites with MuJoCo's accelerometer and gyroscope for the inertial sensors that ask for them."""
+        kinds, site = self.mj.mjtSensor, self.mj.mjtObj.mjOBJ_SITE
+        for sensor in self.scene.sensors:
+            if not isinstance(sensor, Imu) or sensor.reading != "native":
+                continue
+            part, back = self.spec.worldbody, (1.0, 0.0, 0.0, 0.0)
+            if sensor.body != WORLD:
+                k = self.index[sensor.body]
+                w, x, y, z = self.q_BM[k]
+                part, back = self.parts[k], (w, -x, -y, -z)
+            place = {"pos": _matrix(back) @ sensor.p_BS, "quat": multiply(back, sensor.q_BS)}
+            part.add_site(name=f"s:{sensor.name}", **place)
+            for word, kind in (("force", kinds.mjSENS_ACCELEROMETER), ("rate", kinds.mjSENS_GYRO)):
+                self.spec.add_sensor(name=f"{word}:{sensor.name}", type=kind, objtype=site, objname=f"s:{sensor.name}")
+            self.own.append(sensor.name)
+
     def _mesh(self, vertices: Sequence[Vector3], faces: Sequence[tuple[int, int, int]] | None) -> str:
         name = f"m{self.meshes}"
         self.meshes += 1
@@ -1049,6 +1101,9 @@ class _Builder:
         """What only a compiled model takes: damping per coordinate, the scale of the solver, the choices by scene."""
         mj, option = self.mj, model.opt
         self._dampen(model)
+        if self.own:
+            # Asked between the steps, they would cost in every one.
+            option.disableflags |= _flag(mj, "mjtDisableBit", "mjDSBL_SENSOR")
         driven = [model.joint(f"f{k}").dofadr[0] for k, b in enumerate(self.scene.bodies) if self._prescribed(b)]
         if driven:
             # The tolerance is relative to the mean inertia of the model, which the armature of kinematic bodies must not raise.
@@ -1189,6 +1244,10 @@ class _Builder:
             q_BM * (1.0, -1.0, -1.0, -1.0) if turned else None,
             all(link.above < 0 and (link.joint is None or isinstance(link.joint, Fixed)) for link in self.links),
             dict(self.drives),
+            {
+                name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0]))
+                for name in self.own
+            },
             tuple(remarks),
         )
 

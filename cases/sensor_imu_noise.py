@@ -42,13 +42,14 @@ def _scene(spin: float = SPIN, lever: float = LEVER) -> Scene:
         rate=RATE,
         p_BS=(lever, 0.0, 0.1),
         q_BS=MOUNTING,
+        reading="states",
         noise=ImuNoise(accelerometer=ACCELEROMETER, gyroscope=GYROSCOPE),
     )
     return Scene(bodies=(ball,), sensors=(imu,), gravity=(0.0, 0.0, 0.0))
 
 
 def _expected(time: Floats, spin: float = SPIN, lever: float = LEVER) -> Trajectory:
-    """Steady rotation, and what an ideal sensor reads in it.
+    """Steady rotation, and what an ideal sensor reads in it that differences velocities, as it does in every engine.
 
     The mean acceleration over an interval T of a circle of radius r is the chord of the velocity's own circle over T: it has
     the size 2 w r sin(w T/2)/T and points to the axis from where S is in the middle of the interval.

@@ -165,7 +165,10 @@ class Simulation(Protocol):
         """The contacts of the last step. Raises: Unsupported."""
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
-        """First hit of each ray within max_range [m]; origins (r, 3) m, directions (r, 3) unit, in W. Raises: Unsupported."""
+        """First hit of each ray within max_range [m]; origins (r, 3) m, directions (r, 3) unit, in W.
+
+        A ray that starts inside a solid meets its far side, whose normal points along the ray. Raises: Unsupported.
+        """
 
     def render(self, camera: Camera, colour: bool = True) -> Image:
         """The engine's own picture by `camera.renderer`, without colours if these are not wanted. Raises: Unsupported."""

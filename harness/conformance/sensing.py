@@ -116,6 +116,31 @@ def _ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
+def _ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) -> Finding:
+    """Along each axis of a turned solid from a point within it; a sensor in the housing of its carrier sees that housing."""
+    exits: dict[Feature, tuple[Shape, Floats]] = {
+        Feature.SPHERE: (Sphere(radius=0.5), np.array([0.5, 0.5, 0.5])),
+        Feature.BOX: (Box(half_extents=(0.3, 0.5, 0.8)), np.array([0.3, 0.5, 0.8])),
+        Feature.CAPSULE: (Capsule(radius=0.3, half_length=0.5), np.array([0.3, 0.3, 0.8])),
+        Feature.CYLINDER: (Cylinder(radius=0.4, half_length=0.6), np.array([0.4, 0.4, 0.6])),
+    }
+    found, place, R = [], np.array([1.0, -2.0, 3.0]), rotation(TURNED)
+    for feature, (shape, far) in exits.items():
+        if feature not in adapter.features:
+            continue
+        scene = Scene(bodies=(static("target", shape, p=(1.0, -2.0, 3.0), q=TURNED),))
+        # Off the centre by a fifth along the ray itself, so that both ends of an axis are told apart.
+        directions = np.concatenate([np.eye(3), -np.eye(3)])
+        origins = 0.2 * np.tile(far, 2)[:, None] * np.abs(directions)
+        expected = np.concatenate([0.8 * far, 1.2 * far])
+        hits = _cast(adapter, settings, scene, place + origins @ R.T, directions @ R.T, 50.0)
+        found.append(near(f"ranges from inside a {shape.type} [m]", hits.distance, expected, 1e-5, "rounding in single precision"))
+        found.append(near(f"normals from inside a {shape.type}", hits.normal_W, directions @ R.T, 1e-4, "outwards, along the ray"))
+    if not found:
+        raise NotApplicable("the engine claims no solid with a closed form")
+    return judge(*found)
+
+
 def _ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
     scene, face = _target(adapter)
     hits = _cast(
@@ -325,6 +350,12 @@ CHECKS = (
         run=_ray_beyond_max_range_misses,
         needs=Feature.RAYS,
         excusable=False,
+    ),
+    ConformanceCheck(
+        name="ray_from_inside_meets_the_far_side",
+        question="Does a ray that starts inside a solid meet its far side?",
+        run=_ray_from_inside_meets_the_far_side,
+        needs=Feature.RAYS,
     ),
     ConformanceCheck(
         name="ray_names_body_and_normal",

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from harness.inertial_residual import inertial_residual
 from harness.metric import Metric, NotMeasurable
 from harness.reduction import maximum
 from harness.scene import AxisNoise, Imu, Scene
@@ -82,12 +83,9 @@ def _noise(scene: Scene, actual: Trajectory, channel: Channel) -> list[tuple[Axi
             law: AxisNoise = getattr(sensor.noise, channel)
             if law.density == law.instability == law.random_walk == 0:
                 continue
-            name = f"{sensor.name}/{channel}"
-            if name not in actual.streams:
-                raise NotMeasurable(f"stream '{name}' was not recorded")
-            noise = actual.streams[name] - actual.streams[f"{name}_ideal"]
+            noise = inertial_residual(sensor, channel, actual)
             if len(noise) < 96:
-                raise NotMeasurable(f"stream '{name}' has {len(noise)} samples, at least 96 are needed")
+                raise NotMeasurable(f"stream '{sensor.name}/{channel}' has {len(noise)} samples, at least 96 are needed")
             found.append((law, noise, 1.0 / sensor.rate))
     if not found:
         raise NotMeasurable(f"no sensor of the scene has a noisy {channel}")

@@ -6,6 +6,7 @@ sigma^2/n for white noise, the sum of memory^|i-j| for a Markov process, K^2 dt 
 
 import numpy as np
 
+from harness.inertial_residual import inertial_residual
 from harness.metric import Metric, NotMeasurable
 from harness.reduction import maximum
 from harness.scene import AxisNoise, Imu, Scene
@@ -36,9 +37,9 @@ def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
         for channel in ("accelerometer", "gyroscope"):
             law: AxisNoise = getattr(sensor.noise, channel)
             name = f"{sensor.name}/{channel}"
-            if name not in actual.streams or len(actual.streams[name]) == 0:
-                raise NotMeasurable(f"stream '{name}' was not recorded")
-            noise = actual.streams[name] - actual.streams[f"{name}_ideal"]
+            noise = inertial_residual(sensor, channel, actual)
+            if len(noise) == 0:
+                raise NotMeasurable(f"stream '{name}' has no reading")
             variances = variance_of_mean(law, np.arange(1.0, len(noise) + 1.0), 1.0 / sensor.rate)
             count = int(np.argmin(variances)) + 1
             # A law without randomness leaves the rounding of the signal, which enters when noise and signal are parted again.

@@ -8,6 +8,7 @@ import itertools
 
 import numpy as np
 
+from harness.inertial_residual import inertial_residual
 from harness.metric import Metric, NotMeasurable
 from harness.reduction import maximum
 from harness.scene import Imu, Scene
@@ -25,11 +26,8 @@ def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
             continue
         for channel in ("accelerometer", "gyroscope"):
             law = getattr(sensor.noise, channel)
-            name = f"{sensor.name}/{channel}"
-            if name not in actual.streams:
-                raise NotMeasurable(f"stream '{name}' was not recorded")
+            noise = inertial_residual(sensor, channel, actual)
             if law.density > 0 or law.instability > 0 or law.random_walk > 0:
-                noise = actual.streams[name] - actual.streams[f"{name}_ideal"]
                 columns.extend((sensor.rate, column) for column in np.diff(noise, axis=0).T)
     scores = []
     for (rate_a, a), (rate_b, b) in itertools.combinations(columns, 2):

@@ -13,6 +13,8 @@ __all__ = ["AxisNoise", "Imu", "ImuNoise"]
 class AxisNoise:
     """Errors of one inertial channel, u being rad/s (gyroscope) or m/s2 (accelerometer), in the order in which they arise.
 
+    Data sheets use other units: `harness.sensors.data_sheet` turns them into these.
+
     Terms:
         misalignment [rad]: rotation vector that turns the channel's triad against S. scale_error [1]: the signal is multiplied
         by 1 + scale_error.
@@ -28,12 +30,19 @@ class AxisNoise:
     scale_error: Finite = 0.0
 
     density: NonNegative = 0.0
-    bias: float = 0.0
+    bias: Finite = 0.0
     instability: NonNegative = 0.0
     instability_time: Positive = 100.0
     random_walk: NonNegative = 0.0
     saturation: Positive | None = None
     quantisation: NonNegative = 0.0
+
+    def __post_init__(self) -> None:
+        if self.saturation is not None and self.saturation < self.quantisation:
+            raise ValueError(
+                f"inertial noise: saturation {self.saturation:g} lies below quantisation {self.quantisation:g}, which leaves no "
+                "reading but 0; expected at least one step of the quantisation"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -1,17 +1,21 @@
-"""Ideal inertial measurements, from the states of the body that the sensor is mounted on.
+"""Inertial measurements, from the engine's own sensor or from the states of the body that the sensor is mounted on.
 
-The gyroscope gives w_WB in S at the instant of its time stamp. The accelerometer gives the specific force a - g of the point S,
-where a is the change of the velocity of S over the sensor's own interval that ends at the time stamp, divided by that interval
-(a backward difference: what a sensor that integrates and dumps puts out, and all that can be known at that instant), turned
-into S by the attitude in the middle of the interval. It is therefore the mean over the interval and lags half an interval.
+An engine's own sensor gives specific force and rate of the instant. From states, which any engine has, the gyroscope gives
+w_WB in S at that instant, and the accelerometer the specific force a - g of the point S, where a is the change of the velocity
+of S over the sensor's own interval that ends then, divided by that interval (a backward difference: what a sensor that
+integrates and dumps puts out, and all that can be known at that instant), turned into S by the attitude in the middle of the
+interval. It is therefore the mean over the interval and lags half an interval. The instant is the time stamp less the latency.
 
 Source: Titterton and Weston, Strapdown Inertial Navigation Technology, 2nd ed., sections 3.5 and 11.3.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
 from harness.kinematics import conjugate, product, rotate, rotate_back
 from harness.scene import Effect, Imu
+from harness.sensors.imu_errors import read_out, sensed
 from harness.sensors.imu_noise import three_axes
 from harness.sensors.reader import Setting, row_of
 from harness.trajectory import Floats, State
@@ -46,27 +50,55 @@ def _middle(q: Floats) -> Floats:
 
 
 class ImuReader:
-    """Readings '<name>/accelerometer' and '<name>/gyroscope' (k, 3); none at time 0, before which no interval has passed."""
+    """Readings '<name>/accelerometer' and '<name>/gyroscope' (k, 3), and '<name>/native' (k,), 1 where the engine's own spoke.
+
+    `read` is called at the instants that the readings tell of; a reading is stamped with that instant and the latency. There
+    is none before a whole interval has passed, whoever speaks, so that all engines give the same stamps.
+    """
 
     def __init__(self, imu: Imu, setting: Setting, start: State) -> None:
         self._imu, self._setting = imu, setting
-        self._times, self._rows = [0.0], [row_of(setting.scene, imu.body, start)]
+        self._start = row_of(setting.scene, imu.body, start)
+        self._times: list[float] = []
+        self._rows: list[Floats] = []
+        self._own: Callable[[str], tuple[Floats, Floats]] | None = None
+        if imu.reading == "native":
+            self._own = getattr(setting.simulation, "inertial", None)
+        self._felt: list[tuple[Floats, Floats]] = []
 
     def read(self, time: float, state: State) -> None:
-        """Note the state of the carrying body."""
-        if time > 0:
-            self._times.append(time)
-            self._rows.append(row_of(self._setting.scene, self._imu.body, state))
+        """Note the state of the carrying body, and what the engine's own sensor says where it is asked."""
+        if not self._times and time * self._imu.rate > 1.0 - 1e-6:
+            # Nobody read at time 0.
+            self._times, self._rows = [0.0], [self._start]
+        if self._own is not None and self._times:
+            self._felt.append(self._own(self._imu.name))
+        self._times.append(time)
+        self._rows.append(self._start if time == 0.0 else row_of(self._setting.scene, self._imu.body, state))
+
+    def _ideal(self) -> tuple[Floats, Floats]:
+        """Specific force and angular velocity of the instants that the readings tell of, each (k, 3)."""
+        scene = self._setting.scene
+        if len(self._times) < 2:
+            return np.zeros((0, 3)), np.zeros((0, 3))
+        if self._own is not None:
+            force, rate = (np.array([pair[channel] for pair in self._felt]) for channel in (0, 1))
+            return force, rate
+        felt = (0.0, 0.0, 0.0) if Effect.GRAVITY in scene.narrow else scene.gravity
+        rows = np.stack(self._rows)
+        return ideal(self._imu, np.array(self._times), rows[:, 3:7], rows[:, 7:10], rows[:, 10:], felt)
 
     def streams(self) -> dict[str, Floats]:
-        """Both channels, ideal and with noise."""
-        imu, scene = self._imu, self._setting.scene
-        name, time, rows = imu.name, np.array(self._times), np.stack(self._rows)
-        felt = (0.0, 0.0, 0.0) if Effect.GRAVITY in scene.narrow else scene.gravity
-        force, rate = ideal(imu, time, rows[:, 3:7], rows[:, 7:10], rows[:, 10:], felt)
-        found = {f"{name}/time": time[1:], f"{name}/accelerometer_ideal": force, f"{name}/gyroscope_ideal": rate}
-        for channel, signal in (("accelerometer", force), ("gyroscope", rate)):
-            law = None if imu.noise is None else getattr(imu.noise, channel)
-            noise = 0.0 if law is None else three_axes(law, len(signal), 1.0 / imu.rate, self._setting.seed, name, channel)
-            found[f"{name}/{channel}"] = signal + noise
+        """Both channels, ideal and with all errors."""
+        imu, name, count = self._imu, self._imu.name, max(len(self._times) - 1, 0)
+        signals = dict(zip(("accelerometer", "gyroscope"), self._ideal(), strict=True))
+        found: dict[str, Floats] = {f"{name}/time": np.array(self._times[1:]) + imu.latency}
+        found[f"{name}/native"] = np.full(count, float(self._own is not None))
+        for channel, signal in signals.items():
+            found[f"{name}/{channel}_ideal"] = signal
+            found[f"{name}/{channel}"] = signal.copy()
+            if imu.noise is not None:
+                law = getattr(imu.noise, channel)
+                noise = three_axes(law, count, 1.0 / imu.rate, self._setting.seed, name, channel)
+                found[f"{name}/{channel}"] = read_out(law, sensed(law, signal) + noise)
         return found

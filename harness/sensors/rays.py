@@ -1,17 +1,21 @@
 """First hits of rays on the primitives in closed form: what an engine's rays are measured against.
 
 Rays start outside all solids. A sphere is solved from the foot of the perpendicular on the ray, so that a grazing ray does not
-lose digits to the difference of large squares. A capsule is the union of a cylinder's side and two balls.
+lose digits to the difference of large squares. A capsule is the union of a cylinder's side and two balls. A hull is the
+intersection of the half-spaces of its faces; a mesh is met wherever a triangle of it is, from outside or behind.
 
 Source: Haines et al., "Precision improvements for ray/sphere intersection", Ray Tracing Gems (2019), chapter 7; Kay and Kajiya,
-"Ray tracing complex scenes" (1986) for slabs; Ericson, Real-Time Collision Detection, section 5.3.
+"Ray tracing complex scenes" (1986) for slabs; Ericson, Real-Time Collision Detection, section 5.3; Moeller, Trumbore, Fast
+minimum storage ray/triangle intersection (1997).
 """
+
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.kinematics import product, rotate, rotate_back
-from harness.scene import Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Scene, Shape, Sphere, TriangleMesh
 from harness.trajectory import Floats, Hits, State
 
 __all__ = ["first_hits"]
@@ -90,6 +94,38 @@ def _cap(o: Floats, d: Floats, radius: float, half_length: float) -> Met:
     return _met(distance, hit, normal)
 
 
+def _hull(o: Floats, d: Floats, vertices: Floats) -> Met:
+    """The last face that is entered, if no face is left before: half-spaces n.x <= c."""
+    from scipy.spatial import ConvexHull as Faces  # late: a listing must not pay for it
+
+    planes = Faces(vertices).equations
+    normals, bounds = planes[:, :3], -planes[:, 3]
+    rising, height = d @ normals.T, o @ normals.T - bounds
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossed = -height / rising
+    entered = np.where(rising < 0, crossed, np.where((rising == 0) & (height > 0), np.inf, -np.inf))
+    left = np.where(rising > 0, crossed, np.inf)
+    last = np.argmax(entered, axis=1)
+    entry = np.take_along_axis(entered, last[:, None], axis=1)[:, 0]
+    return _met(entry, entry <= left.min(axis=1), normals[last])
+
+
+def _mesh(o: Floats, d: Floats, vertices: Floats, faces: NDArray[np.int64]) -> Met:
+    """The nearest of all triangles."""
+    best: Met = (np.full(len(o), np.inf), np.zeros_like(o))
+    for a, b, c in vertices[faces]:
+        normal = np.cross(b - a, c - a)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            distance = ((a - o) @ normal) / (d @ normal)
+            # Barycentric coordinates, as areas against the whole triangle's.
+            within = (o + distance[:, None] * d) - a
+            v = np.cross(within, c - a) @ normal / (normal @ normal)
+            w = np.cross(b - a, within) @ normal / (normal @ normal)
+            hit = np.isfinite(distance) & (v >= 0) & (w >= 0) & (v + w <= 1)
+        best = _nearer(best, _met(distance, hit, np.broadcast_to(normal / np.linalg.norm(normal), o.shape)))
+    return best
+
+
 def _shape(shape: Shape, o: Floats, d: Floats) -> Met:
     """In the frame of the shape."""
     match shape:
@@ -105,16 +141,16 @@ def _shape(shape: Shape, o: Floats, d: Floats) -> Met:
             end = np.array([0.0, 0.0, shape.half_length])
             balls = _nearer(_sphere(o, d, end, shape.radius), _sphere(o, d, -end, shape.radius))
             return _nearer(_side(o, d, shape.radius, shape.half_length), balls)
+        case ConvexHull():
+            return _hull(o, d, np.array(shape.vertices))
+        case TriangleMesh():
+            return _mesh(o, d, np.array(shape.vertices), np.array(shape.faces, dtype=np.int64))
         case _:
-            raise TypeError(f"a {shape.type} has no closed form here, expected sphere, box, plane, cylinder or capsule")
+            assert_never(shape)
 
 
 def first_hits(scene: Scene, state: State, origins: Floats, directions: Floats, max_range: float) -> Hits:
-    """First hit of each ray within max_range [m]; origins (r, 3) m and unit directions (r, 3), in W.
-
-    Raises:
-        TypeError: a shape without a closed form.
-    """
+    """First hit of each ray within max_range [m]; origins (r, 3) m and unit directions (r, 3), in W."""
     best: Met = (np.full(len(origins), np.inf), np.zeros_like(origins))
     owner = np.full(len(origins), -1, dtype=np.int64)
     for place, body in enumerate(scene.bodies):

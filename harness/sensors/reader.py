@@ -6,8 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from harness.adapter import Simulation
-from harness.kinematics import product, rotate
-from harness.scene import WORLD, Quaternion, Scene, Vector3
+from harness.scene import WORLD, Quaternion, Scene, Vector3, multiply, rotation_matrix
 from harness.trajectory import Floats, State
 
 __all__ = ["Reader", "Setting", "pose_of", "row_of"]
@@ -45,5 +44,5 @@ def row_of(scene: Scene, body: str, state: State) -> Floats:
 
 def pose_of(row: Floats, p_BS: Vector3, q_BS: Quaternion) -> tuple[Floats, Floats]:
     """p_WS [m] (3,) and q_WS (4,) of a frame mounted on a body with this row."""
-    p_WB, q_WB = row[:3], row[3:7]
-    return p_WB + rotate(q_WB, np.array(p_BS)), product(q_WB, np.array(q_BS))
+    w, x, y, z = row[3:7].tolist()
+    return row[:3] + np.array(rotation_matrix((w, x, y, z))) @ np.array(p_BS), np.array(multiply((w, x, y, z), q_BS))

@@ -6,15 +6,17 @@ Streams are named '<sensor>/<channel>' (k, ...); what noise was laid over stands
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from harness.adapter import Simulation, Unsupported
-from harness.scene import Scene, Sensor
+from harness.scene import Imu, Lidar, Scene, Sensor
 from harness.sensors.imu import ImuReader
 from harness.sensors.lidar import LidarReader
 from harness.sensors.reader import Reader, Setting
+from harness.sensors.spinning import SpinningReader
 from harness.trajectory import Floats, State
 
-__all__ = ["SensorRecorder", "steps_between_readings"]
+__all__ = ["SensorRecorder", "steps_between_readings", "steps_of_latency"]
 
 READERS: Mapping[str, Callable[..., Reader]] = {"imu": ImuReader, "lidar": LidarReader}
 """What reads each type of sensor: reader(sensor, setting, start)."""
@@ -34,6 +36,36 @@ def steps_between_readings(sensor: Sensor, dt: float) -> int:
     return round(steps)
 
 
+def steps_of_latency(sensor: Sensor, dt: float) -> int:
+    """How many steps of dt [s] a signal is old when it is read.
+
+    Raises:
+        ValueError: the latency is no whole number of steps; nothing is interpolated.
+    """
+    latency = sensor.latency if isinstance(sensor, Imu) else 0.0
+    steps = latency / dt
+    if abs(steps - round(steps)) > 1e-6 * max(steps, 1.0):
+        raise ValueError(f"sensor '{sensor.name}': latency {latency:g} s, expected a whole number of steps of {dt:g} s")
+    return round(steps)
+
+
+@dataclass(frozen=True, slots=True)
+class _Due:
+    """A reader and the steps at which it reads: those n with n + late a multiple of `every`."""
+
+    every: int
+    late: int
+    reader: Reader
+
+
+def _due(sensor: Sensor, setting: Setting, start: State) -> _Due:
+    """Raises: ValueError."""
+    every = steps_between_readings(sensor, setting.dt)
+    if isinstance(sensor, Lidar) and sensor.spinning:
+        return _Due(1, 0, SpinningReader(sensor, setting, start))
+    return _Due(every, steps_of_latency(sensor, setting.dt), READERS[sensor.type](sensor, setting, start))
+
+
 class SensorRecorder:
     """Reads the sensors of a scene; `read` is to be called every `interval_steps` steps, at time 0 too or not."""
 
@@ -45,14 +77,13 @@ class SensorRecorder:
         start = State.empty(len(scene.bodies))
         simulation.state(start)
         setting = Setting(scene, simulation, seed, dt)
-        self._due = [
-            (steps_between_readings(sensor, dt), READERS[sensor.type](sensor, setting, start)) for sensor in scene.sensors
-        ]
+        self._due = [_due(sensor, setting, start) for sensor in scene.sensors]
+        self._until = 0.0
 
     @property
     def interval_steps(self) -> int:
-        """Steps between two calls of `read`: the greatest common divisor of all sensors' intervals."""
-        return math.gcd(*(steps for steps, _ in self._due))
+        """Steps between two calls of `read`: the greatest common divisor of all sensors' intervals and latencies."""
+        return math.gcd(*(steps for due in self._due for steps in (due.every, due.late)))
 
     def read(self, time: float, state: State) -> None:
         """Take the readings that are due at `time` [s], a multiple of dt; `state` is the simulation's at that time.
@@ -60,11 +91,16 @@ class SensorRecorder:
         Raises:
             Unsupported: the engine casts no rays, or draws no pictures.
         """
-        here = round(time / self._dt)
-        for steps, reader in self._due:
-            if here % steps == 0:
-                reader.read(time, state)
+        here, self._until = round(time / self._dt), time
+        for due in self._due:
+            if (here + due.late) % due.every == 0:
+                due.reader.read(time, state)
 
     def streams(self) -> dict[str, Floats]:
-        """All signals so far, with noise and without."""
-        return {name: signal for _, reader in self._due for name, signal in reader.streams().items()}
+        """All signals so far, with noise and without; what is late enough to be stamped after the last call is left out."""
+        found = {name: signal for due in self._due for name, signal in due.reader.streams().items()}
+        kept: dict[str, Floats] = {}
+        for name, signal in found.items():
+            stamps = found[name.rsplit("/", 1)[0] + "/time"]
+            kept[name] = signal if not len(stamps) or stamps[-1] <= self._until else signal[stamps <= self._until + 1e-9]
+        return kept

@@ -1,0 +1,74 @@
+"""An inertial sensor in free fall: does it feel nothing, whatever the speed, and turn as it was thrown?"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.kinematics import rotate_back
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
+from harness.scene import EARTH_GRAVITY, Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION, RATE, SPIN, SPEED = 2.0, 60.0, 2.0, 5.0
+MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
+SINGLE = 2.0**-24
+"""Relative rounding of a float32: an engine in single precision is judged as such."""
+
+
+def _scene(speed: float = SPEED, spin: float = SPIN) -> Scene:
+    """A ball thrown up and forwards at `speed` [m/s] each, spinning about z, with a sensor at its centre, turned against it."""
+    ball = Body(
+        name="ball",
+        inertia=sphere_inertia(1.0, 0.5),
+        visual=(PlacedShape(shape=Sphere(radius=0.5)),),
+        v_WB=(speed, 0.0, speed),
+        w_WB=(0.0, 0.0, spin),
+    )
+    return Scene(bodies=(ball,), sensors=(Imu(name="imu", body="ball", rate=RATE, q_BS=MOUNTING),))
+
+
+def _expected(time: Floats, speed: float = SPEED, spin: float = SPIN) -> Trajectory:
+    """The parabola and a steady turn; a sensor that falls with its body feels no force."""
+    truth = Trajectory.of(time, 1)
+    t = truth.time
+    truth.p_WB[:, 0, 0], truth.p_WB[:, 0, 2] = speed * t, speed * t - G * t * t / 2
+    truth.v_WB[:, 0, 0], truth.v_WB[:, 0, 2] = speed, speed - G * t
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(spin * t / 2), np.sin(spin * t / 2)
+    truth.w_WB[:, 0, 2] = spin
+    count = int(np.floor(float(t[-1]) * RATE + 1e-6)) if len(truth) else 0
+    streams = {"imu/time": np.arange(1, count + 1) / RATE, "imu/accelerometer_ideal": np.zeros((count, 3))}
+    streams["imu/gyroscope_ideal"] = np.tile(rotate_back(np.array(MOUNTING), np.array([0.0, 0.0, spin])), (count, 1))
+    return replace(truth, streams=streams)
+
+
+FASTEST = SPEED + G * DURATION
+
+CASE = Case(
+    name="sensor_imu_free_fall",
+    title="Inertial sensor in free fall",
+    question="Does a sensor that falls with its body feel no force, and turn as its body does?",
+    source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 3.5: specific force is a - g",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"speed": SPEED, "spin": SPIN},
+    headline=ACCELEROMETER_ERROR.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a free ball never diverges"),
+        Check(
+            metric=ACCELEROMETER_ERROR,
+            at_most=8 * SINGLE * FASTEST * RATE,
+            because="every integrator makes v' = v + g dt exactly, so that what is left is the rounding of velocities in single "
+            "precision over one interval",
+        ),
+        Check(
+            metric=GYROSCOPE_ERROR,
+            at_most=16 * SINGLE * SPIN,
+            because="no torque acts, so the rate stays what it was; a few roundings in single precision",
+        ),
+    ),
+)

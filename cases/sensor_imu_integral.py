@@ -1,0 +1,64 @@
+"""A gyroscope on a nutating top: does the integral of what it reads give the attitude that the body has?"""
+
+from harness.case import Case, Check
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.gyroscope_attitude import GYROSCOPE_ATTITUDE
+from harness.scene import Body, Box, Imu, PlacedShape, Scene, axis_angle
+
+DURATION, RATE = 2.0, 120.0
+EQUATOR, POLE = 1.0, 2.0
+"""Moments of inertia [kg m2]."""
+ACROSS, ALONG = 1.0, 3.0
+"""Rates across and along the axis [rad/s]."""
+MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
+SINGLE = 2.0**-24
+
+
+def _scene(across: float = ACROSS, along: float = ALONG) -> Scene:
+    """A free symmetric top with a sensor turned against it; its rate goes round its axis at (C - A)/A times `along`."""
+    top = Body(
+        name="top",
+        inertia=((EQUATOR, 0.0, 0.0), (0.0, EQUATOR, 0.0), (0.0, 0.0, POLE)),
+        visual=(PlacedShape(shape=Box(half_extents=(0.5, 0.5, 0.2))),),
+        w_WB=(across, 0.0, along),
+    )
+    imu = Imu(name="imu", body="top", rate=RATE, p_BS=(0.1, 0.2, 0.0), q_BS=MOUNTING)
+    return Scene(bodies=(top,), sensors=(imu,), gravity=(0.0, 0.0, 0.0))
+
+
+ROUND = (POLE - EQUATOR) / EQUATOR * ALONG
+"""How fast the rate goes round the axis in B [rad/s]: |w'| = ROUND * ACROSS and |w''| = ROUND^2 * ACROSS."""
+RATE_SIZE = (ACROSS**2 + ALONG**2) ** 0.5
+
+
+def _angle(dt: float) -> float:
+    """[rad]: see the check's derivation, a twentieth granted for the change of the rate itself."""
+    first = ROUND * ACROSS * dt / 2
+    second = RATE_SIZE**3 * dt**2 / 12
+    integral = ROUND**2 * ACROSS / RATE**2 / 12
+    return 1.05 * (first + second + integral) * DURATION + 64 * SINGLE
+
+
+CASE = Case(
+    name="sensor_imu_integral",
+    title="Attitude from a gyroscope",
+    question="Is the attitude of a body the integral of what a gyroscope on it reads?",
+    source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2; Goldstein, section 5.6 (free top)",
+    truth="conservation",
+    scene=_scene,
+    duration=DURATION,
+    parameters={"across": ACROSS, "along": ALONG},
+    dt=1 / 240,
+    sample_interval=1 / RATE,
+    ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920),
+    headline=GYROSCOPE_ATTITUDE.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a free top never diverges"),
+        Check(
+            metric=GYROSCOPE_ATTITUDE,
+            at_most=_angle,
+            because="an engine that turns by the rate of a step's start or end is off by |w'| dt/2 a second, one that turns by "
+            "2 atan(w dt/2) by |w|^3 dt^2/12, and the integral of readings at intervals T by |w''| T^2/12; rounding",
+        ),
+    ),
+)

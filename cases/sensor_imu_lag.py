@@ -1,0 +1,103 @@
+"""Inertial sensors on a body that is shaken: how late do their readings tell of it?"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.control import Control
+from harness.kinematics import rotate_back
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG
+from harness.metrics.stream_stamps import STAMP_ERROR
+from harness.scene import Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
+from harness.trajectory import Floats, State, Trajectory
+
+DURATION, RATE, LATENCY = 3.0, 60.0, 0.025
+FREQUENCY = 1.5
+PUSH, TURN = 3.0, 2.0
+"""Amplitudes of acceleration [m/s2] and of angular acceleration [rad/s2]."""
+MASS, RADIUS = 2.0, 0.5
+MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
+
+
+def _scene(frequency: float = FREQUENCY) -> Scene:  # noqa: ARG001 -- the control's
+    """A ball with two sensors: one that the engine may read by its own means, one that differences velocities and is late."""
+    ball = Body(
+        name="ball", mass=MASS, inertia=sphere_inertia(MASS, RADIUS), visual=(PlacedShape(shape=Sphere(radius=RADIUS)),)
+    )
+    own = Imu(name="own", body="ball", rate=RATE, q_BS=MOUNTING)
+    late = Imu(name="late", body="ball", rate=RATE, q_BS=MOUNTING, reading="states", latency=LATENCY)
+    return Scene(bodies=(ball,), sensors=(own, late), gravity=(0.0, 0.0, 0.0))
+
+
+def _control(frequency: float = FREQUENCY) -> Control:
+    """Force and torque along z as sin and cos of the time, so that the turning does not mix the axes."""
+    inertia = sphere_inertia(MASS, RADIUS)[2][2]
+
+    def wrench(time: float, _state: State) -> tuple[Floats, Floats]:
+        phase = 2 * np.pi * frequency * time
+        force = np.array([[0.0, 0.0, MASS * PUSH * np.sin(phase)]])
+        return force, np.array([[0.0, 0.0, inertia * TURN * np.cos(phase)]])
+
+    return Control(wrench=wrench)
+
+
+def _expected(time: Floats, frequency: float = FREQUENCY) -> Trajectory:
+    """What is there to be felt at the instants of the time stamps: a sin(Wt), and b/W sin(Wt) turning."""
+    truth = Trajectory.of(time, 1)
+    pulse = 2 * np.pi * frequency
+    t = truth.time
+    # From rest: z' = a (1 - cos Wt)/W.
+    truth.v_WB[:, 0, 2] = PUSH * (1 - np.cos(pulse * t)) / pulse
+    truth.p_WB[:, 0, 2] = PUSH * (t - np.sin(pulse * t) / pulse) / pulse
+    angle = TURN * (1 - np.cos(pulse * t)) / pulse**2
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(angle / 2), np.sin(angle / 2)
+    truth.w_WB[:, 0, 2] = TURN * np.sin(pulse * t) / pulse
+    count = int(np.floor(float(t[-1]) * RATE + 1e-6)) if len(truth) else 0
+    streams: dict[str, Floats] = {}
+    for name, first in (("own", 1), ("late", 1 + int(np.ceil(LATENCY * RATE)))):
+        stamps = np.arange(first, count + 1) / RATE
+        wave = np.stack([0 * stamps, 0 * stamps, np.sin(pulse * stamps)], axis=1)
+        askew = rotate_back(np.tile(MOUNTING, (len(stamps), 1)), wave)
+        streams |= {f"{name}/time": stamps, f"{name}/accelerometer_instant": PUSH * askew}
+        streams[f"{name}/gyroscope_instant"] = TURN / pulse * askew
+    return replace(truth, streams=streams)
+
+
+def _late(dt: float) -> float:
+    """[s]: a force that is held over a step, or the one told last."""
+    return dt + 1e-6
+
+
+CASE = Case(
+    name="sensor_imu_lag",
+    title="Lag of inertial sensors",
+    question="How late do readings tell of a shaken body: by the latency, and by half an interval where velocities are differenced?",
+    source="Knapp, Carter, The generalized correlation method for estimation of time delay (1976); centre of a difference",
+    truth="closed form",
+    scene=_scene,
+    control=_control,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"frequency": FREQUENCY},
+    dt=1 / 240,
+    ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
+    headline=ACCELEROMETER_LAG.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a ball shaken by a bounded force never diverges"),
+        Check(
+            metric=ACCELEROMETER_LAG,
+            at_most=_late,
+            because="a force told at the start of a step and held acts half a step late, and a sensor that is asked at its end "
+            "feels it a whole step late; a microsecond for the spline through the signal",
+        ),
+        Check(
+            metric=GYROSCOPE_LAG,
+            at_most=_late,
+            because="a torque told at the start of a step and held acts half a step late, and a damping of the vendor's shifts "
+            "the phase; one step is granted",
+        ),
+        Check(metric=STAMP_ERROR, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
+    ),
+)

@@ -1,0 +1,93 @@
+"""An inertial sensor on a box that stands on the ground: does it read -R^T g, as upward as gravity is downward?"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.kinematics import rotate_back
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
+from harness.metrics.stream_stamps import STAMP_ERROR
+from harness.scene import (
+    EARTH_GRAVITY,
+    Body,
+    Box,
+    Imu,
+    PlacedShape,
+    Plane,
+    Scene,
+    Surface,
+    axis_angle,
+    box_inertia,
+)
+from harness.trajectory import Floats, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION, SETTLED, RATE = 3.0, 2.0, 60.0
+HALF, FRICTION = 0.1, 0.5
+MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
+BORNE = 0.01
+"""How well a ground has to carry a weight that rests on it, as a share of the weight [1]."""
+
+
+def _scene(friction: float = FRICTION) -> Scene:
+    """A box that just touches a plane, with a sensor off its centre, turned against it."""
+    half = (HALF, HALF, HALF)
+    box = Body(
+        name="box",
+        inertia=box_inertia(1.0, half),
+        collision=(PlacedShape(shape=Box(half_extents=half)),),
+        p_WB=(0.0, 0.0, HALF),
+    )
+    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    imu = Imu(name="imu", body="box", rate=RATE, p_BS=(0.05, -0.03, 0.08), q_BS=MOUNTING)
+    surface = Surface(static_friction=friction, kinetic_friction=friction)
+    return Scene(bodies=(ground, box), surfaces=(surface,), sensors=(imu,))
+
+
+def _expected(time: Floats, friction: float = FRICTION) -> Trajectory:  # noqa: ARG001 -- rest knows no friction
+    """Rest, in which the sensor feels the ground's push g upwards."""
+    truth = Trajectory.of(time, 2)
+    truth.p_WB[:, 1, 2] = HALF
+    count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
+    felt = rotate_back(np.array(MOUNTING), np.array([0.0, 0.0, G]))
+    streams = {"imu/time": np.arange(1, count + 1) / RATE}
+    streams["imu/accelerometer_ideal"] = np.tile(felt, (count, 1))
+    streams["imu/gyroscope_ideal"] = np.zeros((count, 3))
+    return replace(truth, streams=streams)
+
+
+EDGE = BORNE * G / (2 / 3 * HALF)
+"""Angular acceleration [rad/s2] by that share of the weight at the box's edge: m g a over 2/3 m a^2."""
+ARM = 0.1
+
+CASE = Case(
+    name="sensor_imu_rest",
+    title="Inertial sensor at rest",
+    question="Does a sensor on a box that stands still read gravity upwards in its own frame, and no turning?",
+    source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 3.5: f = -R^T g",
+    truth="rest",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"friction": FRICTION},
+    headline=ACCELEROMETER_ERROR.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a box at rest never diverges"),
+        Check(
+            metric=ACCELEROMETER_ERROR,
+            at_most=BORNE * G + EDGE * ARM,
+            because="a ground that carries the weight to one part in a hundred lets the box accelerate by that share of g, and "
+            "where the share acts at an edge, turn by g/(2/3 a) of it, felt at the sensor's arm of .1 m",
+            start=SETTLED,
+        ),
+        Check(
+            metric=GYROSCOPE_ERROR,
+            at_most=EDGE / RATE,
+            because="that angular acceleration during one interval of the sensor, after which the other edge pushes back",
+            start=SETTLED,
+        ),
+        Check(metric=STAMP_ERROR, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
+    ),
+)

@@ -1,0 +1,88 @@
+"""Distribution of inertial noise against the normal one of its law: Kolmogorov's distance, and chi-squared of a histogram.
+
+Every second difference of samples is taken: with white noise and a random walk these are independent normal variables of the
+variance 2 N^2/T + K^2 T. A Markov process would correlate them, so that a law that has one is not measured.
+
+Source: Kolmogorov (1933), sqrt(n) D; Pearson (1900), with cells of equal probability (Mann, Wald, On the choice of the number of
+class intervals, 1942) and Wilson and Hilferty's cube root, which makes a chi-squared variable normal.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from harness.inertial_residual import inertial_residual
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import AxisNoise, Imu, Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["HISTOGRAM_SCORE", "METRIC", "NORMAL_DISTANCE", "histogram_score", "kolmogorov_distance"]
+
+CELLS = 64
+FEWEST = 20 * CELLS
+"""Samples below which a cell's count is no normal variable."""
+
+
+def kolmogorov_distance(deviations: Floats) -> float:
+    """sqrt(n) D from the standard normal distribution, of (n,); NaN where one is."""
+    from scipy import stats  # late: a listing must not pay for it
+
+    if np.isnan(deviations).any():
+        return float("nan")
+    return float(stats.kstest(deviations, "norm").statistic * np.sqrt(len(deviations)))
+
+
+def histogram_score(deviations: Floats) -> float:
+    """Pearson's chi-squared over cells of equal probability as a normal score, of (n,); NaN where one is."""
+    from scipy import stats  # late: a listing must not pay for it
+
+    if np.isnan(deviations).any():
+        return float("nan")
+    edges = stats.norm.ppf(np.arange(1, CELLS) / CELLS)
+    counts = np.bincount(np.searchsorted(edges, deviations), minlength=CELLS)
+    mean = len(deviations) / CELLS
+    freedom = CELLS - 1
+    third = 2.0 / (9.0 * freedom)
+    level = float(np.sum(np.square(counts - mean))) / mean / freedom
+    # Counts that are more even than chance allows are as wrong as uneven ones.
+    return float(abs(level ** (1 / 3) - (1 - third)) / np.sqrt(third))
+
+
+def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
+    """Of each noisy axis, (n,)."""
+    found: list[Floats] = []
+    for sensor in scene.sensors:
+        if not isinstance(sensor, Imu) or sensor.noise is None:
+            continue
+        for channel in ("accelerometer", "gyroscope"):
+            law: AxisNoise = getattr(sensor.noise, channel)
+            variance = 2 * law.density**2 * sensor.rate + law.random_walk**2 / sensor.rate
+            if variance == 0 and law.instability == 0:
+                continue
+            if law.instability > 0:
+                raise NotMeasurable(f"the {channel} of sensor '{sensor.name}' has bias instability, whose samples are correlated")
+            change = np.diff(inertial_residual(sensor, channel, actual), axis=0)[::2]
+            if len(change) < FEWEST:
+                raise NotMeasurable(f"stream '{sensor.name}/{channel}' has {len(change)} differences, {FEWEST} are needed")
+            found.extend((change / np.sqrt(variance)).T)
+    if not found:
+        raise NotMeasurable("no inertial sensor of the scene has random noise")
+    return found
+
+
+def _largest(judge: Callable[[Floats], float]) -> Callable[[Scene, Trajectory, Trajectory | None], float]:
+    def measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+        return maximum(np.array([judge(one) for one in _deviations(scene, actual)]))
+
+    return measure
+
+
+NORMAL_DISTANCE = Metric(
+    name="inertial_distribution_distance", unit="1", source="Kolmogorov (1933): sqrt(n) D", measure=_largest(kolmogorov_distance)
+)
+HISTOGRAM_SCORE = Metric(
+    name="inertial_histogram_score", unit="1", source="Pearson (1900); Mann, Wald (1942)", measure=_largest(histogram_score)
+)
+
+METRIC = (NORMAL_DISTANCE, HISTOGRAM_SCORE)

@@ -1,0 +1,42 @@
+"""Time stamps of sensors: whole multiples of the sensor's interval, none left out, up to the end of the run.
+
+The metric is the largest distance of a stamp from its multiple, infinite where one is missing or stands twice. The first stamp
+is time 0 for a sensor that reads an instant, and for inertial ones and spinning range finders, which tell of an interval, the
+first one by which a whole interval and the latency have passed.
+"""
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import Imu, Lidar, Scene
+from harness.trajectory import Trajectory
+
+__all__ = ["METRIC", "STAMP_ERROR"]
+
+
+def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    worst = []
+    for sensor in scene.sensors:
+        name = f"{sensor.name}/time"
+        if name not in actual.streams:
+            raise NotMeasurable(f"stream '{name}' was not recorded")
+        stamps, interval = actual.streams[name], 1.0 / sensor.rate
+        first = 0
+        if isinstance(sensor, Imu):
+            first = 1 + int(np.ceil(sensor.latency / interval - 1e-9))
+        elif isinstance(sensor, Lidar) and sensor.spinning:
+            first = 1
+        last = int(np.floor(float(actual.time[-1]) / interval + 1e-6))
+        due = np.arange(first, last + 1) * interval
+        if len(stamps) != len(due):
+            return float("inf")
+        if not np.isfinite(stamps).all():
+            return float("nan")
+        worst.append(np.abs(stamps - due))
+    if not worst or sum(map(len, worst)) == 0:
+        raise NotMeasurable("the scene has no sensor, or none was read")
+    return maximum(np.concatenate(worst))
+
+
+METRIC = STAMP_ERROR = Metric(name="time_stamp_error", unit="s", source="definition: |stamp - k/rate|", measure=_measure)

@@ -1,0 +1,43 @@
+"""Beams of a scanning range finder: the directions of its pattern, and the sub-rays of a beam that spreads.
+
+The pattern: `channels` elevations against the x-y plane of S, its own or evenly from elevation_low to elevation_high (both
+included), times `columns` azimuths 2 pi k / columns counter-clockwise from +x of S.
+
+A beam of half angle a is told by seven sub-rays that share its solid angle evenly: its axis, for the disc within a/sqrt(7), and
+six on the ring outside it, at the root mean square of the ring's two radii, a sqrt(4/7). The hexagon has the moments of a
+uniform disc up to the third order, so that on a plane the mean of the seven ranges is the mean over the beam to O(a^4).
+"""
+
+import numpy as np
+
+from harness.scene import Lidar
+from harness.trajectory import Floats
+
+__all__ = ["SUB_RAYS", "beams", "spread"]
+
+SUB_RAYS = 7
+
+
+def beams(lidar: Lidar) -> Floats:
+    """Unit directions in S, shape (channels, columns, 3)."""
+    even = np.linspace(lidar.elevation_low, lidar.elevation_high, lidar.channels)
+    elevation = (even if lidar.elevations is None else np.array(lidar.elevations))[:, None]
+    azimuth = 2.0 * np.pi * np.arange(lidar.columns)[None, :] / lidar.columns
+    across = np.cos(elevation)
+    up = np.broadcast_to(np.sin(elevation), (lidar.channels, lidar.columns))
+    return np.stack([across * np.cos(azimuth), across * np.sin(azimuth), up], axis=-1)
+
+
+def spread(directions: Floats, divergence: float) -> Floats:
+    """Sub-rays of beams (..., 3) with this half angle [rad], (7, ..., 3) unit, the axis first; (1, ..., 3) for no angle."""
+    if divergence == 0.0:
+        return directions[None]
+    # Any vector off the beam's line gives a frame about it: the axis that it has least of.
+    least = np.eye(3)[np.argmin(np.abs(directions), axis=-1)]
+    u = np.cross(directions, least)
+    u /= np.linalg.norm(u, axis=-1, keepdims=True)
+    v = np.cross(directions, u)
+    angle = divergence * np.sqrt(4.0 / 7.0)
+    turn = np.arange(SUB_RAYS - 1) * np.pi / 3.0
+    ring = [np.cos(angle) * directions + np.sin(angle) * (np.cos(t) * u + np.sin(t) * v) for t in turn]
+    return np.stack([directions, *ring])

@@ -1,0 +1,64 @@
+"""Scans of a range finder as they are collected, and what is made of them: noise, drawn scan by scan in the order of time.
+
+Streams: '<name>/range' and '<name>/intensity' (k, channels, columns), both also as '..._ideal', and the organised cloud
+'<name>/points' (k, channels, columns, 3) m in S, the noisy range along the beam, NaN where nothing returned. Each column of
+a spinning sensor is given in S as S was when the column was fired, as a driver hands it out that knows of no motion.
+"""
+
+import numpy as np
+
+from harness.scene import Lidar
+from harness.sensors.lidar_noise import noisy
+from harness.trajectory import Floats
+
+__all__ = ["Scans", "points"]
+
+
+def points(pattern: Floats, ranges: Floats) -> Floats:
+    """Ranges (k, channels, columns) [m] along the pattern (channels, columns, 3), NaN where nothing returned."""
+    found = np.empty((len(ranges), *pattern.shape))
+    # Axis by axis: products over a last axis of three would take twice as long.
+    along = np.ascontiguousarray(np.moveaxis(pattern, -1, 0))
+    for scan, out in zip(ranges, found, strict=True):
+        write_points(along, scan, out)
+    return found
+
+
+def write_points(along: Floats, scan: Floats, out: Floats) -> None:
+    """One scan's ranges (channels, columns) along x, y, z of the pattern (3, channels, columns), into (channels, columns, 3)."""
+    reach = scan.copy()
+    np.putmask(reach, scan == np.inf, np.nan)
+    for axis in range(3):
+        np.multiply(reach, along[axis], out=out[..., axis])
+
+
+class Scans:
+    """The scans so far of one sensor with beams (channels, columns, 3) in S."""
+
+    def __init__(self, lidar: Lidar, pattern: Floats, seed: int) -> None:
+        self._lidar, self._pattern, self._seed = lidar, pattern, seed
+        self._times: list[float] = []
+        self._ranges: list[Floats] = []
+        self._intensities: list[Floats] = []
+
+    def add(self, time: float, ranges: Floats, intensities: Floats) -> None:
+        """One ideal scan, each (channels, columns), which is kept as it is."""
+        self._times.append(time)
+        self._ranges.append(ranges)
+        self._intensities.append(intensities)
+
+    def streams(self) -> dict[str, Floats]:
+        """All scans."""
+        lidar, name, shape = self._lidar, self._lidar.name, (-1, *self._pattern.shape[:2])
+        ranges, intensities = (np.array(kept).reshape(shape) for kept in (self._ranges, self._intensities))
+        heard = ranges.copy(), intensities.copy()
+        if lidar.noise is not None:
+            heard = noisy(lidar.noise, ranges, intensities, self._seed, name)
+        return {
+            f"{name}/time": np.array(self._times),
+            f"{name}/range_ideal": ranges,
+            f"{name}/intensity_ideal": intensities,
+            f"{name}/range": heard[0],
+            f"{name}/intensity": heard[1],
+            f"{name}/points": points(self._pattern, heard[0]),
+        }

@@ -73,8 +73,8 @@ def picture_camera(camera: DepthCamera) -> Camera:
 
 
 class DepthReader:
-    """Frames of z-depth '<name>/depth_ideal' and '<name>/depth' (k, height, width) m, and of '<name>/body' (k, height, width), the
-    place in the scene of what is seen, -1 for nothing up to `far`.
+    """Frames of z-depth '<name>/depth_ideal' and '<name>/depth' (k, height, width) m, and of '<name>/body' (k, height, width):
+    the place in the scene of what is seen, -1 for nothing up to `far`.
     """
 
     def __init__(self, camera: DepthCamera, setting: Setting, start: State) -> None:  # noqa: ARG002 -- a frame needs no past

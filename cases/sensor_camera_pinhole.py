@@ -108,7 +108,7 @@ CASE = Case(
         Check(
             metric=SILHOUETTE_IOU,
             at_most=0.999,
-            because="the least solid shows in 22 000 pixels with an outline of 600: a silhouette wrong by 0.04 pixels all round",
+            because="the least solid shows in 22 000 pixels with an outline of 600: wrong by 0.04 pixels all round",
         ),
         Check(
             metric=DEPTH_ERROR_MEDIAN,

@@ -82,7 +82,7 @@ def _camera(name: str, noise: DepthNoise) -> DepthCamera:
 
 
 def _scene(infrared: float = 0.1) -> Scene:
-    """A floor, a wall with a mirror, a pane of glass and a black panel on it, and a block before them; a low sun from behind."""
+    """A floor, a wall with a mirror, a pane of glass and a black panel on it, a block before them; a low sun from behind."""
     pale = Appearance(reflectivity=0.8)
     on_wall = Box(half_extents=(0.05, 0.6, 0.5))
     bodies = (
@@ -118,7 +118,7 @@ CASE = Case(
     name="sensor_depth_noise",
     title="Noise of depth cameras",
     question="Have depths by stereo, structured light and time of flight the noise, steps and gaps of their principle?",
-    source="Khoshelham, Elberink, Sensors 12 (2012) 1437; Gallup et al., CVPR 2008; Hansard et al., Time-of-Flight Cameras (2012)",
+    source="Khoshelham, Elberink, Sensors 12 (2012) 1437; Gallup et al., CVPR 2008; Hansard et al., Time-of-Flight Cameras",
     truth="statistics",
     scene=_scene,
     expected=_expected,

@@ -26,7 +26,9 @@ def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> li
         body, owner = beside_truth(actual, expected, camera.name, "body")
         # A NaN is no infinity: it is kept, and shows in the error.
         both = (body == owner) & (owner >= 0) & ~np.isinf(depth) & ~np.isinf(truth)
-        found += [np.abs(depth - truth)[both & (owner == place)] for place in np.unique(owner[both])]
+        for place in np.unique(owner[both]):
+            shown = both & (owner == place)
+            found.append(np.abs(depth[shown] - truth[shown]))
     if not found:
         raise NotMeasurable("no pixel shows the body that the truth shows")
     return found

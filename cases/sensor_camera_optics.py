@@ -51,7 +51,7 @@ def _camera(name: str, x: float) -> Camera:
 
 
 def _scene(tilt: float = 0.5) -> Scene:
-    """Sheets that fill their camera's picture, turned by `tilt` [rad] out of it; no sun, a sky of radiance 1, all balls black."""
+    """Sheets that fill their camera's picture, turned by `tilt` [rad] out of it; no sun, a sky of 1, all balls black."""
     bodies = (
         _sheet("mirror", (9.0, 9.0, 0.1), (0.0, 0.0, 4.0), (1.0, 0.3, 0.0), tilt, Appearance(mirror=1.0)),
         _ball("behind", 0.8, (0.3, 3.0, -1.0)),
@@ -140,7 +140,7 @@ CASE = Case(
     name="sensor_camera_optics",
     title="Mirror and pane",
     question="Does a picture show what a mirror and a thick pane show, each ghost with Fresnel's share of the light?",
-    source="Born, Wolf, Principles of Optics, 7th ed., sections 1.5.1 to 1.5.3 and 7.6.1 (laws of Snell and Fresnel; plane plates)",
+    source="Born, Wolf, Principles of Optics, 7th ed., sections 1.5 and 7.6 (laws of Snell and Fresnel; plane plates)",
     truth="closed form",
     scene=_scene,
     expected=_expected,
@@ -154,9 +154,10 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
             metric=COLOUR_ERROR_MAX,
-            at_most=1e-6,
-            because="colours are kept in single precision, 6e-8, and a tracer gives a ray up after eight surfaces or more, when "
-            "0.12^8 = 4e-8 of its light is left at the steepest angle; no pixel lies so close to an edge that rounding decides",
+            at_most=1.2e-4,
+            because="a tracer may take a ray that carries less than 1e-4 of a pixel's light for the sky: that ray and its "
+            "echoes in the pane make 1e-4/(1 - R) with R up to 0.12; a refractive index wrong by 0.01 shows as 2e-3; no pixel "
+            "lies so close to an edge that rounding decides it",
         ),
         Check(metric=SILHOUETTE_IOU, at_most=0.999, because="what a ray meets first does not depend on what light does there"),
     ),

@@ -1,10 +1,15 @@
 """Truths of the camera cases: against independent routes, and the premises of their bounds."""
 
+from dataclasses import replace
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 
+from cases import sensor_camera_optics
+from cases.sensor_camera_optics import CASE as OPTICS
+from cases.sensor_camera_optics import HALF_THICKNESS, INDEX, _fresnel, _in_mirror, _in_pane
 from cases.sensor_camera_pinhole import CASE as PINHOLE
 from cases.sensor_depth_noise import BLOCK, FOCAL, PATTERN, PHASE, STEREO, WALL, WIDTH
 from cases.sensor_depth_noise import CASE as NOISE
@@ -15,6 +20,8 @@ from cases.sensor_depth_spheres import BALLS, LONGEST
 from cases.sensor_depth_spheres import CASE as SPHERES
 from harness.case import Case
 from harness.kinematics import rotate_back
+from harness.metric import NotMeasurable
+from harness.metrics.colour_error import COLOUR_ERROR_MAX, COLOUR_ERROR_MEDIAN
 from harness.scene import DepthCamera
 from harness.sensors.depth_camera import lost
 from harness.sensors.pinhole import intrinsics, pixel_centres
@@ -183,8 +190,118 @@ def test_sunlight_takes_only_what_it_falls_on() -> None:
     assert shaded.sum() > 20
 
 
-@pytest.mark.parametrize("case", [PLANE, SPHERES, PINHOLE, NOISE], ids=lambda c: c.name)
+@pytest.mark.parametrize("case", [PLANE, SPHERES, PINHOLE, OPTICS, NOISE], ids=lambda c: c.name)
 def test_every_step_of_the_ladder_is_a_divisor_of_the_sensors_interval(case: Case) -> None:
     scene = case.scene(**case.parameters)
     for dt in (case.dt, *case.ladder):
         assert all(steps_between_readings(sensor, dt) >= 1 for sensor in scene.sensors)
+
+
+def _optics(tilt: float = 0.5) -> tuple[Any, dict[str, Any]]:
+    scene = OPTICS.scene(tilt=tilt)
+    return scene, {camera.name: (camera, true_sight(scene, camera, State.initial(scene))) for camera in scene.sensors}
+
+
+def test_a_mirror_shows_balls_where_their_images_behind_it_would_stand() -> None:
+    scene, sights = _optics()
+    camera, sight = sights["facing"]
+    normal = sight.normal_W[np.flatnonzero(sight.body == 0)[0]]
+    face = sight.point_W[np.flatnonzero(sight.body == 0)[0]]
+    images = []
+    for body in scene.bodies[1:4]:
+        p_WB = np.array(body.p_WB)
+        place = p_WB - 2.0 * ((p_WB - face) @ normal) * normal
+        images += [replace(body, p_WB=tuple(place), name=f"image of {body.name}"), body]
+    direct = replace(scene, bodies=tuple(images), sensors=(camera,))
+    dark = true_sight(direct, camera, State.initial(direct)).body >= 0
+    colour = _truth(OPTICS).streams["facing/colour"][0, :, :, 0].ravel()
+    np.testing.assert_array_equal(colour == 0.0, dark)
+    np.testing.assert_array_equal(colour == 1.0, ~dark)
+    assert 0.05 < dark.mean() < 0.5
+
+
+def test_a_pane_moves_a_ray_sideways_as_snell_says_and_takes_no_light_away() -> None:
+    """d = t sin a (1 - cos a / sqrt(n^2 - sin^2 a)), in mpmath, for the ray through the middle of the picture."""
+    scene, sights = _optics()
+    sight = sights["through"][1]
+    middle = 60 * 160 + 80
+    normal, direction = sight.normal_W[middle], sight.directions_W[middle]
+    cosine = -normal @ direction
+    with mpmath.workdps(30):
+        a = mpmath.acos(cosine)
+        shift = 2 * HALF_THICKNESS * mpmath.sin(a) * (1 - mpmath.cos(a) / mpmath.sqrt(INDEX**2 - mpmath.sin(a) ** 2))
+    # The same by the way through the pane: along the refracted ray to the back, then beside the undisturbed one.
+    inside = direction / INDEX + (cosine / INDEX - np.sqrt(1 - (1 - cosine**2) / INDEX**2)) * normal
+    out = sight.point_W[middle] + 2 * HALF_THICKNESS / -(inside @ normal) * inside
+    off = out - sight.point_W[middle]
+    assert np.linalg.norm(off - (off @ direction) * direction) == pytest.approx(float(shift), rel=1e-12)
+    # The ray from there meets the ball or passes it just as the picture says; the pixels at the ball's edge tell.
+    colour = _truth(OPTICS).streams["through/colour"][0, :, :, 0]
+    beyond = scene.body("beyond")
+    cosines = -np.sum(sight.normal_W * sight.directions_W, axis=1)
+    inner = sight.directions_W / INDEX + (cosines / INDEX - np.sqrt(1 - (1 - cosines**2) / INDEX**2))[:, None] * sight.normal_W
+    steps = 2 * HALF_THICKNESS / -np.sum(inner * sight.normal_W, axis=1)
+    outs = sight.point_W + steps[:, None] * inner
+    to_ball = np.array(beyond.p_WB) - outs
+    miss = np.linalg.norm(to_ball - np.sum(to_ball * sight.directions_W, axis=1)[:, None] * sight.directions_W, axis=1)
+    dark = (miss < 0.5).reshape(120, 160)
+    # What is left in front of a black ball is what the pane sends back, 0.04 at the least and 0.25 at most here.
+    assert (colour[dark] < 0.25).all()
+    assert dark.sum() > 400
+    assert colour.max() == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.9, 1.2])
+def test_fresnels_share_agrees_with_his_sines_and_tangents(angle: float) -> None:
+    share, inside = _fresnel(np.cos(np.array([angle])))
+    with mpmath.workdps(30):
+        refracted = mpmath.asin(mpmath.sin(angle) / INDEX)
+        if angle == 0.0:
+            expected = ((INDEX - 1) / (INDEX + 1)) ** 2
+        else:
+            across = (mpmath.sin(angle - refracted) / mpmath.sin(angle + refracted)) ** 2
+            along = (mpmath.tan(angle - refracted) / mpmath.tan(angle + refracted)) ** 2
+            expected = float((across + along) / 2)
+    assert share[0] == pytest.approx(expected, rel=1e-12)
+    assert inside[0] == pytest.approx(float(mpmath.cos(refracted)), rel=1e-14)
+
+
+def test_light_of_one_camera_never_comes_from_the_others_scene_and_no_pixel_hangs_on_an_edge() -> None:
+    scene, _ = _optics()
+    colours = {name: stream for name, stream in _truth(OPTICS).streams.items() if name.endswith("colour")}
+    alone = {
+        "facing": replace(scene, bodies=scene.bodies[:4], sensors=scene.sensors[:1]),
+        "through": replace(scene, bodies=scene.bodies[4:], sensors=scene.sensors[1:]),
+    }
+    for name, part in alone.items():
+        camera: Any = part.sensors[0]
+        sheet, light = ("mirror", _in_mirror) if name == "facing" else ("pane", _in_pane)
+        for way in (np.zeros(3), *np.eye(3) * 1e-9, *np.eye(3) * -1e-9):
+            moved = replace(camera, p_BS=tuple(np.array(camera.p_BS) + way))
+            sight = true_sight(part, moved, State.initial(part))
+            grey = np.where(sight.body == part.index(sheet), light(part, sight), 0.0)
+            np.testing.assert_allclose(grey, colours[f"{name}/colour"][0, :, :, 0].ravel(), atol=1e-7)
+            # Sides of the sheets, 9 m off, are never met.
+            assert (np.abs(sight.normal_W[sight.body == part.index(sheet)] @ sight.normal_W[0]) > 0.99).all()
+
+
+def test_a_wrong_index_and_a_mirror_that_does_not_mirror_are_seen_in_the_colours(monkeypatch: pytest.MonkeyPatch) -> None:
+    truth = _truth(OPTICS)
+    scene = OPTICS.scene()
+    assert COLOUR_ERROR_MAX(scene, truth, truth) == 0.0
+    assert COLOUR_ERROR_MEDIAN(scene, truth, truth) == 0.0
+    colour = truth.streams["through/colour"]
+    with monkeypatch.context() as patch:
+        patch.setattr(sensor_camera_optics, "INDEX", INDEX + 0.01)
+        assert COLOUR_ERROR_MAX(scene, _truth(OPTICS), truth) > 1e-3
+    unmirrored = replace(truth, streams={**truth.streams, "facing/colour": np.ones_like(truth.streams["facing/colour"])})
+    assert COLOUR_ERROR_MAX(scene, unmirrored, truth) == 1.0
+    assert COLOUR_ERROR_MEDIAN(scene, unmirrored, truth) == 0.0
+    gamma = replace(truth, streams={**truth.streams, "through/colour": (0.9 * colour) ** (1 / 2.2)})
+    assert COLOUR_ERROR_MEDIAN(scene, gamma, truth) > 0.01
+    bad = colour.copy()
+    bad[0, 3, 4, 1] = np.nan
+    for metric in (COLOUR_ERROR_MAX, COLOUR_ERROR_MEDIAN):
+        assert np.isnan(metric(scene, replace(truth, streams={**truth.streams, "through/colour": bad}), truth))
+    with pytest.raises(NotMeasurable, match="no colour camera"):
+        COLOUR_ERROR_MAX(SPHERES.scene(), truth, truth)

@@ -34,7 +34,10 @@ from harness.scene import (
     SceneError,
     Sphere,
     Spring,
+    StereoNoise,
+    StructuredLightNoise,
     Surface,
+    TimeOfFlightNoise,
     TriangleMesh,
     axis_angle,
     principal_inertia,
@@ -65,6 +68,13 @@ names = st.text(st.characters(codec="utf-8", categories=("L", "N", "P", "S")), m
 limits = st.one_of(st.none(), st.builds(Limits, lower=st.floats(-2, 0) | st.none(), upper=st.floats(0, 2) | st.none()))
 springs = st.none() | st.builds(Spring, stiffness=st.floats(0, 1e4), damping=st.floats(0, 10), rest=finite)
 drives = st.none() | st.builds(Drive, stiffness=st.floats(0, 1e4), target=finite, limit=positive | st.none())
+
+depth_noises = st.one_of(
+    st.none(),
+    st.builds(StereoNoise, baseline=positive, disparity_sigma=st.floats(0, 2), missing=shares),
+    st.builds(StructuredLightNoise, baseline=positive, disparity_step=st.floats(0, 1), least_signal=st.floats(0, 9)),
+    st.builds(TimeOfFlightNoise, range_sigma=st.floats(0, 1), unambiguous_range=positive, multipath=shares),
+)
 
 
 @st.composite
@@ -105,7 +115,7 @@ def scenes(draw: st.DrawFn) -> Scene:
         Imu(name="imu", body=a, rate=100.0, noise=draw(st.none() | st.just(ImuNoise()))),
         Lidar(name="lidar", body="world", rate=10.0, noise=LidarNoise(dropout=draw(shares))),
         Camera(name="camera", body=b, rate=30.0),
-        DepthCamera(name="depth", body=b, rate=30.0),
+        DepthCamera(name="depth", body=b, rate=30.0, noise=draw(depth_noises)),
     )
     return Scene(
         bodies=(*bodies, ground),

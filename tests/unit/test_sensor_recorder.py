@@ -9,9 +9,11 @@ import pytest
 from harness.adapter import Unsupported
 from harness.scene import Body, Box, Camera, Effect, Imu, Lidar, PlacedShape, Plane, Scene, Sphere, axis_angle
 from harness.sensors import lidar as scanning
+from harness.sensors import recorder
+from harness.sensors.lidar import LidarReader
 from harness.sensors.rays import first_hits
 from harness.sensors.recorder import SensorRecorder
-from harness.trajectory import Floats, Hits, State, Trajectory
+from harness.trajectory import Floats, Hits, Image, State, Trajectory
 
 
 class Playback:
@@ -31,6 +33,9 @@ class Playback:
         state = State.initial(self.scene)
         self.state(state)
         return first_hits(self.scene, state, origins, directions, max_range)
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        raise Unsupported(f"image of camera '{camera.name}'", "a played motion has no picture")
 
 
 def _record(scene: Scene, motion: Any, dt: float, steps: int, at_start: bool = True) -> dict[str, Floats]:
@@ -135,9 +140,16 @@ def test_a_rate_that_the_step_does_not_divide_is_refused_by_name(rate: float) ->
         SensorRecorder(scene, Playback(scene, _still, 0.004), 1, 0.004)  # type: ignore[arg-type]
 
 
-def test_a_camera_is_refused_and_not_ignored() -> None:
+def test_a_camera_that_the_engine_cannot_draw_for_is_refused_and_not_ignored() -> None:
     scene = Scene(bodies=(BODY,), sensors=(Camera(name="eye", body="b", rate=100.0),))
     with pytest.raises(Unsupported, match="eye"):
+        _record(scene, _still, 0.01, 1)
+
+
+def test_a_sensor_that_nothing_reads_is_refused_and_not_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorder, "READERS", {"lidar": LidarReader})
+    scene = Scene(bodies=(BODY,), sensors=(SENSOR,))
+    with pytest.raises(Unsupported, match=r"sensor 'imu': no recorder reads a imu"):
         SensorRecorder(scene, Playback(scene, _still, 0.01), 1, 0.01)  # type: ignore[arg-type]
 
 

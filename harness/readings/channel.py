@@ -18,7 +18,7 @@ UNITS: Mapping[str, Mapping[str, str]] = {
     "imu": {"accelerometer": "m/s2", "gyroscope": "rad/s"},
     "lidar": {"range": "m", "intensity": "1"},
     "camera": {"colour": "1", "depth": "m", "body": "1"},
-    "depth_camera": {"depth": "m"},
+    "depth_camera": {"depth": "m", "body": "1"},
     RAYS: {"range": "m"},
 }
 """Units of the channels, by type of sensor."""

@@ -1,7 +1,7 @@
 """Noise of an inertial channel: its Allan deviation against that of its law, its spread from reading to reading, its bias.
 
-Where the law also turns or stretches the signal, an affine map of the ideal signal is taken off first, by least squares; that
-takes the bias with it, which then cannot be told.
+Where the law also turns or stretches the signal, so is the ideal signal before it is taken off: a triad turned by a rotation
+reads the inverse rotation of a vector, and the scale error stretches what it reads.
 
 Source: IEEE Std 952-1997, annex C; see `harness.metrics.allan` and `harness.metrics.noise_bias`.
 """
@@ -43,16 +43,12 @@ def _law_of(channel: Channel) -> AxisNoise | None:
     return None if law == AxisNoise() else law
 
 
-def _deformed(law: AxisNoise) -> bool:
-    return law.scale_error != 0 or any(law.misalignment)
-
-
 def _noise(channel: Channel, law: AxisNoise) -> Floats:
-    """What was read beyond the ideal signal, (k, 3)."""
-    if not _deformed(law):
-        return channel.read - channel.ideal
-    basis = np.column_stack([channel.ideal, np.ones(len(channel.ideal))])
-    rest: Floats = channel.read - basis @ np.linalg.lstsq(basis, channel.read, rcond=None)[0]
+    """What was read beyond the ideal signal as the law's own triad and scale have it, (k, 3)."""
+    from scipy.spatial.transform import Rotation  # another route than the one by which readings are made
+
+    turned: Floats = Rotation.from_rotvec(law.misalignment).inv().apply(channel.ideal)
+    rest: Floats = channel.read - (1.0 + law.scale_error) * turned
     return rest
 
 
@@ -94,10 +90,12 @@ def inertial_noise(channel: Channel) -> Noise | None:
     if len(channel.read) < LEAST:
         return Noise(law=told, why=f"{len(channel.read)} readings, at least {LEAST} are needed")
     if (clipped := _clipped(channel, law)) > 0:
-        return Noise(law=told, why=f"{100 * clipped:.3g} % of the readings end at the bound of {law.saturation:g} {channel.unit}")
+        return Noise(
+            law=told, why=f"{100 * clipped:.3g} % of the readings end at the bound of {law.saturation:g} {channel.unit}"
+        )
     assert isinstance(channel.sensor, Imu)
     noise, interval = _noise(channel, law), 1.0 / channel.sensor.rate
-    fields = _bias(noise, law, interval) if not _deformed(law) else {}
+    fields = _bias(noise, law, interval)
     if not _random(law):
         return Noise(law=told, count=noise.size, **fields)
     variance, freedom = expected_variance(law, 1, len(noise), interval)

@@ -28,11 +28,13 @@ UNLIKE = 0.01
 
 
 def lag_by_law(channel: Channel) -> float | None:
-    """Latency [s], and half an interval more for an accelerometer, whose reading is a mean over one."""
-    if not isinstance(channel.sensor, Imu):
+    """Latency [s], and half an interval more where an acceleration is a mean over one; None where the engine may give its own."""
+    imu = channel.sensor
+    if not isinstance(imu, Imu):
         return None
-    latency = channel.sensor.latency
-    return latency + (0.5 / channel.sensor.rate if channel.channel == "accelerometer" else 0.0)
+    if channel.channel == "gyroscope":
+        return imu.latency
+    return imu.latency + 0.5 / imu.rate if imu.reading == "states" else None
 
 
 def lag_of(channel: Channel, scene: Scene, arrays: Mapping[str, Any]) -> float | None:

@@ -1,5 +1,5 @@
-"""What each sensor says on each engine: how far its ideal signal is off, whether its noise keeps its law, how late it is, and what
-its rays cost.
+"""What each sensor says on each engine: how far off its ideal signal is, whether its noise keeps its law, how late it is, and
+what its rays cost.
 
 A row is a channel of a sensor in the trial that stands nearest to its case's own time step; prices come from the trials beside
 it that clocked the sensors or their bare rays. A trial without readings is a row without a channel, with its outcome.
@@ -38,9 +38,10 @@ class Finding:
     Terms:
         where: the parameters that are not the case's own. readings: how many, of `values` numbers each. error_max, error_rms,
         error_median [unit]: of the ideal signal against the truth; disagree: share that meets another surface, or none.
-        metric, at_most, passed: the case's own check of that signal. law, sigma ... walk: see `harness.readings.noise.Noise`.
+        metric, at_most, passed: the case's own check of that signal, and error its value; the largest error without a check.
+        law, sigma ... walk: see `harness.readings.noise.Noise`.
         lag, lag_law [s]: behind the motion. rays_per_s: beams or pixels a CPU second, sensors read and noise laid over;
-        bare_rays_per_s: of the same rays, or the case's own, alone. cpu_sensing [s]: of one interval of all the scene's sensors.
+        bare_rays_per_s: of the same rays, or the case's own, alone. cpu_sensing [s]: of one interval of the scene's sensors.
         trial: the readings'; trial_sensing, trial_bare: the prices'. reason: why there is no answer, or what a number lacks.
         allan, histogram, levels, picture: what charts draw.
     """
@@ -60,6 +61,7 @@ class Finding:
     error_rms: float | None = None
     error_median: float | None = None
     disagree: float | None = None
+    error: float | None = None
     metric: str = ""
     at_most: float | None = None
     passed: bool | None = None
@@ -230,9 +232,10 @@ def _of_channel(
 def _error_fields(errors: Errors, check: Mapping[str, Any]) -> dict[str, Any]:
     found = {"error_max": errors.largest, "error_rms": errors.rms, "error_median": errors.median, "disagree": errors.disagree}
     if not check:
-        return found
+        return found | {"error": errors.largest}
     bound = None if pd.isna(check["at_most"]) else float(check["at_most"])
-    return found | {"metric": check["metric"], "at_most": bound, "passed": bool(check["passed"])}
+    judged = {"metric": check["metric"], "at_most": bound, "passed": bool(check["passed"])}
+    return found | judged | {"error": float(check["value"])}
 
 
 def _check(channel: str, measured: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
@@ -246,7 +249,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
     return [{name: getattr(one, name) for name in COLUMNS} for one in findings(store)]
 
 
-BRIEF = ("case", "engine", "sensor", "error, largest", "bound", "sigma (law)", "lost (law)", "lag", "rays a second", "outcome")
+BRIEF = ("case", "engine", "sensor", "error", "bound", "sigma (law)", "lost (law)", "lag", "rays a second", "outcome")
 
 
 def brief(row: Mapping[str, Any]) -> list[object]:
@@ -256,7 +259,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         f"{row['case']} {row['where']}".strip(),
         f"{row['engine']}/{row['track']}",
         f"{row['sensor']}/{row['channel']}" if row["channel"] else "",
-        _amount(row["error_max"], row["unit"]) if row["error_max"] is not None else _share(row["disagree"], " disagree"),
+        _error(row),
         _amount(row["at_most"], "") + verdict,
         _amount(row["sigma"], row["unit"]) + (f" ({row['sigma_law']:.4g})" if row["sigma_law"] is not None else ""),
         _share(row["lost"], "") + (f" ({100 * row['lost_law']:.3g} %)" if row["lost_law"] is not None else ""),
@@ -264,6 +267,14 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         _rate(row),
         row["status"] + (f": {row['reason'][:60]}" if row["reason"] else ""),
     ]
+
+
+def _error(row: Mapping[str, Any]) -> str:
+    """The error that is judged; what kind of mean it is, where it is no largest one."""
+    if row["error"] is None:
+        return _share(row["disagree"], " disagree")
+    kind = next((word for word in ("median", "rms") if row["metric"].endswith(word)), "")
+    return f"{_amount(row['error'], row['unit'])} {kind}".strip()
 
 
 def _amount(value: float | None, unit: str) -> str:

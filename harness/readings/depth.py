@@ -1,8 +1,8 @@
 """Noise of a depth camera: the spread of its depth errors against the depth, and pixels that got lost.
 
 By its law a depth z errs with the standard deviation sigma + sigma_square z^2 where the law says so itself; z^2 sigma_d/(f b)
-where a disparity errs by sigma_d pixels at a focal length of f pixels and a baseline of b metres (a disparity in steps of q adds
-q^2/12 to its variance); (sigma + slope r) z/r where a range r = z/cos errs.
+where a disparity errs by sigma_d pixels at a focal length of f pixels and a baseline of b metres (a disparity in steps of q
+adds q^2/12 to its variance); (sigma + slope r) z/r where a range r = z/cos errs.
 
 Source: Khoshelham, Elberink, Accuracy and resolution of Kinect depth data, Sensors 12 (2012) 1437, eq. 10; Widrow, Kollar,
 Quantization Noise (2008), chapter 4 (a step's uniform error).
@@ -35,8 +35,8 @@ Law = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Levels:
-    """Spread of depth over depth: mean depth (k,) m of each stretch, standard deviation found (k,) m with its 95 % interval, and
-    by law (k,) m."""
+    """Spread of depth over depth: mean depth (k,) m of each stretch, standard deviation found (k,) m with its 95 % interval,
+    and by law (k,) m."""
 
     depth: Floats
     sigma: Floats
@@ -58,14 +58,17 @@ def depth_sigma(camera: DepthCamera, law: Law, depth: Floats) -> Floats | None:
         return None
     if "disparity_sigma" in law:
         match_sigma = math.hypot(law["disparity_sigma"], law.get("disparity_step", 0.0) / math.sqrt(12.0))
-        return np.square(depth) * match_sigma / (camera.focal_x * law["baseline"])
+        by_disparity: Floats = np.square(depth) * match_sigma / (camera.focal_x * law["baseline"])
+        return by_disparity
     if "range_sigma" in law:
         x = (np.arange(camera.width) + 0.5 - camera.centre_x) / camera.focal_x
         y = (np.arange(camera.height) + 0.5 - camera.centre_y) / camera.focal_y
         longer = np.sqrt(1.0 + np.square(x)[None, :] + np.square(y)[:, None])
-        return (law["range_sigma"] + law.get("range_sigma_slope", 0.0) * depth * longer) / longer
+        by_range: Floats = (law["range_sigma"] + law.get("range_sigma_slope", 0.0) * depth * longer) / longer
+        return by_range
     if "sigma" in law:
-        return law["sigma"] + law.get("sigma_square", 0.0) * np.square(depth)
+        by_depth: Floats = law["sigma"] + law.get("sigma_square", 0.0) * np.square(depth)
+        return by_depth
     return None
 
 

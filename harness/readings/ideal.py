@@ -1,9 +1,9 @@
 """How far the ideal signal of a channel lies from the truth: the largest, the root mean square and the median error.
 
-An inertial reading errs by the length of the difference of two vectors, a range, an intensity, a depth or a colour by the size of
-the difference. Ranges and depths are compared where both meet the same surface, taken to be another one where they differ by
-more than a tenth; the share of the others is `disagree`. Two silences agree where both are alike (NaN, or infinite with one
-sign). Bodies that a pixel shows agree or do not.
+An inertial reading errs by the length of the difference of two vectors, and so does a colour; a range, an intensity or a
+depth by the size of the difference. Ranges and depths are compared where both meet the same surface, taken to be another one
+where they differ by more than a tenth; the share of the others is `disagree`. Two silences agree where both are alike (NaN, or
+infinite with one sign). Bodies that a pixel shows agree or do not.
 """
 
 from dataclasses import dataclass

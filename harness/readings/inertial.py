@@ -7,6 +7,7 @@ Source: IEEE Std 952-1997, annex C; see `harness.metrics.allan` and `harness.met
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -106,7 +107,7 @@ def inertial_noise(channel: Channel) -> Noise | None:
     return Noise(law=told, count=noise.size, **fields, **_levels(noise, law, interval))
 
 
-def _bias(noise: Floats, law: AxisNoise, interval: float) -> dict[str, float]:
+def _bias(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:
     """From as many first readings as tell it best, since a walk soon hides a constant."""
     variances = variance_of_mean(law, np.arange(1.0, len(noise) + 1.0), interval)
     count = int(np.argmin(variances)) + 1
@@ -115,7 +116,7 @@ def _bias(noise: Floats, law: AxisNoise, interval: float) -> dict[str, float]:
     return {"bias": found, "bias_low": found - width, "bias_high": found + width, "bias_law": law.bias}
 
 
-def _levels(noise: Floats, law: AxisNoise, interval: float) -> dict[str, float]:
+def _levels(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:
     """Allan deviation over the law's in the middle of each process's own stretch."""
     found = {}
     for regime, ends in windows(law, len(noise), interval).items():

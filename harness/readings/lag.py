@@ -28,7 +28,7 @@ UNLIKE = 0.01
 
 
 def lag_by_law(channel: Channel) -> float | None:
-    """Latency [s], and half an interval more where an acceleration is a mean over one; None where the engine may give its own."""
+    """Latency [s], half an interval more where an acceleration is a mean over one; None where the engine may give its own."""
     imu = channel.sensor
     if not isinstance(imu, Imu):
         return None

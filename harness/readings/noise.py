@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ def spread_interval(sigma: float, freedom: float) -> tuple[float, float]:
     return sigma * math.sqrt(freedom / low), sigma * math.sqrt(freedom / high)
 
 
-def lost_share(lost: int, count: int, law: float) -> dict[str, float]:
+def lost_share(lost: int, count: int, law: float) -> dict[str, Any]:
     """The fields of `Noise` about returns that got lost, with Wilson's interval; none where nothing could get lost."""
     if count == 0:
         return {}
@@ -59,7 +60,7 @@ def lost_share(lost: int, count: int, law: float) -> dict[str, float]:
     return {"lost": lost / count, "lost_low": low, "lost_high": high, "lost_law": law}
 
 
-def spread(deviation: Floats, law: Floats) -> dict[str, float]:
+def spread(deviation: Floats, law: Floats) -> dict[str, Any]:
     """The fields of `Noise` about spread and mean of independent deviations (n,), whose standard deviations by law are (n,)."""
     n = len(deviation)
     sigma, bias = float(np.sqrt(np.mean(np.square(deviation)))), float(np.mean(deviation))

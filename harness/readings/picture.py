@@ -15,8 +15,8 @@ WIDEST = 240
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """What was seen: colour (h, w, 3), linear, or depth (h, w) m; the ideal depth beside it where noise was laid over it, and the
-    truth where it is told. height, width: of the camera's own picture."""
+    """What was seen: colour (h, w, 3), linear, or depth (h, w) m; the ideal depth beside it where noise was laid over it, and
+    the truth where it is told. height, width: of the camera's own picture."""
 
     seen: Floats
     ideal: Floats | None
@@ -49,4 +49,5 @@ def small(pixels: Floats) -> Floats:
         return pixels[factor // 2 :: factor, factor // 2 :: factor].astype(np.float32)
     height, width = (side // factor * factor for side in pixels.shape[:2])
     blocks = pixels[:height, :width].reshape(height // factor, factor, width // factor, factor, 3)
-    return blocks.mean(axis=(1, 3)).astype(np.float32)
+    averaged: Floats = blocks.mean(axis=(1, 3)).astype(np.float32)
+    return averaged

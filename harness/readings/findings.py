@@ -111,11 +111,12 @@ class _Prices:
 
 
 def concerned(store: Store) -> pd.DataFrame:
-    """The trials that have sensors, or cast rays of their own; known without a look at any trajectory."""
+    """The trials that have sensors and, beside such, those that cast rays of their own; known without a look at trajectories."""
     told = store.catalogue.get("cases", {})
     sensing = {name for name, case in told.items() if "sensing" in case.get("effects", ()) or case.get("family") == "sensor"}
     trials = store.asked
-    return trials[trials["case"].isin(sensing) | (trials["unit"] == "ray")]
+    mine = trials["case"].isin(sensing)
+    return trials[mine | (trials["unit"] == "ray")] if mine.any() else trials[mine]
 
 
 @lru_cache(maxsize=1)

@@ -3,7 +3,7 @@
 from harness.scene.appearance import Appearance, Sun
 from harness.scene.body import Body, PlacedShape
 from harness.scene.camera import Camera, Distortion
-from harness.scene.depth_camera import DepthCamera, DepthNoise
+from harness.scene.depth_camera import DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from harness.scene.effect import Effect
 from harness.scene.imu import AxisNoise, Imu, ImuNoise
 from harness.scene.inertia import box_inertia, capsule_inertia, cylinder_inertia, principal_inertia, sphere_inertia
@@ -53,8 +53,11 @@ __all__ = [
     "Shape",
     "Sphere",
     "Spring",
+    "StereoNoise",
+    "StructuredLightNoise",
     "Sun",
     "Surface",
+    "TimeOfFlightNoise",
     "TriangleMesh",
     "Vector3",
     "axis_angle",

@@ -1,7 +1,7 @@
 """Recorder: reads the sensors of a scene while it is simulated, each by the reader of its own file.
 
-Streams are named '<sensor>/<channel>' (k, ...); what noise was laid over stands without it under '<channel>_ideal'; time stamps in
-'<sensor>/time' (k,) s. A sensor without a noise model gives its ideal signal.
+Streams are named '<sensor>/<channel>' (k, ...); what noise was laid over stands without it under '<channel>_ideal'; time stamps
+in '<sensor>/time' (k,) s. A sensor without a noise model gives its ideal signal.
 """
 
 import math
@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 
 from harness.adapter import Simulation, Unsupported
 from harness.scene import Scene, Sensor
+from harness.sensors.camera import CameraReader
+from harness.sensors.depth_camera import DepthReader
 from harness.sensors.imu import ImuReader
 from harness.sensors.lidar import LidarReader
 from harness.sensors.reader import Reader, Setting
@@ -16,7 +18,12 @@ from harness.trajectory import Floats, State
 
 __all__ = ["SensorRecorder", "steps_between_readings"]
 
-READERS: Mapping[str, Callable[..., Reader]] = {"imu": ImuReader, "lidar": LidarReader}
+READERS: Mapping[str, Callable[..., Reader]] = {
+    "imu": ImuReader,
+    "lidar": LidarReader,
+    "camera": CameraReader,
+    "depth_camera": DepthReader,
+}
 """What reads each type of sensor: reader(sensor, setting, start)."""
 
 

@@ -1,0 +1,120 @@
+"""Solids before nothing, photographed: does each appear in the pixels where the pinhole puts it, at its depth?"""
+
+from dataclasses import replace
+
+from harness.case import Case, Check
+from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.pixel_error import PIXEL_ERROR
+from harness.metrics.silhouette import SILHOUETTE_IOU
+from harness.scene import (
+    Appearance,
+    Body,
+    Box,
+    Camera,
+    Capsule,
+    Cylinder,
+    PlacedShape,
+    Quaternion,
+    Scene,
+    Shape,
+    Sphere,
+    Vector3,
+    axis_angle,
+)
+from harness.sensors.true_frames import stamps_up_to, true_frames
+from harness.trajectory import Floats, State, Trajectory
+
+RATE = 10.0
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+LOOK = axis_angle((0.3, 1.0, -0.2), 0.9)
+"""Attitude of the camera; the solids are placed in its frame, x to the right, y down, z ahead."""
+
+
+def _solid(name: str, shape: Shape, p_S: Vector3, q_S: Quaternion, colour: Vector3) -> Body:
+    """A solid placed in the frame S of the camera: S lies turned by LOOK in the carrier's frame, which is W's."""
+    return Body(
+        name=name,
+        motion="static",
+        collision=(PlacedShape(shape=shape, p_BS=p_S, q_BS=q_S),),
+        q_WB=LOOK,
+        appearance=Appearance(colour=colour),
+    )
+
+
+def _scene(renderer: str = "rasterised") -> Scene:
+    """A ball, a box, a capsule and a cylinder; the principal point is off the middle and pixels are not square."""
+    solids = (
+        _solid("ball", Sphere(radius=0.5), (-0.9, -0.6, 3.0), UNTURNED, (0.8, 0.2, 0.2)),
+        _solid("box", Box(half_extents=(0.4, 0.3, 0.5)), (0.9, -0.5, 3.2), axis_angle((1.0, 0.5, 0.2), 0.7), (0.2, 0.7, 0.3)),
+        _solid(
+            "capsule", Capsule(radius=0.3, half_length=0.4), (-0.8, 0.8, 3.1), axis_angle((0.2, 1.0, 0.1), 1.1), (0.2, 0.4, 0.9)
+        ),
+        _solid(
+            "cylinder",
+            Cylinder(radius=0.35, half_length=0.4),
+            (0.8, 0.7, 2.9),
+            axis_angle((1.0, 0.3, 0.0), 1.0),
+            (0.8, 0.7, 0.2),
+        ),
+    )
+    camera = Camera(
+        name="camera",
+        body="world",
+        rate=RATE,
+        q_BS=LOOK,
+        focal_x=500.0,
+        focal_y=520.0,
+        centre_x=311.0,
+        centre_y=247.0,
+        renderer=renderer,  # type: ignore[arg-type]  # checked there
+    )
+    return Scene(bodies=solids, sensors=(camera,), gravity=(0.0, 0.0, 0.0))
+
+
+def _expected(time: Floats, renderer: str = "rasterised") -> Trajectory:
+    """Nothing moves; a pixel shows what the ray through its centre meets first."""
+    scene = _scene(renderer)
+    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
+    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
+    camera = scene.sensors[0]
+    assert isinstance(camera, Camera)
+    stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
+    return replace(truth, streams=true_frames(scene, camera, stamps))
+
+
+CASE = Case(
+    name="sensor_camera_pinhole",
+    title="Pictures of solids",
+    question="Does a picture show each solid in the pixels where a pinhole puts it, and at its depth?",
+    source="Hartley, Zisserman, Multiple View Geometry, 2nd ed., section 6.1; closed-form intersection of rays and solids",
+    truth="closed form",
+    scene=_scene,
+    expected=_expected,
+    duration=0.05,
+    parameters={"renderer": "rasterised"},
+    sample_interval=0.05,
+    # What is seen does not depend on the time step: one is enough.
+    ladder=(1 / 240,),
+    headline=PIXEL_ERROR.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(
+            metric=PIXEL_ERROR,
+            at_most=0.1,
+            because="a picture shifted by half a pixel shows five times this; a silhouette of 100 pixels' radius of which a "
+            "thousandth of all pixels is wrong on one side shows this much",
+        ),
+        Check(
+            metric=SILHOUETTE_IOU,
+            at_most=0.999,
+            because="the smallest solid fills 10 000 pixels or more: an outline wrong by a few hundredths of a pixel all round",
+        ),
+        Check(
+            metric=DEPTH_ERROR_MEDIAN,
+            at_most=1e-6,
+            because="single precision at 4 m, four roundings; a curve drawn as flat facets errs by millimetres",
+        ),
+    ),
+    observe=(DEPTH_ERROR_RMS, DEPTH_ERROR_MAX),
+)

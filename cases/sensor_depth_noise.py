@@ -1,0 +1,160 @@
+"""A hall seen by a stereo, a structured-light and a time-of-flight camera: has each the noise and the gaps of its principle?"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN
+from harness.metrics.depth_missing import DEPTH_LOST_ANSWERED, DEPTH_MISSING_SCORE
+from harness.metrics.depth_noise import DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE
+from harness.metrics.depth_quantisation import DISPARITY_STEP_ERROR
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.range_wrap import UNWRAPPED_SHARE
+from harness.scene import (
+    Appearance,
+    Body,
+    Box,
+    DepthCamera,
+    DepthNoise,
+    PlacedShape,
+    Plane,
+    Scene,
+    Shape,
+    StereoNoise,
+    StructuredLightNoise,
+    Sun,
+    TimeOfFlightNoise,
+    Vector3,
+    axis_angle,
+)
+from harness.sensors.true_frames import stamps_up_to, true_frames
+from harness.trajectory import Floats, State, Trajectory
+
+DURATION, RATE = 0.3, 10.0
+WIDTH, HEIGHT, FOCAL = 128, 96, 120.0
+FAR = 10.0
+WALL, BLOCK = 6.0, 2.0
+"""Where the wall and the front of the block before it stand along x [m]."""
+EYE = (0.0, 0.0, 1.2)
+ALONG_X = axis_angle((-1.0, 1.0, -1.0), 2 * np.pi / 3)
+"""Turns S so that its optical axis z looks along +x of W, x to the right (-y) and y down (-z)."""
+SINGLE = 2.0**-24
+GRAZING = 0.13
+"""No pixel meets a surface at a smaller cosine of incidence; a test holds this."""
+
+STEREO = StereoNoise(
+    baseline=0.12, disparity_sigma=0.1, disparity_step=0.125, least_texture=0.5, steepest=np.radians(76.0), missing=0.02
+)
+PATTERN = StructuredLightNoise(
+    baseline=0.077,
+    disparity_sigma=0.06,
+    disparity_step=0.0625,
+    least_signal=0.005,
+    least_contrast=0.25,
+    steepest=np.radians(76.0),
+    missing=0.05,
+)
+PHASE = TimeOfFlightNoise(
+    range_sigma=0.01, range_sigma_slope=0.002, unambiguous_range=4.0, least_signal=0.003, least_contrast=0.2, missing=0.03
+)
+
+
+def _fixture(name: str, shape: Shape, p_WB: Vector3, look: Appearance) -> Body:
+    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, appearance=look)
+
+
+def _camera(name: str, noise: DepthNoise) -> DepthCamera:
+    return DepthCamera(
+        name=name,
+        body="rig",
+        rate=RATE,
+        q_BS=ALONG_X,
+        width=WIDTH,
+        height=HEIGHT,
+        focal_x=FOCAL,
+        focal_y=FOCAL,
+        centre_x=WIDTH / 2,
+        centre_y=HEIGHT / 2,
+        far=FAR,
+        noise=noise,
+    )
+
+
+def _scene(infrared: float = 0.1) -> Scene:
+    """A floor, a wall with a mirror, a pane of glass and a black panel on it, and a block before them; a low sun from behind."""
+    pale = Appearance(reflectivity=0.8)
+    on_wall = Box(half_extents=(0.05, 0.6, 0.5))
+    bodies = (
+        _fixture("floor", Plane(), (0.0, 0.0, 0.0), pale),
+        _fixture("wall", Box(half_extents=(0.1, 6.0, 3.0)), (WALL + 0.1, 0.0, 3.0), pale),
+        _fixture("block", Box(half_extents=(0.2, 0.31, 0.45)), (BLOCK + 0.2, 0.23, 0.95), pale),
+        _fixture("mirror", on_wall, (WALL - 0.05, 2.1, 2.3), Appearance(mirror=1.0)),
+        _fixture("pane", on_wall, (WALL - 0.05, -1.9, 2.4), Appearance(transmission=0.9)),
+        _fixture("panel", on_wall, (WALL - 0.05, -1.7, 1.0), Appearance(reflectivity=0.04)),
+        Body(name="rig", motion="static", p_WB=EYE),
+    )
+    cameras = (_camera("stereo", STEREO), _camera("pattern", PATTERN), _camera("phase", PHASE))
+    sun = Sun(towards_W=(-1.0, 0.5, 0.5), infrared=infrared)
+    return Scene(bodies=bodies, sensors=cameras, gravity=(0.0, 0.0, 0.0), sun=sun)
+
+
+def _expected(time: Floats, infrared: float = 0.1) -> Trajectory:
+    """Nothing moves; the ideal depths, and what each principle cannot see, by closed-form rays."""
+    scene = _scene(infrared)
+    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
+    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
+    stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
+    streams: dict[str, Floats] = {}
+    for camera in scene.sensors:
+        assert isinstance(camera, DepthCamera)
+        streams |= true_frames(scene, camera, stamps)
+    return replace(truth, streams=streams)
+
+
+WITHIN = "five standard deviations: a false alarm in 6 of 10 million runs"
+
+CASE = Case(
+    name="sensor_depth_noise",
+    title="Noise of depth cameras",
+    question="Have depths by stereo, structured light and time of flight the noise, the steps and the gaps of their principle?",
+    source="Khoshelham, Elberink, Sensors 12 (2012) 1437; Gallup et al., CVPR 2008; Hansard et al., Time-of-Flight Cameras",
+    truth="statistics",
+    scene=_scene,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"infrared": 0.1},
+    sample_interval=0.1,
+    # What is seen does not depend on the time step: one is enough.
+    ladder=(1 / 240,),
+    headline=DEPTH_ERROR_MAX.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(
+            metric=DEPTH_ERROR_MAX,
+            at_most=8 * SINGLE * FAR / GRAZING,
+            because="single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
+            "in double precision stay below 1e-12 m",
+        ),
+        Check(metric=DEPTH_MEAN_SCORE, at_most=5.0, because=f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
+        Check(
+            metric=DEPTH_SPREAD_SCORE,
+            at_most=5.0,
+            because=f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
+        ),
+        Check(metric=DEPTH_MISSING_SCORE, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
+        Check(
+            metric=DEPTH_LOST_ANSWERED,
+            at_most=0.0,
+            because="no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
+        ),
+        Check(
+            metric=DISPARITY_STEP_ERROR,
+            at_most=1e-12,
+            because="f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
+            "200 steps stay below 2e-13",
+        ),
+        Check(metric=UNWRAPPED_SHARE, at_most=0.0, because="a phase has no second turn"),
+    ),
+    observe=(DEPTH_ERROR_MEDIAN,),
+)

@@ -1,0 +1,78 @@
+"""Invalid pixels of a depth camera: those that geometry and optics take away, and the share that is lost at random.
+
+The truth's stream '<sensor>/lost' names the first. The score of the second is its distance from the law in the standard
+deviations that the law gives it: below z it says that Wilson's interval for confidence z, drawn
+about the observed rate, holds the law's.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.footage import beside_truth, frames, noisy_cameras
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import Scene
+from harness.trajectory import Trajectory
+
+__all__ = ["DEPTH_LOST_ANSWERED", "DEPTH_MISSING_SCORE", "METRIC"]
+
+Mask = NDArray[np.bool_]
+
+
+def _pixels(actual: Trajectory, expected: Trajectory | None, sensor: str) -> tuple[Mask, Mask, Mask] | None:
+    """Of all pixels with an ideal depth: those that read nothing, that the truth calls lost; and whether there is any NaN."""
+    depth, ideal = frames(actual, sensor, "depth"), frames(actual, sensor, "depth_ideal")
+    if expected is None or f"{sensor}/lost" not in expected.streams:
+        raise NotMeasurable(f"the truth has no stream '{sensor}/lost'")
+    lost = expected.streams[f"{sensor}/lost"]
+    _, true_depth = beside_truth(actual, expected, sensor, "depth_ideal")
+    if np.isnan(ideal).any():
+        return None
+    return np.isnan(depth), lost > 0.5, np.isfinite(ideal) & np.isfinite(true_depth)
+
+
+def _score(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    scores = []
+    for camera in noisy_cameras(scene):
+        assert camera.noise is not None
+        pixels = _pixels(actual, expected, camera.name)
+        if pixels is None:
+            return float("nan")
+        silent, lost, seen = pixels
+        asked = seen & ~lost
+        count, law = int(asked.sum()), camera.noise.missing
+        if count == 0:
+            raise NotMeasurable(f"no pixel of sensor '{camera.name}' sees what it can measure")
+        rate, width = float(np.mean(silent[asked])), float(np.sqrt(law * (1 - law) / count))
+        scores.append(abs(rate - law) / width if width > 0 else (0.0 if rate == law else np.inf))
+    return maximum(np.array(scores))
+
+
+def _answered(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    shares = []
+    for camera in noisy_cameras(scene):
+        pixels = _pixels(actual, expected, camera.name)
+        if pixels is None:
+            return float("nan")
+        silent, lost, seen = pixels
+        if (lost & seen).any():
+            shares.append(float(np.mean(~silent[lost & seen])))
+    if not shares:
+        raise NotMeasurable("the truth takes no pixel away")
+    return maximum(np.array(shares))
+
+
+DEPTH_MISSING_SCORE = Metric(
+    name="depth_missing_score",
+    unit="1",
+    source="Wilson, Probable inference, the law of succession, and statistical inference (1927)",
+    measure=_score,
+)
+DEPTH_LOST_ANSWERED = Metric(
+    name="depth_lost_but_answered_share",
+    unit="1",
+    source="definition: share of the pixels without a second view, light or texture that read a depth all the same",
+    measure=_answered,
+)
+
+METRIC = (DEPTH_MISSING_SCORE, DEPTH_LOST_ANSWERED)

@@ -1,0 +1,105 @@
+"""Depth noise against its law, band by band of depth: mean and standard deviation of the deviations, as normal scores.
+
+A deviation is what was measured (disparity, or range up to whole wraps) less its ideal value, over the standard deviation that
+the law gives there: sigma_d for disparities, whose sigma of depth is z^2/(f b) sigma_d, with q^2/12 of a step q added in
+squares. The bands hold equally many pixels, so that a sigma that grows wrongly with depth shows at one of the ends.
+"""
+
+import math
+
+import numpy as np
+
+from harness.footage import frames, noisy_cameras
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import DepthCamera, Scene, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["BANDS", "DEPTH_MEAN_SCORE", "DEPTH_SPREAD_SCORE", "METRIC", "deviations"]
+
+BANDS = 8
+LEAST = 100
+"""Pixels that a band has to have."""
+
+
+def _by_disparity(camera: DepthCamera, law: StereoNoise | StructuredLightNoise, ideal: Floats, depth: Floats) -> Floats:
+    sigma, step = law.disparity_sigma, law.disparity_step
+    if step > 2.0 * sigma:
+        raise NotMeasurable(f"sensor '{camera.name}': a step of {step} px rounds a sigma of {sigma} px to something not normal")
+    spread = math.hypot(sigma, step / math.sqrt(12.0))
+    return camera.focal_x * law.baseline * (1.0 / depth - 1.0 / ideal) / spread
+
+
+def _by_range(camera: DepthCamera, law: TimeOfFlightNoise, ideal: Floats, depth: Floats, slant: Floats) -> Floats:
+    if law.shot_sigma > 0 or law.multipath > 0:
+        raise NotMeasurable(f"sensor '{camera.name}': photon noise and second paths depend on more than depth")
+    error, turn = (depth - ideal) * slant, law.unambiguous_range
+    if turn is not None:
+        error = error - turn * np.rint(error / turn)
+    found: Floats = error / (law.range_sigma + law.range_sigma_slope * ideal * slant)
+    return found
+
+
+def _slant(camera: DepthCamera) -> Floats:
+    """Range over z-depth of each pixel, (height, width)."""
+    x = (np.arange(camera.width) + 0.5 - camera.centre_x) / camera.focal_x
+    y = (np.arange(camera.height) + 0.5 - camera.centre_y) / camera.focal_y
+    slant: Floats = np.sqrt(1.0 + np.square(x)[None, :] + np.square(y)[:, None])
+    return slant
+
+
+def deviations(scene: Scene, actual: Trajectory) -> list[tuple[DepthCamera, Floats, Floats]]:
+    """Of each noisy depth camera the ideal depths [m] of its valid pixels and their deviations [1], each (n,).
+
+    Raises:
+        NotMeasurable: no camera has a law with a spread, or one's is not of this kind.
+    """
+    found = []
+    for camera in noisy_cameras(scene):
+        depth, ideal = frames(actual, camera.name, "depth"), frames(actual, camera.name, "depth_ideal")
+        valid = ~np.isinf(ideal) & (~np.isnan(depth) | np.isnan(ideal))
+        slant = np.broadcast_to(_slant(camera), depth.shape)[valid]
+        match camera.noise:
+            case StereoNoise() | StructuredLightNoise() as law if law.disparity_sigma > 0:
+                found.append((camera, ideal[valid], _by_disparity(camera, law, ideal[valid], depth[valid])))
+            case TimeOfFlightNoise() as law if law.range_sigma + law.range_sigma_slope + law.shot_sigma > 0:
+                found.append((camera, ideal[valid], _by_range(camera, law, ideal[valid], depth[valid], slant)))
+    if not found:
+        raise NotMeasurable("no depth camera of the scene has a noise of depth")
+    return found
+
+
+def _bands(scene: Scene, actual: Trajectory) -> list[Floats]:
+    """The deviations of each band of each camera, from near to far."""
+    found = []
+    for camera, ideal, deviation in deviations(scene, actual):
+        if len(ideal) < BANDS * LEAST:
+            raise NotMeasurable(f"{len(ideal)} pixels of sensor '{camera.name}' are valid, expected at least {BANDS * LEAST}")
+        found += np.array_split(deviation[np.argsort(ideal, kind="stable")], BANDS)
+    return found
+
+
+def _mean(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    return maximum(np.array([abs(band.mean()) * np.sqrt(len(band)) for band in _bands(scene, actual)]))
+
+
+def _spread(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    """Wilson and Hilferty's cube root makes the chi-squared sum of squares normal to one part in n."""
+    scores = []
+    for band in _bands(scene, actual):
+        third = 2.0 / (9.0 * len(band))
+        scores.append(abs(np.mean(np.square(band)) ** (1 / 3) - (1 - third)) / np.sqrt(third))
+    return maximum(np.array(scores))
+
+
+DEPTH_MEAN_SCORE = Metric(
+    name="depth_mean_score", unit="1", source="standard error of a mean, worst band of depth", measure=_mean
+)
+DEPTH_SPREAD_SCORE = Metric(
+    name="depth_spread_score",
+    unit="1",
+    source="Wilson, Hilferty (1931): chi^2 of squares, worst band of depth",
+    measure=_spread,
+)
+
+METRIC = (DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE)

@@ -1,0 +1,39 @@
+"""Quantisation of disparities: how far they lie off the multiples of the step, and whether neighbours are one step apart."""
+
+import numpy as np
+
+from harness.footage import frames, noisy_cameras
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import Scene, StereoNoise, StructuredLightNoise
+from harness.trajectory import Trajectory
+
+__all__ = ["DISPARITY_STEP_ERROR", "METRIC"]
+
+
+def _error(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    """The larger of both, in steps: a step twice too fine leaves the lattice, one twice too coarse skips a neighbour."""
+    errors = []
+    for camera in noisy_cameras(scene):
+        law = camera.noise
+        if not isinstance(law, StereoNoise | StructuredLightNoise) or law.disparity_step == 0:
+            continue
+        depth, ideal = frames(actual, camera.name, "depth"), frames(actual, camera.name, "depth_ideal")
+        if np.isnan(ideal).any():
+            return float("nan")
+        steps = camera.focal_x * law.baseline / depth[np.isfinite(depth)] / law.disparity_step
+        levels = np.unique(np.rint(steps))
+        if len(levels) < 2:
+            raise NotMeasurable(f"sensor '{camera.name}' reads {len(levels)} disparities, expected at least two")
+        errors += [np.max(np.abs(steps - np.rint(steps))), abs(np.min(np.diff(levels)) - 1.0)]
+    if not errors:
+        raise NotMeasurable("no depth camera of the scene quantises disparities")
+    return maximum(np.array(errors))
+
+
+METRIC = DISPARITY_STEP_ERROR = Metric(
+    name="disparity_step_error",
+    unit="1",
+    source="Khoshelham, Elberink, Sensors 12 (2012) 1437, section 3: f b / z is a multiple of the step; error in steps",
+    measure=_error,
+)

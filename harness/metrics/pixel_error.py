@@ -1,0 +1,36 @@
+"""Where bodies appear in a picture: distance of the centroid of a body's pixels from where it should be, of the worst body."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.footage import beside_truth, cameras
+from harness.metric import Metric, NotMeasurable
+from harness.reduction import maximum
+from harness.scene import Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["METRIC", "PIXEL_ERROR"]
+
+
+def _centroid(mask: NDArray[np.bool_]) -> Floats:
+    """Mean of the pixels' centres, (u, v) [px]; NaN for no pixel at all."""
+    v, u = np.nonzero(mask)
+    return np.array([np.mean(u + 0.5), np.mean(v + 0.5)]) if len(u) else np.full(2, np.nan)
+
+
+def _error(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    """A body that the picture does not show makes it NaN."""
+    errors = []
+    for camera in cameras(scene):
+        body, owner = beside_truth(actual, expected, camera.name, "body")
+        for shown, due in zip(body, owner, strict=True):
+            for place in np.unique(due[due >= 0]):
+                errors.append(np.linalg.norm(_centroid(shown == place) - _centroid(due == place)))
+    if not errors:
+        raise NotMeasurable("the truth shows no body")
+    return maximum(np.array(errors))
+
+
+METRIC = PIXEL_ERROR = Metric(
+    name="pixel_error", unit="px", source="definition: distance of centroids of a body's pixels", measure=_error
+)

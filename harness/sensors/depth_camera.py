@@ -1,0 +1,123 @@
+"""Depth camera: the ideal z-depth of each frame, and what the principle of its noise makes of it.
+
+Ideal depths outside near..far read -inf and +inf and stay so; the noise of a depth inside is not cut off at the bounds.
+Invalid pixels, lost by the principle or at random, read NaN (ROS REP 118). Deviates are drawn for all pixels of a frame, frame
+by frame, so that a longer run begins with the shorter one's noise, and what is seen has no part in what is drawn.
+"""
+
+from dataclasses import replace
+from typing import assert_never
+
+import numpy as np
+
+from harness.kinematics import rotate
+from harness.scene import Camera, DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from harness.sensors import stereo, structured_light, time_of_flight
+from harness.sensors.pictures import Pictures
+from harness.sensors.pinhole import pixel_rays
+from harness.sensors.reader import Setting, pose_of, row_of
+from harness.sensors.seeds import generator
+from harness.sensors.sight import Mask, Sight, bounded, sight_by_rays
+from harness.trajectory import Floats, State
+
+__all__ = ["DepthReader", "answer", "lost", "picture_camera"]
+
+
+def lost(noise: DepthNoise, sight: Sight) -> Mask:
+    """Which measurable pixels the principle cannot measure, whatever the dice say, (r,). Raises: Unsupported."""
+    match noise:
+        case StereoNoise():
+            return stereo.lost(noise, sight)
+        case StructuredLightNoise():
+            return structured_light.lost(noise, sight)
+        case TimeOfFlightNoise():
+            return time_of_flight.lost(noise, sight)
+        case _:
+            assert_never(noise)
+
+
+def answer(noise: DepthNoise, sight: Sight, normal: Floats) -> Floats:
+    """z-depth [m] with the principle's errors as if all pixels were valid, (r,), from standard normal deviates (r,).
+
+    Raises: Unsupported.
+    """
+    match noise:
+        case StereoNoise():
+            return stereo.answer(noise, sight, normal)
+        case StructuredLightNoise():
+            return structured_light.answer(noise, sight, normal)
+        case TimeOfFlightNoise():
+            return time_of_flight.answer(noise, sight, normal)
+        case _:
+            assert_never(noise)
+
+
+def picture_camera(camera: DepthCamera) -> Camera:
+    """The colour camera of the same view, by whose picture the depth is seen. Raises: ValueError where rays see it."""
+    if camera.seen_by == "rays":
+        raise ValueError(f"sensor '{camera.name}': seen_by 'rays', expected a renderer")
+    return Camera(
+        name=camera.name,
+        body=camera.body,
+        rate=camera.rate,
+        p_BS=camera.p_BS,
+        q_BS=camera.q_BS,
+        width=camera.width,
+        height=camera.height,
+        focal_x=camera.focal_x,
+        focal_y=camera.focal_y,
+        centre_x=camera.centre_x,
+        centre_y=camera.centre_y,
+        renderer=camera.seen_by,
+    )
+
+
+class DepthReader:
+    """Frames of z-depth '<name>/depth_ideal' and '<name>/depth' (k, height, width) m, and of '<name>/body' (k, height, width):
+    the place in the scene of what is seen, -1 for nothing up to `far`.
+    """
+
+    def __init__(self, camera: DepthCamera, setting: Setting, start: State) -> None:  # noqa: ARG002 -- a frame needs no past
+        self._camera, self._setting = camera, setting
+        self._pictures, self._rays_S = Pictures(camera.name), pixel_rays(camera)
+        self._normal = generator(setting.seed, camera.name, "depth")
+        self._uniform = generator(setting.seed, camera.name, "missing")
+
+    def _sight(self, state: State) -> Sight:
+        camera, setting = self._camera, self._setting
+        simulation = setting.simulation
+        p_WS, q_WS = pose_of(row_of(setting.scene, camera.body, state), camera.p_BS, camera.q_BS)
+        if camera.seen_by == "rays":
+            return sight_by_rays(camera, setting.scene, simulation.cast, p_WS, q_WS, self._rays_S)
+        image = simulation.render(picture_camera(camera), colour=False)
+        depth = bounded(camera, image.depth.ravel())
+        body = np.where(depth == np.inf, -1, image.body.ravel())
+        if camera.noise is None:
+            unknown = np.zeros((len(depth), 3))
+            ahead, directions_W = self._rays_S[:, 2], rotate(q_WS, self._rays_S)
+            return Sight(camera, setting.scene, simulation.cast, p_WS, q_WS, ahead, directions_W, depth, body, unknown)
+        # A picture has no normals, which noise may need: they are those that rays meet. At an edge a ray may meet another body
+        # than the picture shows, or none; such a pixel counts as seen head-on.
+        met = sight_by_rays(camera, setting.scene, simulation.cast, p_WS, q_WS, self._rays_S)
+        normal_W = np.where((met.body == body)[:, None], met.normal_W, -met.directions_W)
+        return replace(met, depth=depth, body=body, normal_W=normal_W)
+
+    def read(self, time: float, state: State) -> None:
+        """Take a frame. Raises: Unsupported."""
+        noise = self._camera.noise
+        sight, shape = self._sight(state), (self._camera.height, self._camera.width)
+        found = sight.depth
+        if noise is not None:
+            normal, uniform = self._normal.standard_normal(len(found)), self._uniform.random(len(found))
+            invalid = lost(noise, sight) | (sight.measurable & (uniform < noise.missing))
+            found = np.where(invalid, np.nan, answer(noise, sight, normal))
+        self._pictures.keep(
+            time,
+            depth_ideal=sight.depth.reshape(shape),
+            depth=found.reshape(shape),
+            body=sight.body.astype(np.int32).reshape(shape),
+        )
+
+    def streams(self) -> dict[str, Floats]:
+        """All frames so far."""
+        return self._pictures.streams()

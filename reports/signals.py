@@ -21,6 +21,10 @@ UNITS: Mapping[str, str] = {"m": "Ranges and depths", "m/s2": "Accelerations", "
 """Titles of the charts by unit, in the order of the page."""
 
 
+LINES = {"labelExpr": "split(datum.label, ': ')", "labelLimit": 230, "grid": True, "ticks": False}
+"""Of an axis of names: what stands after a colon goes to a line of its own."""
+
+
 def named(store: "Store", one: Finding) -> str:
     """A channel in words: its case, its sensor and what it reads."""
     return visible(f"{titled(store, one.case, one.where)}: {one.sensor} {one.channel}")[:90]
@@ -63,7 +67,7 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
     spread = [row["error"] for row in finite] + [row["bound"] for row in bounds]
     across = f"error of the ideal signal [{unit}]"
     x = logarithmic(alt.X, "error", across, decades(spread))
-    y = alt.Y("signal:N", title=None, scale=alt.Scale(domain=signals), axis=alt.Axis(grid=True, labelLimit=190, ticks=False))
+    y = alt.Y("signal:N", title=None, scale=alt.Scale(domain=signals), axis=alt.Axis(**LINES))
     beside = alt.YOffset("engine:N", scale=alt.Scale(domain=style.engines))
     told = [
         alt.Tooltip("signal:N"),
@@ -122,11 +126,11 @@ def rays_chart(store: "Store", found: Sequence[Finding]) -> Figure | None:
     style = Marks(store, rows)
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     kinds = [kind for kind in ("bare", "read, with noise") if any(row["kind"] == kind for row in rows)]
-    labelled = [f"{scene}, {kind}" for scene in scenes for kind in kinds]
-    rows = [row | {"label": f"{row['scene']}, {row['kind']}"} for row in rows]
+    labelled = [f"{scene}: {kind}" for scene in scenes for kind in kinds]
+    rows = [row | {"label": f"{row['scene']}: {row['kind']}"} for row in rows]
     labelled = [label for label in labelled if any(row["label"] == label for row in rows)]
     x = logarithmic(alt.X, "rate", "rays a CPU second", decades(row["rate"] for row in rows))
-    y = alt.Y("label:N", title=None, scale=alt.Scale(domain=labelled), axis=alt.Axis(grid=True, labelLimit=190, ticks=False))
+    y = alt.Y("label:N", title=None, scale=alt.Scale(domain=labelled), axis=alt.Axis(**LINES))
     told = [
         alt.Tooltip("scene:N"),
         alt.Tooltip("kind:N", title="rays"),
@@ -146,7 +150,7 @@ def rays_chart(store: "Store", found: Sequence[Finding]) -> Figure | None:
         "sensor-rays",
         "What a second of CPU time sees",
         caption,
-        finished([layer], height=40 + 24 * len(labelled)),
+        finished([layer], height=40 + 34 * len(labelled)),
         columns,
         cells,
     )

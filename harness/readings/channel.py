@@ -31,7 +31,8 @@ class Channel:
     Terms:
         sensor: as in the scene, None for rays without one. name, type: of the sensor. channel, unit.
         time (k,) s. read (k, ...): what came out; ideal (k, ...): without noise, the same where there is none.
-        truth (k, ...): ideal by the truth, None where it does not tell; untold: why. beside: the other channels by name, as
+        truth (k, ...): ideal by the truth, None where it does not tell; untold: why. excused (k, ...): 1 where the truth says
+        that geometry or optics take the reading away, None where it does not say. beside: the other channels by name, as
         (ideal, truth).
     """
 
@@ -45,6 +46,7 @@ class Channel:
     ideal: Floats
     truth: Floats | None
     untold: str
+    excused: Floats | None
     beside: Mapping[str, tuple[Floats, Floats | None]]
 
 
@@ -76,8 +78,14 @@ def channels(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[Channel]:
                 ideal=ideal,
                 truth=truth,
                 untold=untold,
+                excused=_excused(name, read, arrays),
                 beside={other: (signals[1], signals[2]) for other, signals in told.items() if other != channel},
             )
+
+
+def _excused(name: str, read: Floats, arrays: Mapping[str, Any]) -> Floats | None:
+    lost = arrays.get(f"truth_stream:{name}/lost")
+    return None if lost is None or lost.shape != read.shape else np.asarray(lost)
 
 
 def _signals(name: str, channel: str, arrays: Mapping[str, Any]) -> tuple[Floats, Floats, Floats | None, str] | None:

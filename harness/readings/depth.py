@@ -27,7 +27,7 @@ BINS, LEAST = 16, 50
 """Stretches of depth of equally many pixels, and the fewest pixels of one."""
 CAUSES = ("occlusion", "shadow", "least_texture", "least_signal", "least_contrast")
 """Words of a law by which pixels are lost for a reason and not by chance."""
-UNTOLD = ("shot_sigma", "multipath", "unambiguous_range")
+UNTOLD = ("shot_sigma", "multipath")
 """Words of a law whose part in the spread hangs on more than the depth."""
 
 Law = Mapping[str, Any]
@@ -61,9 +61,7 @@ def depth_sigma(camera: DepthCamera, law: Law, depth: Floats) -> Floats | None:
         by_disparity: Floats = np.square(depth) * match_sigma / (camera.focal_x * law["baseline"])
         return by_disparity
     if "range_sigma" in law:
-        x = (np.arange(camera.width) + 0.5 - camera.centre_x) / camera.focal_x
-        y = (np.arange(camera.height) + 0.5 - camera.centre_y) / camera.focal_y
-        longer = np.sqrt(1.0 + np.square(x)[None, :] + np.square(y)[:, None])
+        longer = _longer(camera)
         by_range: Floats = (law["range_sigma"] + law.get("range_sigma_slope", 0.0) * depth * longer) / longer
         return by_range
     if "sigma" in law:
@@ -72,13 +70,25 @@ def depth_sigma(camera: DepthCamera, law: Law, depth: Floats) -> Floats | None:
     return None
 
 
-def _clear(channel: Channel, sigma: Floats | None) -> NDArray[np.bool_]:
-    """Pixels whose noise the camera's bounds cannot have touched."""
+def _longer(camera: DepthCamera) -> Floats:
+    """Range over depth of each pixel, (h, w)."""
+    x = (np.arange(camera.width) + 0.5 - camera.centre_x) / camera.focal_x
+    y = (np.arange(camera.height) + 0.5 - camera.centre_y) / camera.focal_y
+    longer: Floats = np.sqrt(1.0 + np.square(x)[None, :] + np.square(y)[:, None])
+    return longer
+
+
+def _clear(channel: Channel, law: Law, sigma: Floats | None) -> NDArray[np.bool_]:
+    """Pixels whose noise the camera's bounds cannot have touched, nor carried over the range at which phases start anew."""
     camera = channel.sensor
     assert isinstance(camera, DepthCamera)
     margin = 0.0 if sigma is None else 5.0 * sigma
     depth = np.where(np.isfinite(channel.ideal), channel.ideal, np.nan)
     mask: NDArray[np.bool_] = (depth - margin > camera.near) & (depth + margin < camera.far)
+    if law.get("unambiguous_range"):
+        mask &= (depth + margin) * _longer(camera) < law["unambiguous_range"]
+    if channel.excused is not None:
+        mask &= channel.excused == 0
     return mask
 
 
@@ -87,7 +97,7 @@ def _told(channel: Channel, law: Law) -> tuple[Floats | None, NDArray[np.bool_]]
     assert isinstance(channel.sensor, DepthCamera)
     depth = np.where(np.isfinite(channel.ideal), channel.ideal, np.nan)
     sigma = depth_sigma(channel.sensor, law, depth)
-    return sigma, _clear(channel, sigma)
+    return sigma, _clear(channel, law, sigma)
 
 
 def depth_levels(channel: Channel) -> Levels | None:
@@ -118,7 +128,8 @@ def depth_noise(channel: Channel) -> Noise | None:
     told = _words(law)
     sigma, clear = _told(channel, law)
     lost = lost_share(int(np.isnan(channel.read[clear]).sum()), int(clear.sum()), float(law.get("missing", 0.0)))
-    if any(law.get(word) for word in CAUSES) or law.get("steepest", math.inf) < math.pi / 2:
+    caused = any(law.get(word) for word in CAUSES) or law.get("steepest", math.inf) < math.pi / 2
+    if caused and channel.excused is None:
         lost.pop("lost_law", None)
     kept = clear & np.isfinite(channel.read)
     if kept.sum() < 2:

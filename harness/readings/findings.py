@@ -121,8 +121,28 @@ def concerned(store: Store) -> pd.DataFrame:
 
 @lru_cache(maxsize=1)
 def findings(store: Store) -> tuple[Finding, ...]:
-    """All rows of a run; worked out once for a store, since it reads every trajectory."""
-    return tuple(_findings(store))
+    """All findings of a run, engine beside engine; worked out once for a store, since it reads every trajectory."""
+    found = list(_findings(store))
+    told = store.catalogue
+    cases, engines = ({name: place for place, name in enumerate(told.get(kind, {}))} for kind in ("cases", "engines"))
+    wheres = {where: place for place, where in enumerate(dict.fromkeys(one.where for one in found))}
+    signals = {signal: place for place, signal in enumerate(dict.fromkeys((one.sensor, one.channel) for one in found))}
+
+    def place(one: Finding) -> tuple[object, ...]:
+        signal = signals[one.sensor, one.channel]
+        engine = engines.get(one.engine, len(engines))
+        return (
+            cases.get(one.case, len(cases)),
+            one.case,
+            wheres[one.where],
+            signal,
+            engine,
+            one.engine,
+            one.track != "tuned",
+            one.track,
+        )
+
+    return tuple(sorted(found, key=place))
 
 
 def _findings(store: Store) -> Iterator[Finding]:

@@ -96,8 +96,8 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
 
     told_over = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
     caption = (
-        f"Overlapping Allan deviation of the noise, root mean square over the axes. Grey: the law ({first.law}), exactly, with the "
-        "band in which 19 of 20 findings lie. The same stream of noise is laid over every engine's signal, so marks lie on "
+        f"Overlapping Allan deviation of the noise, root mean square over the axes. Grey: the law ({first.law}), exactly, with "
+        "the band in which 19 of 20 findings lie. The same stream of noise is laid over every engine's signal, so marks lie on "
         "one another where an engine adds nothing of its own."
     )
     spec = finished(_layers(store, rows, law, x, y, told_over, joined=True), height=280)
@@ -128,8 +128,8 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
 
     told_over = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
     caption = (
-        f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.law}). Grey: the normal law, "
-        "with the band in which 19 of 20 bins lie."
+        f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.law}). Grey: the normal "
+        "law, with the band in which 19 of 20 bins lie."
     )
     spec = finished(_layers(store, rows, law, x, y, told_over), height=260)
     columns = ("engine", "setting", "error, in sigmas", "density", "normal law", "returns", "beyond 4 sigmas", "trial")
@@ -161,7 +161,8 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
     told_over = _tooltips(
         ("depth", "depth [m]"), ("value", "found [m]"), ("law", "by law [m]"), ("least", "95 % from"), ("most", "to")
     )
-    caption = f"Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law ({first.law})."
+    caption = "Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law "
+        f"({first.law})."
     spec = finished(_layers(store, rows, law, x, y, told_over), height=280)
     columns = ("engine", "setting", "depth [m]", "spread [m]", "95 % from", "to", "by law", "trial")
     keys = ("depth", "value", "least", "most", "law")

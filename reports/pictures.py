@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from harness.readings.findings import Finding
@@ -23,12 +24,13 @@ Floats = NDArray[np.floating]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tile:
-    """One picture: of an engine under these settings, or of the truth where engine is ''. what: 'seen' or 'without noise'."""
+    """One picture: of an engine under these settings, or of the truth where engine is ''. what: 'truth', 'seen', or 'without
+    noise', which stands in for a truth that is not told. address: of a PNG that holds itself, safe as it is."""
 
     engine: str
     tracks: Sequence[str]
     what: str
-    address: str
+    address: Markup
     trial: str
 
 
@@ -61,15 +63,15 @@ def _shot(store: "Store", group: Sequence[Finding]) -> Shot:
     truth = next((picture.truth for picture in pictures if picture.truth is not None), None)
     low, high = _bounds(pictures, truth) if first.channel == "depth" else (0.0, 1.0)
 
-    def address(pixels: Floats) -> str:
-        return data_uri(shaded(pixels, low, high) if first.channel == "depth" else srgb(pixels))
+    def address(pixels: Floats) -> Markup:
+        return Markup(data_uri(shaded(pixels, low, high) if first.channel == "depth" else srgb(pixels)))
 
     tiles = [] if truth is None else [Tile(engine="", tracks=(), what="truth", address=address(truth), trial="")]
     for one, tracks in _alike(group):
         assert one.picture is not None
         same = {"engine": one.engine, "tracks": tracks, "trial": one.trial}
         tiles.append(Tile(**same, what="seen", address=address(one.picture.seen)))
-        if one.picture.ideal is not None:
+        if truth is None and one.picture.ideal is not None:
             tiles.append(Tile(**same, what="without noise", address=address(one.picture.ideal)))
     return Shot(
         case=first.case,

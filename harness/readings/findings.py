@@ -111,7 +111,7 @@ class _Prices:
 
 
 def concerned(store: Store) -> pd.DataFrame:
-    """The trials that have sensors and, beside such, those that cast rays of their own; known without a look at trajectories."""
+    """The trials with sensors and, beside such, those that cast rays of their own; known without a look at trajectories."""
     told = store.catalogue.get("cases", {})
     sensing = {name for name, case in told.items() if "sensing" in case.get("effects", ()) or case.get("family") == "sensor"}
     trials = store.asked
@@ -131,16 +131,8 @@ def findings(store: Store) -> tuple[Finding, ...]:
     def place(one: Finding) -> tuple[object, ...]:
         signal = signals[one.sensor, one.channel]
         engine = engines.get(one.engine, len(engines))
-        return (
-            cases.get(one.case, len(cases)),
-            one.case,
-            wheres[one.where],
-            signal,
-            engine,
-            one.engine,
-            one.track != "tuned",
-            one.track,
-        )
+        scene = cases.get(one.case, len(cases)), one.case, wheres[one.where]
+        return *scene, signal, engine, one.engine, one.track != "tuned", one.track
 
     return tuple(sorted(found, key=place))
 

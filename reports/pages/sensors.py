@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from harness.readings.findings import concerned, findings
 from harness.tables import sensors as sensors_table
+from reports.costs import titled
 from reports.noise_charts import noise_charts
 from reports.page import Page
 from reports.pictures import shots
@@ -37,7 +38,7 @@ def render(store: "Store") -> Mapping[str, str]:
         rays=rays,
         shots=shots(store, found),
         found=found,
-        names=[named(store, one) if one.channel else one.case for one in found],
+        names=[named(store, one) if one.channel else titled(store, one.case, one.where) for one in found],
     )
     figures = [*errors, *noises, *([rays] if rays is not None else [])]
     sheets = {"sensors.csv": sheet(sensors_table.COLUMNS, rows)}

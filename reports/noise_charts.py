@@ -128,8 +128,8 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
 
     told_over = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
     caption = (
-        f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.law}). Grey: the normal "
-        "law, with the band in which 19 of 20 bins lie."
+        f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.law}). Grey: the "
+        "normal law, with the band in which 19 of 20 bins lie."
     )
     spec = finished(_layers(store, rows, law, x, y, told_over), height=260)
     columns = ("engine", "setting", "error, in sigmas", "density", "normal law", "returns", "beyond 4 sigmas", "trial")
@@ -161,8 +161,10 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
     told_over = _tooltips(
         ("depth", "depth [m]"), ("value", "found [m]"), ("law", "by law [m]"), ("least", "95 % from"), ("most", "to")
     )
-    caption = "Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law "
+    caption = (
+        "Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law "
         f"({first.law})."
+    )
     spec = finished(_layers(store, rows, law, x, y, told_over), height=280)
     columns = ("engine", "setting", "depth [m]", "spread [m]", "95 % from", "to", "by law", "trial")
     keys = ("depth", "value", "least", "most", "law")

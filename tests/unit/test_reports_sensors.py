@@ -1,4 +1,4 @@
-"""The page on sensors: there where a scene had some, with every trial named, pictures inside, and silent about what is not there."""
+"""The page on sensors: there where a scene had some, every trial named, pictures inside, silent about what is not there."""
 
 import base64
 import io

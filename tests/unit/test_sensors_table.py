@@ -107,7 +107,7 @@ def test_the_error_of_an_ideal_signal_is_the_planted_one_and_stands_beside_its_c
 
 def test_a_latency_is_found_and_a_steady_motion_tells_none(store: Store) -> None:
     turning, force = (of(store, "reference", "imu", channel) for channel in ("gyroscope", "accelerometer"))
-    # Samples of 50 ms under a swing of 1.3 rad/s: a spline through them is good to (1.3 * 0.05)^4, a ten thousandth of a second.
+    # Samples of 50 ms under a swing of 1.3 rad/s: a spline through them is good to (1.3 * 0.05)^4, under a ten thousandth.
     assert turning.lag == pytest.approx(LATENCY, abs=1e-4)
     assert turning.lag_law == LATENCY
     assert force.lag_law == pytest.approx(LATENCY + 0.005)

@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from harness.readings.channel import Channel, channels, rays_of
+from harness.readings.channel import RAYS, Channel, channels, rays_of
 from harness.readings.depth import Levels, depth_levels, depth_noise
 from harness.readings.ideal import Errors, ideal_errors
 from harness.readings.inertial import Allan, allan_curve, inertial_noise
@@ -21,7 +21,7 @@ from harness.readings.lag import lag_by_law, lag_of
 from harness.readings.noise import Noise
 from harness.readings.picture import Picture, first_picture
 from harness.readings.ranging import Histogram, range_histogram, ranging_noise
-from harness.scene import Scene
+from harness.scene import Lidar, Scene
 from harness.scene.file import parse
 from harness.store import Store, StoreError
 
@@ -40,7 +40,8 @@ class Finding:
         metric, at_most, passed: the case's own check of that signal, and error its value; the largest error without a check.
         law, sigma ... walk: see `harness.readings.noise.Noise`.
         lag, lag_law [s]: behind the motion. rays_per_s: beams or pixels a CPU second, sensors read and noise laid over;
-        bare_rays_per_s: of the same rays, or the case's own, alone. cpu_sensing [s]: of one interval of the scene's sensors.
+        bare_rays_per_s: of the beams, or of the case's own rays, alone; times_bare: what a ray that is read costs over a bare
+        one, where all rays of the scene are beams. cpu_sensing [s]: of one interval of the scene's sensors.
         trial: the readings'; trial_sensing, trial_bare: the prices'. reason: why there is no answer, or what a number lacks.
         allan, histogram, levels, picture: what charts draw.
     """
@@ -84,6 +85,7 @@ class Finding:
     lag_law: float | None = None
     rays_per_s: float | None = None
     bare_rays_per_s: float | None = None
+    times_bare: float | None = None
     cpu_sensing: float | None = None
     status: str
     reason: str
@@ -212,10 +214,13 @@ def _of_channel(
     measure = NOISE.get(channel.type)
     noise = (None if measure is None else measure(channel)) or Noise(law="")
     lacking = [word for word in (plain.reason, errors.why, noise.why) if word]
-    bare = rays_of(channel.sensor) if channel.sensor is not None else 1
+    seeing = channel.sensor is not None and rays_of(channel.sensor) > 0
+    bare = prices.bare if channel.type in ("lidar", RAYS) else None
+    beams = all(isinstance(sensor, Lidar) or not rays_of(sensor) for sensor in scene.sensors)
     cast = [rays_of(sensor) * sensor.rate for sensor in scene.sensors]
     # The sensors of a scene share a price; each interval is the longest of them, in which faster ones read more often.
     rays = sum(cast) / min(sensor.rate for sensor in scene.sensors) if scene.sensors else 0.0
+    read = prices.sensing / rays if prices.sensing and rays and seeing else None
     return replace(
         plain,
         sensor=channel.name,
@@ -228,12 +233,13 @@ def _of_channel(
         **{field.name: getattr(noise, field.name) for field in fields(Noise) if field.name not in ("count", "why")},
         lag=lag_of(channel, scene, arrays),
         lag_law=lag_by_law(channel),
-        rays_per_s=rays / prices.sensing if prices.sensing and rays and bare else None,
-        bare_rays_per_s=1.0 / prices.bare if prices.bare and bare else None,
+        rays_per_s=1.0 / read if read else None,
+        bare_rays_per_s=1.0 / bare if bare else None,
+        times_bare=read / bare if read and bare and beams else None,
         cpu_sensing=prices.sensing,
         reason="; ".join(lacking),
         trial_sensing=prices.trial_sensing,
-        trial_bare=prices.trial_bare,
+        trial_bare=prices.trial_bare if bare else "",
         allan=allan_curve(channel) if channel.type == "imu" else None,
         histogram=range_histogram(channel) if channel.type == "lidar" else None,
         levels=depth_levels(channel) if channel.type == "depth_camera" else None,

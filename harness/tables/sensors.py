@@ -76,10 +76,11 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             text = f"{engine}: {kept} of {len(judged)} ideal signals stay within their bounds"
             found.append(text + (f"; {silent} without readings." if silent else "."))
         elif silent:
-            found.append(f"{engine}: no readings in {silent} cells.")
+            found.append(f"{engine}: no readings in {silent} {'cell' if silent == 1 else 'cells'}.")
     for row in rows:
-        if row["rays_per_s"] is not None and row["bare_rays_per_s"] is not None and row["channel"] in ("range", "depth"):
-            times = row["bare_rays_per_s"] / row["rays_per_s"]
+        if row["times_bare"] is not None and row["channel"] == "range":
             name = f"{row['case']} {row['where']}".strip()
-            found.append(f"{name} on {row['engine']}/{row['track']}: a read ray costs {times:.2g} bare ones.")
+            found.append(
+                f"{name} on {row['engine']}/{row['track']}: a ray that is read costs {row['times_bare']:.2g} bare ones."
+            )
     return found

@@ -244,8 +244,13 @@ def test_the_sentences_say_who_keeps_its_bounds_and_what_a_read_ray_costs(store:
     said = table.sentences(table.rows(store))
     assert "reference: 2 of 2 ideal signals stay within their bounds." in said
     assert "mujoco: 0 of 2 ideal signals stay within their bounds." in said
-    assert "bullet: no readings in 1 cells." in said
-    assert any(text.startswith(f"{CASE} on reference/tuned: a read ray costs") for text in said)
+    assert "bullet: no readings in 1 cell." in said
+    # Cameras share the price of this scene, so it says nothing of a beam.
+    assert not any("bare" in text for text in said)
+    (row,) = [row for row in table.rows(store) if (row["engine"], row["channel"]) == ("reference", "range")]
+    assert row["times_bare"] is None
+    said = table.sentences([row | {"times_bare": 1.9}])
+    assert f"{CASE} on reference/tuned: a ray that is read costs 1.9 bare ones." in said
 
 
 def test_a_store_without_sensors_has_no_findings(tmp_path: Path) -> None:

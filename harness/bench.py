@@ -1,5 +1,5 @@
 """What the clock runs in a trial: steps of a scene, with or without reading its state, rays cast into it, steps of many worlds
-of it, or calls that take no step.
+of it, calls that take no step, or intervals of its sensors.
 
 Building, the time before a case is steady, and the law of forces that act from outside are outside the clock. A steady case
 goes on with one run until its end and then starts anew; any other starts anew for each sample, so that all samples have the
@@ -17,6 +17,7 @@ from harness.adapter import Adapter, Simulation
 from harness.batch import Batch
 from harness.case import Case, Rays
 from harness.control import Controlled
+from harness.sensing_clock import bare_rays, sensed_interval, steps_of_interval
 from harness.study import Trial
 from harness.trajectory import State
 
@@ -77,6 +78,8 @@ class Bench:
         self._adapter, self._trial = adapter, trial
         self._scene = trial.scene(case)
         self._rays = None if case.rays is None else case.rays(**trial.parameters)
+        if trial.clocks == "casting":
+            self._rays = bare_rays(self._scene)
         self._control = None if case.control is None else case.control(**trial.parameters)
         self._worlds = case.count_of_worlds(trial.parameters)
         self.unit, self.dt = case.unit(trial.parameters, trial.clocks), trial.settings.dt
@@ -85,6 +88,8 @@ class Bench:
         dt = trial.settings.dt
         self._before = 0 if case.steady is None else round(case.steady / dt)
         self.whole = sys.maxsize if endless else max(1, round(case.duration / dt) - self._before)
+        if trial.clocks == "sensing":
+            self.whole = max(1, self.whole // steps_of_interval(self._scene, dt))
         self.units = self._worlds if self._rays is None else len(self._rays.origins)
         self._simulation: Any = None
         self._call: Callable[[], object] | None = None
@@ -109,6 +114,10 @@ class Bench:
                 self._call = partial(plain.step, 0)
             if self._control is not None:
                 self._simulation = Controlled(self._simulation, self._control, settings.dt, len(scene.bodies))
+            if self._trial.clocks == "sensing":
+                # The law of forces is inside: readings fall between its instants, where the clock cannot stand still.
+                sensed = sensed_interval(scene, self._simulation, self._trial.seed, settings.dt)
+                self._advance = partial(clock_calls, sensed)
         if self._rays is not None:
             self._call = caster(self._simulation, self._rays)
         elif self._before:
@@ -138,7 +147,7 @@ class Bench:
         return cpu, wall
 
     def _step(self, count: int) -> tuple[float, float]:
-        if self._control is not None:
+        if self._control is not None and self._trial.clocks != "sensing":
             return self._controlled(count)
         if self._worlds == 1:
             return self._advance(count)

@@ -14,11 +14,12 @@ from harness.trajectory import Floats, Trajectory
 
 __all__ = ["Axis", "Case", "Check", "Clocks", "Converged", "Rays", "Unit"]
 
-Unit = Literal["step", "ray", "world-step", "read-step", "call"]
+Unit = Literal["step", "ray", "world-step", "read-step", "call", "sensing"]
 """What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds, one step with the state of
-all bodies read after it, one call that takes no step."""
-Clocks = Literal["work", "reading", "call"]
-"""What runs under the clock: the case's own work, its steps with all states read after each, or `step(0)`."""
+all bodies read after it, one call that takes no step, one interval of a scene's sensors with all that they read in it."""
+Clocks = Literal["work", "reading", "call", "casting", "sensing"]
+"""What runs under the clock: the case's own work, its steps with all states read after each, `step(0)`, the bare rays of its
+range finders, or its steps with all that its sensors read."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,7 +143,8 @@ class Case:
     def unit(self, parameters: Mapping[str, Any], clocks: Clocks = "work") -> Unit:
         """What the clock counts."""
         if clocks != "work":
-            return "read-step" if clocks == "reading" else "call"
+            units: Mapping[Clocks, Unit] = {"reading": "read-step", "call": "call", "casting": "ray", "sensing": "sensing"}
+            return units[clocks]
         if self.rays is not None:
             return "ray"
         return "world-step" if self.count_of_worlds(parameters) > 1 else "step"

@@ -248,6 +248,13 @@ def _clocked(experiment: Experiment, case: Case, parameters: Mapping[str, Any]) 
                 f"experiment '{experiment.name}': clocks '{clocks}' of case '{case.name}', whose unit is a "
                 f"{case.unit(parameters)}, expected 'work' alone"
             )
+        if clocks in ("casting", "sensing"):
+            sensors = case.scene(**parameters).sensors
+            kind = "range finder" if clocks == "casting" else "sensor"
+            if not any(clocks == "sensing" or sensor.type == "lidar" for sensor in sensors):
+                raise StudyError(
+                    f"experiment '{experiment.name}': clocks '{clocks}' of case '{case.name}', which has no {kind}"
+                )
         yield clocks, workers
 
 

@@ -24,6 +24,7 @@ UNITS = {
     "batch-step": "step of all worlds",
     "read-step": "step whose state is read",
     "call": "call that takes no step",
+    "sensing": "interval of all sensors",
 }
 LANE = 15
 """Height of a line of text in a chart [px]."""

@@ -39,7 +39,13 @@ PENETRATION = ("overlap", "penetration")
 RESIDUAL = ("rms_speed",)
 SMALLEST = {"penetration": 1e-6, "residual": 1e-5, "error": 1e-6}
 """Below a micrometre, 10 micrometres a second, or a millionth of an error's unit, two answers count as equally good."""
-CLOCKED = {"work": "step alone", "reading": "step and reading", "call": "empty call"}
+CLOCKED = {
+    "work": "step alone",
+    "reading": "step and reading",
+    "call": "empty call",
+    "casting": "bare rays",
+    "sensing": "sensing",
+}
 """What runs under the clock, in the words that set the rows apart."""
 WHOLE = {"ray": ("cast", "rays"), "world-step": ("batch-step", "worlds")}
 """Where the number of what is counted is swept, the price of all together, and the name of that number."""

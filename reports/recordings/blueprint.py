@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 from reports.recordings.camera import Framing
 from reports.recordings.colour import BACKGROUND, FLOOR
+from reports.recordings.inertial import CHANNELS
 from reports.recordings.layout import LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
 from reports.recordings.metrics import TITLES
 from reports.recordings.runs import Run, Stage
-from reports.recordings.sensors import CHANNELS
+from reports.recordings.sensors import Sensed, View
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
@@ -18,18 +19,16 @@ __all__ = ["layout"]
 WATCH = 6.0, 20.0
 """Seconds that a case takes to play, at least and at most: a bullet is slowed down, a long wait made short."""
 
+NO_SENSORS = Sensed()
+
 OVERLAID, ALONE = "TransparentFillMajorWireframe", "Solid"
 """How shapes are filled where all engines share a place, and where one has it to itself."""
 
 
-def layout(
-    stage: Stage, frame: Framing, metrics: Sequence[str], channels: Sequence[str], clouds: Sequence[str]
-) -> "rrb.Blueprint":
+def layout(stage: Stage, frame: Framing, metrics: Sequence[str], sensors: Sensed = NO_SENSORS) -> "rrb.Blueprint":
     """The blueprint of a case.
 
-    Args:
-        metrics: those that have a curve, the more telling first.
-        channels, clouds: paths of inertial signals and of scans, without engine and track.
+    Args: metrics: those that have a curve, the more telling first.
     """
     import rerun.blueprint as rrb
 
@@ -38,11 +37,13 @@ def layout(
         return rrb.Blueprint(text, collapse_panels=True)
     end = last_instant(stage)
     titles = {f"{METRICS}/{metric}": TITLES[metric] for metric in metrics}
-    signals = {where: f"{where.removeprefix(SENSORS + '/')} [{CHANNELS[where.rsplit('/', 1)[1]]}]" for where in channels}
+    signals = {
+        where: f"{where.removeprefix(SENSORS + '/')} [{CHANNELS[where.rsplit('/', 1)[1]]}]" for where in sensors.channels
+    }
     plots = [plot(f"/{where}", name, False, end) for where, name in signals.items()]
     plots += [plot(f"/{where}", name, k == 0, end) for k, (where, name) in enumerate(titles.items())]
     side = rrb.Vertical(*plots[:2], rrb.Tabs(text, *plots[2:], active_tab=0), row_shares=[5, 4, 6][-1 - len(plots[:2]) :])
-    spaces = rrb.Tabs(*worlds(stage, frame, clouds), active_tab=0)
+    spaces = rrb.Tabs(*worlds(stage, frame, sensors), *map(pictures, sensors.views), active_tab=0)
     return rrb.Blueprint(
         rrb.Horizontal(spaces, side, column_shares=[3, 2]),
         rrb.BlueprintPanel(state="collapsed"),
@@ -66,32 +67,42 @@ def last_instant(stage: Stage) -> float:
     return max(float(run.time[-1]) for run in stage.runs)
 
 
-def worlds(stage: Stage, frame: Framing, clouds: Sequence[str]) -> "list[rrb.View | rrb.Container]":
+def pictures(view: View) -> "rrb.Grid":
+    """What a camera saw, engine beside engine and the truth among them."""
+    import rerun.blueprint as rrb
+
+    across = 2 if len(view.paths) <= 4 else 3
+    shown = [rrb.Spatial2DView(origin=f"/{path}", name=name) for name, path in view.paths.items()]
+    return rrb.Grid(*shown, grid_columns=across, name=view.title)
+
+
+def worlds(stage: Stage, frame: Framing, sensors: Sensed) -> "list[rrb.View | rrb.Container]":
     """Each track with all its engines in one space, and every engine and track in a space of its own."""
     import rerun.blueprint as rrb
 
     tracks = list(dict.fromkeys(run.track for run in stage.runs))
     together: list[Any] = [
-        space(stage, f"All engines, {track}", [run for run in stage.runs if run.track == track], frame, clouds, OVERLAID)
+        space(stage, f"All engines, {track}", [run for run in stage.runs if run.track == track], frame, sensors, OVERLAID)
         for track in tracks
     ]
     # A solid would hide the arrows of its contacts.
     alone_fill = OVERLAID if any("contacts_count" in run.arrays for run in stage.runs) else ALONE
-    alone = [space(stage, f"{run.engine} {run.track}", [run], frame, clouds, alone_fill) for run in stage.runs]
+    alone = [space(stage, f"{run.engine} {run.track}", [run], frame, sensors, alone_fill) for run in stage.runs]
     across = 2 if len(alone) <= 4 else 3 if len(alone) <= 6 else 4
     return [*together, rrb.Grid(*alone, grid_columns=across, name="Side by side")]
 
 
-def space(
-    stage: Stage, name: str, runs: Sequence[Run], frame: Framing, clouds: Sequence[str], fill: str
-) -> "rrb.Spatial3DView":
+def space(stage: Stage, name: str, runs: Sequence[Run], frame: Framing, sensors: Sensed, fill: str) -> "rrb.Spatial3DView":
     """A view of the world with these runs, the truth and what never moves; solids are filled as told."""
     import rerun as rr
     import rerun.blueprint as rrb
 
     paths = [run.path for run in runs]
     contents = [f"+ /{STAGE}/**", f"+ /{WORLD}/{TRUTH}/**", *(f"+ /{WORLD}/{path}/**" for path in paths)]
-    contents += [f"+ /{where}/{path}/**" for where in clouds for path in paths]
+    contents += [f"+ /{where}/{path}/**" for where in sensors.clouds for path in paths]
+    # Together, engines show their frusta alone: pictures and depth would cover each other.
+    below = "/**" if len(runs) == 1 else ""
+    contents += [f"+ /{where}/{path}{below}" for where in sensors.cameras for path in paths]
     mode: Any = rr.components.FillMode.auto(fill)
     kinds = (rr.Boxes3D, rr.Ellipsoids3D, rr.Capsules3D, rr.Cylinders3D)
     floor = any(p["shape"]["type"] == "plane" for body in stage.bodies for p in body["collision"])

@@ -30,11 +30,11 @@ def outcome(trial: Mapping[str, Any], note: str) -> str:
     return f"{trial['reason']}; {note}" if note else str(trial["reason"])
 
 
-def text(store: Store, stage: Stage, newtons: float) -> str:
+def text(store: Store, stage: Stage, newtons: float, notes: Sequence[str] = ()) -> str:
     """The whole text as Markdown.
 
     Args:
-        newtons: the force [N] of an arrow of unit length in m, 0 where no contact is drawn.
+        newtons: the force [N] of an arrow of unit length in m, 0 where no contact is drawn. notes: what else is to be said.
     """
     case = stage.case
     lines = [f"# {cell(case.get('title') or stage.name)}", ""]
@@ -42,6 +42,7 @@ def text(store: Store, stage: Stage, newtons: float) -> str:
     lines += [f"Truth: {cell(case['truth'])}. Source: {cell(case.get('source', ''))}", ""] if case.get("truth") else []
     if newtons:
         lines += [f"Contact forces: 1 m of arrow is {amount(newtons)} N; arrows end at three times the typical largest.", ""]
+    lines += [part for note in notes for part in (cell(note), "")]
     if not stage.runs:
         lines += ["No trial of this case left a trajectory; nothing can be drawn.", ""]
     shown = {run.trial["trial"] for run in stage.runs}

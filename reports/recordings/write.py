@@ -15,7 +15,7 @@ from reports.recordings.layout import LOG, WORLD, application_id, file_name
 from reports.recordings.log import text
 from reports.recordings.metrics import curves, log_curves, ranked
 from reports.recordings.runs import Run, Stage, stage_of
-from reports.recordings.sensors import log_sensors, sensor_paths
+from reports.recordings.sensors import log_sensors, sensed
 from reports.recordings.truth import log_truth
 from reports.text import slug
 
@@ -74,10 +74,15 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
     arrow = frame.size / 4
     scale = arrow_scale(stage.runs, arrow)
     plotted = curves(stage)
-    scanned = any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", []))
-    rec.save(draft, default_blueprint=layout(stage, frame, ranked(plotted), *sensor_paths(stage)))
+    scanned = any(sensor["type"] != "imu" for sensor in stage.scene.get("sensors", []))
+    sensors = sensed(stage)
+    rec.save(draft, default_blueprint=layout(stage, frame, ranked(plotted), sensors))
     rec.send_recording_name(stage.case.get("title") or stage.name)
-    rec.log(LOG, rr.TextDocument(text(store, stage, 1 / scale if scale else 0.0), media_type="text/markdown"), static=True)
+    rec.log(
+        LOG,
+        rr.TextDocument(text(store, stage, 1 / scale if scale else 0.0, sensors.notes), media_type="text/markdown"),
+        static=True,
+    )
     rec.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     # A scan is seen from outside, through what it hit; a wall, through itself.
     fill_mode = "MajorWireframe" if scanned else "TransparentFillMajorWireframe"
@@ -86,7 +91,7 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
     for run in stage.runs:
         log_run(rec, stage, run, frame, scale)
     log_curves(rec, plotted)
-    log_sensors(rec, stage)
+    log_sensors(rec, stage, frame.size / 8)
     rec.flush()
 
 

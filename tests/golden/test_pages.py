@@ -12,7 +12,9 @@ import pytest
 
 from harness.store import Store
 from reports.html import rendered
+from reports.pages import sensors
 from tests.run_folder import write_run_folder
+from tests.sensor_folder import write_sensor_folder
 
 KEPT = Path(__file__).parent / "pages"
 BREAKS = {"p", "li", "tr", "h1", "h2", "h3", "h4", "dt", "summary", "figcaption", "section", "footer", "nav", "caption"}
@@ -55,11 +57,23 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return {name: text.replace(str(folder), "RUN") for name, text in rendered(Store(folder)).items()}
 
 
+@pytest.fixture(scope="module")
+def sensing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    return dict(sensors.PAGE.render(Store(write_sensor_folder(tmp_path_factory.mktemp("sensing") / "run"))))
+
+
 @pytest.mark.parametrize("name", ["index", "method", "case-joint_chain", "case-stack_tower"])
 def test_a_page_of_a_fixed_store_says_exactly_what_it_said(texts: dict[str, str], name: str) -> None:
     words, path = Words(texts[f"{name}.html"]).text, KEPT / f"{name}.txt"
     if os.environ.get("PLUMBLINE_GOLDEN") == "write":
         path.parent.mkdir(exist_ok=True)
+        path.write_text(words, encoding="utf-8")
+    assert words == path.read_text(encoding="utf-8")
+
+
+def test_the_page_on_sensors_of_planted_readings_says_exactly_what_it_said(sensing: dict[str, str]) -> None:
+    words, path = Words(sensing["sensors.html"]).text, KEPT / "sensors.txt"
+    if os.environ.get("PLUMBLINE_GOLDEN") == "write":
         path.write_text(words, encoding="utf-8")
     assert words == path.read_text(encoding="utf-8")
 

@@ -1,0 +1,48 @@
+"""The page on sensors: ideal signals against the truth, noise against its law, what cameras saw, and what rays cost."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from harness.readings.findings import concerned, findings
+from harness.tables import sensors as sensors_table
+from reports.costs import titled
+from reports.noise_charts import noise_charts
+from reports.page import Page
+from reports.pictures import shots
+from reports.sheet import sheet
+from reports.signals import error_charts, named, rays_chart
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["PAGE"]
+
+
+def concerns(store: "Store") -> bool:
+    """Only where a scene had sensors."""
+    return len(concerned(store)) > 0
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page, its charts and its table as CSV."""
+    found, rows = findings(store), sensors_table.rows(store)
+    errors, noises, rays = error_charts(store, found), noise_charts(store, found), rays_chart(store, found)
+    page = fill(
+        "sensors.html",
+        store,
+        title="Sensors",
+        said=sensors_table.sentences(rows),
+        errors=errors,
+        noises=noises,
+        rays=rays,
+        shots=shots(store, found),
+        found=found,
+        names=[named(store, one) if one.channel else titled(store, one.case, one.where) for one in found],
+    )
+    figures = [*errors, *noises, *([rays] if rays is not None else [])]
+    sheets = {"sensors.csv": sheet(sensors_table.COLUMNS, rows)}
+    return {"sensors.html": page} | sheets | {figure.path: figure.svg for figure in figures}
+
+
+PAGE = Page(name="sensors", title="Sensors", order=18, render=render, concerns=concerns)

@@ -1,0 +1,38 @@
+"""Inertial sensors: each channel as a plot of its three axes, the truth beside the engines."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from reports.recordings.layout import SENSORS, part
+from reports.recordings.source import Source
+from reports.recordings.timeline import checked, columns
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+__all__ = ["CHANNELS", "log_inertial"]
+
+CHANNELS = {"accelerometer": "m/s\u00b2", "gyroscope": "rad/s"}
+"""Channels of an inertial sensor and their units."""
+
+AXES = "xyz"
+
+
+def log_inertial(rec: "rr.RecordingStream", sensor: Mapping[str, Any], source: Source) -> None:
+    """Log x, y and z of each channel: the engine's signal, or the ideal one of the truth."""
+    import rerun as rr
+
+    for channel in CHANNELS:
+        signal = source.signal(sensor["name"], channel)
+        if signal is None:
+            continue
+        time = source.stamps(sensor["name"])
+        finite = np.isfinite(signal).all(axis=1) & np.isfinite(time)
+        where = f"{SENSORS}/{part(sensor['name'])}/{channel}/{source.path}"
+        checked(where, time[finite])
+        names, width = [f"{source.name} {axis}" for axis in AXES], 2.0 if source.truth else 1.0
+        rec.log(where, rr.SeriesLines(colors=[source.colour] * 3, names=names, widths=[width] * 3), static=True)
+        values = rr.Scalars.columns(scalars=signal[finite].reshape(-1)).partition(np.full(int(finite.sum()), 3))
+        rec.send_columns(where, columns(time[finite], source.steps_at(time[finite])), values)

@@ -1,0 +1,45 @@
+"""Who tells a signal: an engine's run or the truth, with its colour, its name and its steps."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from reports.recordings.colour import GHOST, Rgba, rgba
+from reports.recordings.layout import TRUTH
+from reports.recordings.rotation import Floats
+from reports.recordings.runs import Stage
+
+__all__ = ["Source", "sources"]
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One teller of signals.
+
+    Terms:
+        path: its part of a path. arrays: as in the store. steps_at: the numbers of the steps that end at instants. truth: is it
+        the truth, which tells of ideal signals only?
+    """
+
+    path: str
+    name: str
+    arrays: Mapping[str, Floats]
+    colour: Rgba
+    steps_at: Callable[[Floats], Floats]
+    truth: bool = False
+
+    def signal(self, sensor: str, channel: str) -> Floats | None:
+        """What was read, by the truth what should have been; None where it was not recorded."""
+        plain, ideal = f"stream:{sensor}/{channel}", f"stream:{sensor}/{channel}_ideal"
+        first, other = (ideal, plain) if self.truth else (plain, ideal)
+        found = self.arrays.get(first, self.arrays.get(other))
+        return found if found is not None and len(found) and f"stream:{sensor}/time" in self.arrays else None
+
+    def stamps(self, sensor: str) -> Floats:
+        """The times [s] of a sensor's readings."""
+        return self.arrays[f"stream:{sensor}/time"]
+
+
+def sources(stage: Stage) -> list[Source]:
+    """All runs of a stage, then its truth."""
+    found = [Source(run.path, f"{run.engine} {run.track}", run.arrays, rgba(run.colour), run.steps_at) for run in stage.runs]
+    return [*found, Source(TRUTH, "truth", stage.truth, (*GHOST[:3], 255), stage.steps_at, truth=True)]

@@ -1,0 +1,156 @@
+"""The charts of ideal signals and of rays: how far each signal is off, against its bound, and how many rays a second buys."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from harness.readings.findings import Finding
+from reports.costs import titled
+from reports.figure import Figure
+from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.points import labels
+from reports.status import outcome
+from reports.text import amount, slug, visible
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["error_charts", "named", "rays_chart"]
+
+Row = dict[str, Any]
+UNITS: Mapping[str, str] = {"m": "Ranges and depths", "m/s2": "Accelerations", "rad/s": "Turning rates", "1": "Light"}
+"""Titles of the charts by unit, in the order of the page."""
+
+
+LINES = {"labelExpr": "split(datum.label, ': ')", "labelLimit": 230, "grid": True, "ticks": False}
+"""Of an axis of names: what stands after a colon goes to a line of its own."""
+
+
+def named(store: "Store", one: Finding) -> str:
+    """A channel in words: its case, its sensor and what it reads."""
+    return visible(f"{titled(store, one.case, one.where)}: {one.sensor} {one.channel}")[:90]
+
+
+def _row(store: "Store", one: Finding) -> Row:
+    return {
+        "engine": labels(store)[one.engine],
+        "track": visible(one.track)[:30],
+        "signal": named(store, one),
+        "error": one.error,
+        "bound": one.at_most,
+        "metric": one.metric or f"{one.channel} error, largest",
+        "unit": one.unit,
+        "median": one.error_median,
+        "verdict": "" if one.passed is None else "holds" if one.passed else "fails",
+        "symbol": outcome(one.status).symbol,
+        "reason": visible(one.reason)[:200],
+        "trial": one.trial,
+    }
+
+
+def error_charts(store: "Store", found: Sequence[Finding]) -> list[Figure]:
+    """A chart for each unit; channels without a truth are left out."""
+    charts = []
+    for unit, title in UNITS.items():
+        rows = [_row(store, one) for one in found if one.unit == unit and one.error is not None]
+        if any(row["error"] > 0 for row in rows):
+            charts.append(_errors(store, rows, unit, title))
+    return charts
+
+
+def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figure:
+    import altair as alt  # late: half a second that only a report needs
+
+    style = Marks(store, rows)
+    signals = list(dict.fromkeys(row["signal"] for row in rows))
+    finite = [row for row in rows if row["error"] == row["error"] and 0 < row["error"] < float("inf")]
+    bounds = [dict(pair) for pair in {(("signal", r["signal"]), ("bound", r["bound"])) for r in rows if r["bound"]}]
+    spread = [row["error"] for row in finite] + [row["bound"] for row in bounds]
+    across = f"error of the ideal signal [{unit}]"
+    x = logarithmic(alt.X, "error", across, decades(spread))
+    y = alt.Y("signal:N", title=None, scale=alt.Scale(domain=signals), axis=alt.Axis(**LINES))
+    beside = alt.YOffset("engine:N", scale=alt.Scale(domain=style.engines))
+    told = [
+        alt.Tooltip("signal:N"),
+        alt.Tooltip("engine:N"),
+        alt.Tooltip("track:N"),
+        alt.Tooltip("metric:N"),
+        alt.Tooltip("error:Q", title=f"error [{unit}]", format=".4~g"),
+        alt.Tooltip("median:Q", title="median", format=".4~g"),
+        alt.Tooltip("bound:Q", format=".4~g"),
+        alt.Tooltip("verdict:N"),
+        alt.Tooltip("reason:N"),
+        alt.Tooltip("trial:N"),
+    ]
+    channels = style.channels() | {"tooltip": told}
+    layers = []
+    if bounds:
+        grey: Row = {"color": "#8a93a0", "thickness": 2.5, "orient": "vertical", "size": 34}
+        layers.append(chart(bounds).mark_tick(**grey).encode(x=alt.X("bound:Q", title=across), y=y))
+    layers.append(chart(finite).mark_point(**POINT).encode(x=x, y=y, yOffset=beside, **channels))
+    for edge, at in (("exact", alt.value(0)), ("lost", alt.value("width"))):
+        placed = [row for row in rows if (row["error"] == 0 if edge == "exact" else not row["error"] < float("inf"))]
+        if placed:
+            layers.append(chart(placed).mark_point(**POINT).encode(x=at, y=y, yOffset=beside, **channels))
+    caption = (
+        "Each mark is one engine, open for the vendor's defaults: how far its signal without noise lies from the truth, by the "
+        "statistic that the case judges. The grey stroke is the bound, derived in the case; right of it a check fails. Exact "
+        "answers stand on the left edge, what is no number on the right one."
+    )
+    columns = ("signal", "engine", "setting", f"error [{unit}]", "bound", "check", "trial")
+    cells = [
+        [r["signal"], r["engine"], r["track"], amount(r["error"]), amount(r["bound"]), r["verdict"], r["trial"]] for r in rows
+    ]
+    name = f"ideal-{slug(unit.replace('/', '-per-'))}" if unit != "1" else "ideal-light"
+    return Figure(name, title, caption, finished(layers, height=40 + 44 * len(signals)), columns, cells)
+
+
+def rays_chart(store: "Store", found: Sequence[Finding]) -> Figure | None:
+    """Rays a CPU second, bare and with all that makes a reading of them; None where nothing was clocked."""
+    import altair as alt
+
+    rows: list[Row] = []
+    for one in found:
+        same = {"engine": labels(store)[one.engine], "track": one.track, "scene": titled(store, one.case, one.where)}
+        if one.channel not in ("range", "depth", "colour"):
+            continue
+        for kind, rate, trial in (
+            ("read, with noise", one.rays_per_s, one.trial_sensing),
+            ("bare", one.bare_rays_per_s, one.trial_bare),
+        ):
+            if rate:
+                row = same | {"kind": kind, "rate": rate, "trial": trial}
+                if row not in rows:
+                    rows.append(row)
+    if not rows:
+        return None
+    style = Marks(store, rows)
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    kinds = [kind for kind in ("bare", "read, with noise") if any(row["kind"] == kind for row in rows)]
+    labelled = [f"{scene}: {kind}" for scene in scenes for kind in kinds]
+    rows = [row | {"label": f"{row['scene']}: {row['kind']}"} for row in rows]
+    labelled = [label for label in labelled if any(row["label"] == label for row in rows)]
+    x = logarithmic(alt.X, "rate", "rays a CPU second", decades(row["rate"] for row in rows))
+    y = alt.Y("label:N", title=None, scale=alt.Scale(domain=labelled), axis=alt.Axis(**LINES))
+    told = [
+        alt.Tooltip("scene:N"),
+        alt.Tooltip("kind:N", title="rays"),
+        alt.Tooltip("engine:N"),
+        alt.Tooltip("track:N"),
+        alt.Tooltip("rate:Q", title="a CPU second", format=".3~s"),
+        alt.Tooltip("trial:N"),
+    ]
+    layer = chart(rows).mark_point(**POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": told}))
+    caption = (
+        "Beams of range finders and pixels of cameras, on one thread. Bare rays are cast and no more; what is read has been "
+        "stepped for, cast, made into ranges, depths and intensities, and had its noise laid over. Farther right is cheaper."
+    )
+    columns = ("scene", "rays", "engine", "setting", "a CPU second", "trial")
+    cells = [[r["scene"], r["kind"], r["engine"], r["track"], amount(r["rate"]), r["trial"]] for r in rows]
+    return Figure(
+        "sensor-rays",
+        "What a second of CPU time sees",
+        caption,
+        finished([layer], height=40 + 34 * len(labelled)),
+        columns,
+        cells,
+    )

@@ -7,7 +7,7 @@ import numpy as np
 from harness.case import Case, Check
 from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN
 from harness.metrics.depth_missing import DEPTH_LOST_ANSWERED, DEPTH_MISSING_SCORE
-from harness.metrics.depth_noise import DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE
+from harness.metrics.depth_noise import DEPTH_CORRELATION, DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE
 from harness.metrics.depth_quantisation import DISPARITY_STEP_ERROR
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.range_wrap import UNWRAPPED_SHARE
@@ -142,6 +142,7 @@ CASE = Case(
             at_most=5.0,
             because=f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
         ),
+        Check(metric=DEPTH_CORRELATION, at_most=5.0, because=f"largest of nine; {WITHIN} each"),
         Check(metric=DEPTH_MISSING_SCORE, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
         Check(
             metric=DEPTH_LOST_ANSWERED,

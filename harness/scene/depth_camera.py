@@ -102,7 +102,8 @@ class DepthCamera:
     Terms:
         rate [Hz]; width, height [pixels]; focal_x, focal_y, centre_x, centre_y [pixels].
         near, far [m]: bounds of the depth that is measured: what lies nearer reads -inf, what lies beyond +inf, invalid is NaN.
-        seen_by: what finds the ideal depth: a ray through each pixel, or the engine's own picture by this renderer.
+        seen_by: what finds the ideal depth: a ray through each pixel, which meets collision shapes, or the engine's own picture
+        by this renderer, which shows visual ones. What noise asks of light, angles and second views is always told by rays.
         noise: the principle of measurement with its errors; None gives the ideal depth.
     Source: ROS REP 118 (depth images: NaN, -inf and +inf).
     """

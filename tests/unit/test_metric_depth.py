@@ -9,7 +9,7 @@ import pytest
 from harness.metric import NotMeasurable
 from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS
 from harness.metrics.depth_missing import DEPTH_LOST_ANSWERED, DEPTH_MISSING_SCORE
-from harness.metrics.depth_noise import BANDS, DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE
+from harness.metrics.depth_noise import BANDS, DEPTH_CORRELATION, DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE
 from harness.metrics.depth_quantisation import DISPARITY_STEP_ERROR
 from harness.metrics.pixel_error import PIXEL_ERROR
 from harness.metrics.range_wrap import UNWRAPPED_SHARE
@@ -106,6 +106,7 @@ def test_noise_of_the_law_raises_no_alarm_in_a_hundred_seeds_and_scores_as_norma
         assert scores[name].max() < FALSE_ALARM
         level = (2 * norm.cdf(scores[name]) - 1) ** BANDS
         assert level.mean() == pytest.approx(0.5, abs=5 * np.sqrt(1 / 12 / 100))
+    assert max(DEPTH_CORRELATION(_scene(law), _of(_answered(law, seed=seed))) for seed in range(20)) < FALSE_ALARM
     if law is not PHASE:
         assert scores["disparity_step_error"].max() < 1e-12
         assert scores["depth_lost_but_answered_share"].max() == 0.0
@@ -134,6 +135,19 @@ def test_a_bias_of_a_quarter_of_sigma_in_one_band_is_seen_in_the_mean() -> None:
     near = ideal < np.quantile(ideal[np.isfinite(ideal)], 1 / BANDS)
     shifted = np.where(near, 1.0 / (1.0 / depth + 0.25 * 0.1 / (60.0 * 0.2)), depth)
     assert DEPTH_MEAN_SCORE(_scene(STEREO), _of(streams | {"d/depth": shifted})) > FALSE_ALARM
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2], ids=["frames", "rows", "columns"])
+def test_noise_that_neighbours_share_is_seen_in_the_correlation_alone(axis: int) -> None:
+    law = replace(STEREO, disparity_step=0.0, missing=0.0)
+    sound = _answered(law)
+    ideal = sound["d/depth_ideal"]
+    normal = np.random.default_rng(4).standard_normal(ideal.shape)
+    # Half of each deviation is the neighbour's: of the right spread, and no longer its own.
+    shared = (normal + np.roll(normal, 1, axis=axis)) / np.sqrt(2)
+    depth = np.where(np.isnan(sound["d/depth"]), np.nan, 1.0 / (1.0 / ideal + 0.1 / (60.0 * 0.2) * shared))
+    assert DEPTH_CORRELATION(_scene(law), _of(sound)) < FALSE_ALARM
+    assert DEPTH_CORRELATION(_scene(law), _of(sound | {"d/depth": depth})) > FALSE_ALARM
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.type)
@@ -235,7 +249,9 @@ def test_a_bad_number_is_swallowed_by_no_metric() -> None:
     ideal = truth["d/depth_ideal"].copy()
     ideal[2, 20, 40] = np.nan
     bad = _of(_answered(STEREO) | {"d/depth_ideal": ideal})
-    for metric in (DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS, DEPTH_ERROR_MAX, DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE):
+    for metric in (DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS, DEPTH_ERROR_MAX):
+        assert np.isnan(metric(_scene(STEREO), bad, _of(truth))), metric.name
+    for metric in (DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE, DEPTH_CORRELATION):
         assert np.isnan(metric(_scene(STEREO), bad, _of(truth))), metric.name
     for metric in (DEPTH_MISSING_SCORE, DEPTH_LOST_ANSWERED, DISPARITY_STEP_ERROR):
         assert np.isnan(metric(_scene(STEREO), bad, _of(truth))), metric.name

@@ -12,12 +12,13 @@ __all__ = ["Appearance", "Sun"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Appearance:
-    """Optics of a surface. What arrives is split: `mirror` is reflected, of the rest `transmission` goes through, the rest scatters.
+    """Optics of a surface: of the light that arrives `mirror` is reflected, of the rest `transmission` goes through; the rest
+    scatters.
 
     Terms:
         colour [1]: share of scattered light that is sent back, linear red, green, blue.
         reflectivity [1]: the same at the wavelength of range finders and depth cameras.
-        mirror [1]: share reflected at the angle of incidence, at normal incidence. transmission [1]: of the rest, the share
+        mirror [1]: share reflected at the angle of incidence. transmission [1]: of the rest, the share
         that enters, with Fresnel's reflection beside it, into a solid of this refractive_index [1].
     """
 

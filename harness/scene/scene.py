@@ -40,7 +40,8 @@ class Scene:
     """Everything that an engine is told, apart from how to solve it.
 
     Terms:
-        gravity [m/s2] in W. sun: the light that cameras see by. widen, narrow: effects switched on or off against what the content says.
+        gravity [m/s2] in W. sun: the light that cameras see by. widen, narrow: effects switched on or off against what the
+        content says.
         apart: pairs of materials whose bodies pass through each other (both may be the same), so that they need no surface.
     """
 

@@ -80,7 +80,8 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
     import altair as alt
 
     first = group[0]
-    rows, law = [], []
+    rows: list[Row] = []
+    law: list[Row] = []
     for one in group:
         if one.allan is None:
             continue
@@ -110,7 +111,8 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
     import altair as alt
 
     first = group[0]
-    rows, law = [], []
+    rows: list[Row] = []
+    law: list[Row] = []
     for one in group:
         if one.histogram is None:
             continue
@@ -144,7 +146,8 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
     import altair as alt
 
     first = group[0]
-    rows, law = [], []
+    rows: list[Row] = []
+    law: list[Row] = []
     for one in group:
         if one.levels is None:
             continue

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
@@ -69,7 +69,7 @@ def _shot(store: "Store", group: Sequence[Finding]) -> Shot:
     tiles = [] if truth is None else [Tile(engine="", tracks=(), what="truth", address=address(truth), trial="")]
     for one, tracks in _alike(group):
         assert one.picture is not None
-        same = {"engine": one.engine, "tracks": tracks, "trial": one.trial}
+        same: dict[str, Any] = {"engine": one.engine, "tracks": tracks, "trial": one.trial}
         tiles.append(Tile(**same, what="seen", address=address(one.picture.seen)))
         if truth is None and one.picture.ideal is not None:
             tiles.append(Tile(**same, what="without noise", address=address(one.picture.ideal)))

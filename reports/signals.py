@@ -21,7 +21,7 @@ UNITS: Mapping[str, str] = {"m": "Ranges and depths", "m/s2": "Accelerations", "
 """Titles of the charts by unit, in the order of the page."""
 
 
-LINES = {"labelExpr": "split(datum.label, ': ')", "labelLimit": 230, "grid": True, "ticks": False}
+LINES: Row = {"labelExpr": "split(datum.label, ': ')", "labelLimit": 230, "grid": True, "ticks": False}
 """Of an axis of names: what stands after a colon goes to a line of its own."""
 
 

@@ -20,6 +20,8 @@ LEAST = 16
 """Samples and readings below which no shift is sought."""
 STEADY = 1e-3
 """A signal that varies by less than this share of its size tells of no time."""
+TREMBLE = {"accelerometer": 1e-2, "gyroscope": 1e-3}
+"""Nor does one that varies by less than this [m/s2, rad/s]: what rests trembles by so much until its contacts have settled."""
 
 EDGE = 4
 """Samples at each end at which the slope of a spline is worse than between them."""
@@ -48,7 +50,8 @@ def lag_of(channel: Channel, scene: Scene, arrays: Mapping[str, Any]) -> float |
     time, motion = arrays["time"], _motion(imu, channel.channel, scene, arrays)
     if not (np.isfinite(motion).all() and np.isfinite(channel.ideal).all()):
         return None
-    if np.ptp(channel.ideal, axis=0).max() < STEADY * np.abs(channel.ideal).max() + 1e-12:
+    least = max(TREMBLE[channel.channel], STEADY * float(np.abs(channel.ideal).max()))
+    if np.ptp(channel.ideal, axis=0).max() < least:
         return None
     reach = imu.latency + 3.0 / imu.rate
     inside = (time > channel.time[0] + reach) & (time < channel.time[-1] - reach)

@@ -115,6 +115,8 @@ def test_a_latency_is_found_and_a_steady_motion_tells_none(store: Store) -> None
     assert lag_of(late, scene(), arrays_of(sensing(1))) == pytest.approx(LATENCY + 0.01, abs=1e-4)
     still = dataclasses.replace(late, ideal=np.ones_like(late.ideal))
     assert lag_of(still, scene(), arrays_of(sensing(1))) is None
+    trembling = dataclasses.replace(late, ideal=1e-5 * late.ideal)
+    assert lag_of(trembling, scene(), arrays_of(sensing(1))) is None
 
 
 def test_a_motion_that_the_signal_does_not_tell_of_has_no_lag() -> None:

@@ -284,3 +284,16 @@ def test_rays_to_the_sky_see_how_much_of_it_a_wall_hides() -> None:
     foot = np.array([colour[12, 15, 0], colour[11, 15, 0]])
     # The pixels beside the middle lie 1/40 m before the wall; what a wall of any height hides of a plane point is a half.
     assert foot == pytest.approx([0.5, 0.5], abs=0.02)
+
+
+def test_a_lit_floor_shows_no_specks_far_from_the_origin_nor_from_afar() -> None:
+    """Rays to the sun start off the surface by more than the rounding of where they are, or of how far the eye is."""
+    for shift, height in ((0.0, 1.0), (1e4, 1.0), (0.0, 1e5), (1e6, 10.0)):
+        slab = _body(
+            engine.Box((2.0 * height, 2.0 * height, 0.5)), WHITE, p_WB=(shift, shift, -0.5), q_WB=(0.96, 0.0, 0.0, 0.28)
+        )
+        world = _world(slab, sun=engine.Sun(towards_W=(0.6, 0, 0.8), irradiance=math.pi, sky=0.0))
+        eye = engine.Eye(p_WE=(shift + 0.1, shift, height), q_WE=(0, 1, 0, 0), **SMALL)
+        colour = world.render(eye, "ray_traced").colour
+        assert colour is not None
+        assert np.abs(colour - 0.8).max() < 1e-9

@@ -256,6 +256,19 @@ def test_the_shadow_of_a_ball_on_the_ground_is_its_ellipse() -> None:
     assert np.abs(picture.colour[rows, columns, 0] - expected).max() < 1e-9
 
 
+def test_a_pane_before_the_dark_shines_by_both_of_its_faces() -> None:
+    """At right angles a pane reflects 2 R / (1 + R), all orders summed (Born, Wolf, section 7.6.1, without interference).
+
+    The sky is behind the eye, a black wall behind the pane. Orders fainter than the least weight are taken for sky: twice that.
+    """
+    pane = _body(engine.Box((50, 50, 0.1)), CLEAR, "pane", p_WB=(0, 0, 3))
+    wall = _body(engine.Box((5000, 5000, 0.1)), engine.Optics(colour=(0, 0, 0)), "wall", p_WB=(0, 0, 5))
+    eye = engine.Eye(width=9, height=7, focal_x=900, focal_y=900, centre_x=4.5, centre_y=3.5, bounces=20)
+    colour = _world(pane, wall, sun=SKY).render(eye, "ray_traced").colour
+    assert colour is not None
+    assert colour[3, 4] == pytest.approx(np.full(3, 2 * 0.04 / 1.04), abs=2 * LEAST)
+
+
 def test_samples_average_an_edge_by_its_share_of_the_pixel() -> None:
     """A white face covers a quarter of column 16 and all of what is right of it; 64 samples hold it to their spacing, 1/64."""
     edge = (16.75 - 16.0) / 20 * 4

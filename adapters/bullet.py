@@ -16,9 +16,9 @@ Deviations:
     * Sub-steps are steps of dt/substeps (pybullet's numSubSteps can lose one to rounding); contact forces are the last one's.
     * Rays and images are taken in a second world that holds the same shapes at the present poses, so that a scene that never
       senses does not pay. Rays on spheres, capsules and cylinders err by millimetres at grazing incidence.
-    * TinyRenderer draws balls, cylinders and capsules as polyhedra of a dozen corners around, a plane as a square of a
-      kilometre, and nothing nearer than 5 cm or beyond 100 m. Nothing casts a shadow, and what a surface mirrors or lets
-      through is taken to be the sky.
+    * TinyRenderer draws balls, cylinders and capsules as hulls of 42 of their points, whose outlines sag by some 5 % of the
+      radius, a plane as a square of a kilometre, and nothing nearer than 5 cm or beyond 100 m. Nothing casts a shadow, and
+      what a surface mirrors or lets through is taken to be the sky.
     * A rotation of more than pi/4 in one (sub)step is cut to pi/4 although the angular velocity stays
       (ANGULAR_MOTION_THRESHOLD of btTransformUtil.h).
     * Hulls in compounds travel through a temporary OBJ file in single precision. Hulls in compounds and on links keep Bullet's
@@ -1656,7 +1656,7 @@ ADAPTER = BulletAdapter(
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",
         "contact forces are those of the last (sub)step",
         "rays and images are taken in a second world of the same shapes at the present poses; grazing rays miss by millimetres",
-        "in images round shapes are polyhedra of a dozen corners around; colours have 8 bits and no shadows",
+        "in images round shapes are hulls of 42 of their points; colours have 8 bits, nothing casts a shadow",
         "a ray that starts inside a solid meets nothing of that solid",
         "a rotation of more than pi/4 in one (sub)step is cut to pi/4, the angular velocity stays",
         "hulls in compounds and on links are 1 mm thicker (collision margin); in compounds they have single precision",

@@ -57,51 +57,47 @@ def ray_traced(cast: "Cast", bodies: "Sequence[Body]", sun: "Sun", eye: Eye, col
     rows = max(1, BLOCK // eye.width)
     for first in range(0, eye.height, rows):
         part = slice(first, min(first + rows, eye.height))
-        aim = partial(_aimed, eye, first, part.stop - first)
-        origins, directions = aim(0.5, 0.5)
-        origins, hits = _seen(cast, origins, directions, eye)
-        along = np.linalg.norm(directions, axis=1)
-        start = 0.0 if len(origins) == 1 else ((origins - np.asarray(eye.p_WE, float)) * directions).sum(axis=1) / along**2
-        depth[part] = (start + hits.distance / along).reshape(-1, eye.width)
+        aim = partial(_aimed, cast, eye, first, part.stop - first)
+        origins, directions, hits, depth[part] = aim(0.5, 0.5)
         body[part] = hits.body.reshape(-1, eye.width)
         if painted is None:
             continue
         pixels, radiance = np.arange(len(directions)), np.zeros((len(directions), 3))
         for sample, (x, y) in enumerate(points):
             if eye.samples > 1:
-                origins, directions = aim(float(x), float(y))
-                origins, hits = _seen(cast, origins, directions, eye)
+                origins, directions, hits, _ = aim(float(x), float(y))
             for _ in follow(cast, first_wave(origins, directions, hits, pixels), light, sample, radiance):
                 pass
         painted[part] = (radiance / eye.samples).reshape(-1, eye.width, 3)
     return Picture(depth, body, painted)
 
 
-def _aimed(eye: Eye, first: int, rows: int, x: float, y: float) -> tuple[FloatArray, FloatArray]:
-    """Origin (1, 3) m and directions (n, 3) of the rays through one point (x, y) of each pixel in some rows.
+def _aimed(
+    cast: "Cast", eye: Eye, first: int, rows: int, x: float, y: float
+) -> "tuple[FloatArray, FloatArray, Hits, FloatArray]":
+    """The rays through one point (x, y) of each pixel in some rows, and what they meet from the near plane on.
 
+    Returns: origins (n, 3) or (1, 3) m, directions (n, 3), hits, z-depths (rows, w) m.
     Raises: ValueError naming the first pixel at which the lens shows nothing.
     """
     from engine.images.lens import look
 
-    directions = np.empty((rows * eye.width, 3))
-    dark = look(eye.row, eye.width, first, rows, x, y, directions)
+    origins = np.atleast_2d(np.asarray(eye.p_WE, float))
+    directions, length = np.empty((rows * eye.width, 3)), np.empty(rows * eye.width)
+    dark = look(eye.row, eye.width, first, rows, x, y, directions, length)
     if dark >= 0:
         raise ValueError(
             f"eye: lens {eye.lens} shows nothing at pixel ({dark % eye.width}, {first + dark // eye.width}), which lies beyond "
             "its fold; expected one that covers the picture"
         )
-    return np.atleast_2d(np.asarray(eye.p_WE, float)), directions
-
-
-def _seen(cast: "Cast", origin: FloatArray, directions: FloatArray, eye: Eye) -> "tuple[FloatArray, Hits]":
-    """First hits from the near plane on: rays that meet something before it start on it. Returns: the origins, and the hits."""
-    hits: Hits = cast(origin, directions)
-    early = np.flatnonzero(hits.distance < eye.near * np.linalg.norm(directions, axis=1))
-    if len(early) == 0:
-        return origin, hits
-    origins = np.repeat(origin, len(directions), axis=0)
-    origins[early] += eye.near * directions[early]
-    again = cast(origins[early], directions[early])
-    hits.distance[early], hits.body[early], hits.normal[early] = again.distance, again.body, again.normal
-    return origins, hits
+    hits: Hits = cast(origins, directions)
+    depth = hits.distance / length
+    early = np.flatnonzero(depth < eye.near)
+    if len(early) > 0:
+        # What lies before the near plane is not seen: these rays start on it.
+        origins = np.repeat(origins, len(directions), axis=0)
+        origins[early] += eye.near * directions[early]
+        again = cast(origins[early], directions[early])
+        hits.distance[early], hits.body[early], hits.normal[early] = again.distance, again.body, again.normal
+        depth[early] = eye.near + again.distance / length[early]
+    return origins, directions, hits, depth.reshape(rows, eye.width)

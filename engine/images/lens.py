@@ -63,8 +63,8 @@ def undistort(u: float, v: float, eye: Floats) -> tuple[float, float, bool]:
 
 
 @entry
-def look(eye: Floats, width: int, first_row: int, rows: int, x: float, y: float, directions: Floats) -> int:
-    """Write directions (rows * width, 3) in W with unit z in E, of the point (x, y) within each pixel of some rows.
+def look(eye: Floats, width: int, first_row: int, rows: int, x: float, y: float, directions: Floats, length: Floats) -> int:
+    """Write directions (n, 3) in W with unit z in E, of the point (x, y) in each pixel of some rows, and their lengths (n,).
 
     Returns: the first pixel, counted from the first of these rows, that the lens shows nothing at, or -1.
     """
@@ -79,4 +79,5 @@ def look(eye: Floats, width: int, first_row: int, rows: int, x: float, y: float,
             if not good:
                 return j * width + i
             store3(directions, j * width + i, 0, mat_vec(turn, (u, w, 1.0)))
+            length[j * width + i] = math.sqrt(u * u + w * w + 1.0)
     return -1

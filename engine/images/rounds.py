@@ -38,9 +38,14 @@ def ball_window(c: Vec, radius: float, near: float) -> Window:
 
 
 @kernel
-def joined(a: Window, b: Window) -> Window:
-    """The least window around two."""
-    return min(a[0], b[0]), max(a[1], b[1]), min(a[2], b[2]), max(a[3], b[3])
+def tube_window(a: Vec, b: Vec, radius: float, near: float) -> Window:
+    """What may be covered by all that lies between two balls; where one of them is cut, nothing bounds it."""
+    if max(a[2], b[2]) + radius < near:
+        return NOTHING
+    if min(a[2], b[2]) - radius < near:
+        return EVERYTHING
+    one, two = ball_window(a, radius, near), ball_window(b, radius, near)
+    return min(one[0], two[0]), max(one[1], two[1]), min(one[2], two[2]), max(one[3], two[3])
 
 
 @kernel
@@ -86,7 +91,7 @@ def draw_cylinder(
 ) -> None:
     """Draw the cylinder about c along a: its side, then the ends with the tags that follow."""
     near, up, low = view[0, 4], axpy(half, a, c), axpy(-half, a, c)
-    left, right, top, bottom = pixels_of(joined(ball_window(up, radius, near), ball_window(low, radius, near)), view, u, v)
+    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), view, u, v)
     for j in range(top, bottom):
         side_row(left, right, u, v[j], c, a, radius, half, near, tag, depth[j], who[j])
     for end in range(2):
@@ -102,7 +107,7 @@ def draw_capsule(
 ) -> None:
     """Draw the capsule about c along a: the side, and the balls at its ends, whose inner halves the side hides."""
     near, up, low = view[0, 4], axpy(half, a, c), axpy(-half, a, c)
-    left, right, top, bottom = pixels_of(joined(ball_window(up, radius, near), ball_window(low, radius, near)), view, u, v)
+    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), view, u, v)
     for j in range(top, bottom):
         side_row(left, right, u, v[j], c, a, radius, half, near, tag, depth[j], who[j])
     if min(up[2], low[2]) - radius >= near:

@@ -22,22 +22,19 @@ GIVEN, MIRRORED, REFLECTED, REFRACTED, SCATTERED = 0, 1, 2, 3, 4
 AIR = 1.0
 LEAST = 1e-4
 """Weight [1] below which a ray is given up."""
-STEP = 1e-12
-"""Share of the coordinates [1] by which a ray starts off the surface that it leaves: a thousand roundings."""
+STEP = 1e-13
+"""Share of the coordinates and of the way [1] by which a ray starts off the surface that it leaves: some hundred roundings."""
 GOLDEN, PLASTIC = 0.6180339887498949, 0.7548776662466927
 """Shares of 1 [1] whose multiples spread evenly in one and, with their squares, in two dimensions."""
 
 
 @kernel
 def go_on(
-    k: int, parent: int, kind: int, p: Vec, n: Vec, d: Vec, share: float, here: float, outer: float, colour: Vec,
+    k: int, parent: int, kind: int, start: Vec, d: Vec, share: float, here: float, outer: float, colour: Vec,
     light: Floats, roots: Ints, next_origin: Floats, next_way: Floats, next_light: Floats, next_roots: Ints, sky: float,
     radiance: Floats,
 ) -> int:  # fmt: skip
-    """Write ray k of the next generation, or let it see the sky if its weight is too small. Returns: the number of rays then.
-
-    It starts off the surface on the side of n.
-    """
+    """Write ray k of the next generation, or let it see the sky if its weight is too small. Returns: the number of rays."""
     if share <= 0.0:
         return k
     weight = (
@@ -47,8 +44,7 @@ def go_on(
         for c in range(3):
             radiance[roots[parent, 0], c] += weight[c] * sky
         return k
-    reach = max(abs(p[0]), abs(p[1]), abs(p[2]))
-    store3(next_origin, k, 0, axpy(STEP * (1.0 + reach), n, p))
+    store3(next_origin, k, 0, start)
     store3(next_way, k, 0, d)
     store3(next_light, k, 0, weight)
     next_light[k, 3], next_light[k, 4] = here, outer
@@ -98,6 +94,8 @@ def scatter(
         outward = load3(normal, r, 0)
         inside = dot(d, outward) > 0.0
         n = neg(outward) if inside else outward
+        step = STEP * (1.0 + max(abs(p[0]), abs(p[1]), abs(p[2]), distance[r]))
+        above, below = axpy(step, n, p), axpy(-step, n, p)
         mirror, clear, index = optics[b, 3], (1.0 - optics[b, 3]) * optics[b, 4], optics[b, 5]
         plain = (1.0 - mirror) * (1.0 - optics[b, 4])
         if last:
@@ -107,7 +105,7 @@ def scatter(
             around, outer = light[r, 3], light[r, 4]
             if mirror > 0.0:
                 more = go_on(
-                    more, r, MIRRORED, p, n, reflect(d, n), mirror, around, outer, white, light, roots, next_origin, next_way,
+                    more, r, MIRRORED, above, reflect(d, n), mirror, around, outer, white, light, roots, next_origin, next_way,
                     next_light, next_roots, sky, radiance,
                 )  # fmt: skip
             if clear > 0.0:
@@ -115,12 +113,12 @@ def scatter(
                 passes, through = refract(d, n, before / after)
                 back = reflectance(-dot(d, n), -dot(through, n), before, after) if passes else 1.0
                 more = go_on(
-                    more, r, REFLECTED, p, n, reflect(d, n), clear * back, before if inside else around, outer, white, light,
+                    more, r, REFLECTED, above, reflect(d, n), clear * back, before if inside else around, outer, white, light,
                     roots, next_origin, next_way, next_light, next_roots, sky, radiance,
                 )  # fmt: skip
                 if passes:
                     more = go_on(
-                        more, r, REFRACTED, p, neg(n), through, clear * (1.0 - back), after, AIR if inside else around, white,
+                        more, r, REFRACTED, below, through, clear * (1.0 - back), after, AIR if inside else around, white,
                         light, roots, next_origin, next_way, next_light, next_roots, sky, radiance,
                     )  # fmt: skip
         if plain <= 0.0:
@@ -128,8 +126,7 @@ def scatter(
         colour = load3(optics, b, 0)
         cosine = dot(n, towards)
         if irradiance > 0.0 and cosine > 0.0:
-            reach = max(abs(p[0]), abs(p[1]), abs(p[2]))
-            store3(lit_origin, asking, 0, axpy(STEP * (1.0 + reach), n, p))
+            store3(lit_origin, asking, 0, above)
             for c in range(3):
                 gain[asking, c] = light[r, c] * plain * colour[c] * irradiance / math.pi * cosine
             lit_root[asking] = root
@@ -141,7 +138,7 @@ def scatter(
         for k in range(sky_rays):
             way = towards_sky(n, k, sky_rays, root + 7919 * sample)
             more = go_on(
-                more, r, SCATTERED, p, n, way, plain / sky_rays, light[r, 3], light[r, 4], colour, light, roots, next_origin,
+                more, r, SCATTERED, above, way, plain / sky_rays, light[r, 3], light[r, 4], colour, light, roots, next_origin,
                 next_way, next_light, next_roots, sky, radiance,
             )  # fmt: skip
     return more, asking

@@ -26,7 +26,11 @@ def _brown(x: Array, y: Array, lens: engine.Lens) -> tuple[Array, Array]:
 
 def _directions(eye: engine.Eye) -> tuple[Array, int]:
     made = np.full((eye.width * eye.height, 3), np.nan)
-    return made, look(eye.row, eye.width, 0, eye.height, 0.5, 0.5, made)
+    length = np.empty(len(made))
+    dark = look(eye.row, eye.width, 0, eye.height, 0.5, 0.5, made, length)
+    if dark < 0:
+        assert np.abs(length - np.linalg.norm(made, axis=1)).max() < 1e-15 * 4
+    return made, dark
 
 
 @pytest.mark.parametrize(

@@ -256,6 +256,19 @@ def test_the_shadow_of_a_ball_on_the_ground_is_its_ellipse() -> None:
     assert np.abs(picture.colour[rows, columns, 0] - expected).max() < 1e-9
 
 
+def test_a_pane_before_the_dark_shines_by_both_of_its_faces() -> None:
+    """At right angles a pane reflects 2 R / (1 + R), all orders summed (Born, Wolf, section 7.6.1, without interference).
+
+    The sky is behind the eye, a black wall behind the pane. Orders fainter than the least weight are taken for sky: twice that.
+    """
+    pane = _body(engine.Box((50, 50, 0.1)), CLEAR, "pane", p_WB=(0, 0, 3))
+    wall = _body(engine.Box((5000, 5000, 0.1)), engine.Optics(colour=(0, 0, 0)), "wall", p_WB=(0, 0, 5))
+    eye = engine.Eye(width=9, height=7, focal_x=900, focal_y=900, centre_x=4.5, centre_y=3.5, bounces=20)
+    colour = _world(pane, wall, sun=SKY).render(eye, "ray_traced").colour
+    assert colour is not None
+    assert colour[3, 4] == pytest.approx(np.full(3, 2 * 0.04 / 1.04), abs=2 * LEAST)
+
+
 def test_samples_average_an_edge_by_its_share_of_the_pixel() -> None:
     """A white face covers a quarter of column 16 and all of what is right of it; 64 samples hold it to their spacing, 1/64."""
     edge = (16.75 - 16.0) / 20 * 4
@@ -284,3 +297,16 @@ def test_rays_to_the_sky_see_how_much_of_it_a_wall_hides() -> None:
     foot = np.array([colour[12, 15, 0], colour[11, 15, 0]])
     # The pixels beside the middle lie 1/40 m before the wall; what a wall of any height hides of a plane point is a half.
     assert foot == pytest.approx([0.5, 0.5], abs=0.02)
+
+
+def test_a_lit_floor_shows_no_specks_far_from_the_origin_nor_from_afar() -> None:
+    """Rays to the sun start off the surface by more than the rounding of where they are, or of how far the eye is."""
+    for shift, height in ((0.0, 1.0), (1e4, 1.0), (0.0, 1e5), (1e6, 10.0)):
+        slab = _body(
+            engine.Box((2.0 * height, 2.0 * height, 0.5)), WHITE, p_WB=(shift, shift, -0.5), q_WB=(0.96, 0.0, 0.0, 0.28)
+        )
+        world = _world(slab, sun=engine.Sun(towards_W=(0.6, 0, 0.8), irradiance=math.pi, sky=0.0))
+        eye = engine.Eye(p_WE=(shift + 0.1, shift, height), q_WE=(0, 1, 0, 0), **SMALL)
+        colour = world.render(eye, "ray_traced").colour
+        assert colour is not None
+        assert np.abs(colour - 0.8).max() < 1e-9

@@ -1202,10 +1202,7 @@ class _Builder:
             q_BM * (1.0, -1.0, -1.0, -1.0) if turned else None,
             all(link.above < 0 and (link.joint is None or isinstance(link.joint, Fixed)) for link in self.links),
             dict(self.drives),
-            {
-                name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0]))
-                for name in self.own
-            },
+            {name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0])) for name in self.own},
             tuple(remarks),
         )
 

@@ -151,7 +151,11 @@ CASE = Case(
             because="an attitude that is off by e moves the end of a beam of length r along its wall by r e/cos of incidence: "
             "e is w^3 dt^2/12 a second for 2 atan(w dt/2) a step, and rounding in single precision",
         ),
-        Check(metric=FALSE_RETURNS, at_most=0.0, because="a closed room returns every beam, and its corners lead on from wall to wall"),
+        Check(
+            metric=FALSE_RETURNS,
+            at_most=0.0,
+            because="a closed room returns every beam, and its corners lead on from wall to wall",
+        ),
         Check(metric=STAMP_ERROR, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
     ),
     observe=(RANGE_ERROR_RMS, INTENSITY_ERROR_MAX),

@@ -204,7 +204,8 @@ class _Places:
     Terms:
         body (n,): MuJoCo's body of each body of the scene. scene_body (nbody,): the way back, -1 for the world.
         q_MB (n, 4): from B to the principal frame M, or None where all of them agree. single: no body hangs on another one.
-        drives: actuator by joint. inertial: places of accelerometer and gyroscope in the sensor data, by sensor. remarks: effects that could not be left out, known faults.
+        drives: actuator by joint. inertial: places of accelerometer and gyroscope in the sensor data, by sensor.
+        remarks: effects that could not be left out, known faults.
     """
 
     body: Integers

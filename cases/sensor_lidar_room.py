@@ -79,7 +79,7 @@ def _pose(time: Floats, turning: float) -> tuple[Floats, Floats]:
 
 
 def walls_from_inside(origins: Floats, directions: Floats) -> tuple[Floats, Floats]:
-    """Range [m] and cosine of incidence of rays (..., 3) that start inside the room: the first of six planes that is reached."""
+    """Range [m] and cosine of incidence of rays (..., 3) that start inside the room: the first of six planes."""
     with np.errstate(divide="ignore"):
         reach = (np.copysign(np.array(HALF), directions) - origins) / directions
     reach = np.where(directions == 0.0, np.inf, reach)

@@ -22,8 +22,9 @@ The contract, proven by `harness.conformance`:
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
 * Four things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
-  and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock: `build_batch`, many worlds of one scene on one thread, and
-  `Simulation.caster(origins, directions, max_range)`, a function that casts the same rays again into arrays made beforehand.
+  and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock:
+  `build_batch`, many worlds of one scene on one thread, and `Simulation.caster(origins, directions, max_range)`, a function
+  that casts the same rays again into arrays made beforehand.
   For forces told anew before each step: `Simulation.force_lead`, the share of a step after whose start a force held over it is
   to be evaluated (see `harness.control`); 0 unless said.
 """

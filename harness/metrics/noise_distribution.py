@@ -3,8 +3,8 @@
 Every second difference of samples is taken: with white noise and a random walk these are independent normal variables of the
 variance 2 N^2/T + K^2 T. A Markov process would correlate them, so that a law that has one is not measured.
 
-Source: Kolmogorov (1933), sqrt(n) D; Pearson (1900), with cells of equal probability (Mann, Wald, On the choice of the number of
-class intervals, 1942) and Wilson and Hilferty's cube root, which makes a chi-squared variable normal.
+Source: Kolmogorov (1933), sqrt(n) D; Pearson (1900), with cells of equal probability (Mann, Wald, On the choice of the number
+of class intervals, 1942) and Wilson and Hilferty's cube root, which makes a chi-squared variable normal.
 """
 
 from collections.abc import Callable

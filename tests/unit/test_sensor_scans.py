@@ -153,10 +153,13 @@ def test_a_spread_beam_that_meets_nothing_returns_nothing() -> None:
 def test_columns_of_a_spinning_sensor_are_fired_on_the_way() -> None:
     """Flying at the wall with acceleration, three times as many columns as steps, and fewer."""
     speed, push, dt = 2.0, 3.0, 0.005
+
+    def place(t: Any) -> Any:
+        return speed * t + push * t * t / 2
+
     for columns in (60, 6):
         lidar = replace(ONE, columns=columns, spinning=True, max_range=300.0)
         scene = Scene(bodies=(CARRIER, WALL), sensors=(lidar,))
-        place = lambda t: speed * t + push * t * t / 2  # noqa: E731 -- one line of algebra
         streams = _record(scene, lambda t: {"p_WB": (place(t), 0, 0), "v_WB": (speed + push * t, 0, 0)}, dt, 60)
         np.testing.assert_allclose(streams["l/time"], (0.1, 0.2, 0.3), atol=1e-15)
         azimuth = 2 * np.pi * np.arange(columns) / columns

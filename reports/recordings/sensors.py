@@ -80,8 +80,10 @@ def log_imu(
 
 
 def beams(sensor: Mapping[str, Any]) -> Floats:
-    """Unit directions of a scan in S, (channels, columns, 3): elevations between the bounds, azimuths over 2 pi."""
-    elevation = np.linspace(sensor["elevation_low"], sensor["elevation_high"], sensor["channels"])[:, None]
+    """Unit directions of a scan in S, (channels, columns, 3): elevations told or between the bounds, azimuths over 2 pi."""
+    own = sensor.get("elevations")
+    even = np.linspace(sensor["elevation_low"], sensor["elevation_high"], sensor["channels"])
+    elevation = (even if own is None else np.array(own, dtype=np.float64))[:, None]
     azimuth = 2.0 * np.pi * np.arange(sensor["columns"])[None, :] / sensor["columns"]
     up = np.broadcast_to(np.sin(elevation), (sensor["channels"], sensor["columns"]))
     return np.stack([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), up], axis=-1)

@@ -205,7 +205,8 @@ class _Places:
     Terms:
         body (n,): MuJoCo's body of each body of the scene. scene_body (nbody,): the way back, -1 for the world.
         q_MB (n, 4): from B to the principal frame M, or None where all of them agree. single: no body hangs on another one.
-        drives: actuator by joint. inertial: places of accelerometer and gyroscope in the sensor data, by sensor. remarks: effects that could not be left out, known faults.
+        drives: actuator by joint. inertial: places of accelerometer and gyroscope in the sensor data, by sensor.
+        remarks: effects that could not be left out, known faults.
     """
 
     body: Integers
@@ -1244,10 +1245,7 @@ class _Builder:
             q_BM * (1.0, -1.0, -1.0, -1.0) if turned else None,
             all(link.above < 0 and (link.joint is None or isinstance(link.joint, Fixed)) for link in self.links),
             dict(self.drives),
-            {
-                name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0]))
-                for name in self.own
-            },
+            {name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0])) for name in self.own},
             tuple(remarks),
         )
 

@@ -62,8 +62,8 @@ CASE = Case(
         Check(
             metric=ACCELEROMETER_ERROR,
             at_most=8 * SINGLE * FASTEST * RATE,
-            because="every integrator makes v' = v + g dt exactly, so that what is left is the rounding of velocities in single "
-            "precision over one interval",
+            because="every integrator makes v' = v + g dt exactly, so that what is left is the rounding of velocities "
+            "in single precision over one interval",
         ),
         Check(
             metric=GYROSCOPE_ERROR,

@@ -36,14 +36,14 @@ def _angle(dt: float) -> float:
     first = ROUND * ACROSS * dt / 2
     second = RATE_SIZE**3 * dt**2 / 12
     integral = ROUND**2 * ACROSS / RATE**2 / 12
-    return 1.05 * (first + second + integral) * DURATION + 64 * SINGLE
+    return float(1.05 * (first + second + integral) * DURATION + 64 * SINGLE)
 
 
 CASE = Case(
     name="sensor_imu_integral",
     title="Attitude from a gyroscope",
     question="Is the attitude of a body the integral of what a gyroscope on it reads?",
-    source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2; Goldstein, section 5.6 (free top)",
+    source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2; Goldstein, section 5.6",
     truth="conservation",
     scene=_scene,
     duration=DURATION,

@@ -73,7 +73,7 @@ def _late(dt: float) -> float:
 CASE = Case(
     name="sensor_imu_lag",
     title="Lag of inertial sensors",
-    question="How late do readings tell of a shaken body: by the latency, and by half an interval where velocities are differenced?",
+    question="Are readings of a shaken body late by their latency alone, plus half an interval where they are differences?",
     source="Knapp, Carter, The generalized correlation method for estimation of time delay (1976); centre of a difference",
     truth="closed form",
     scene=_scene,

@@ -21,7 +21,7 @@ SINGLE = 2.0**-24
 """Relative rounding of a float32: an engine in single precision is judged as such."""
 
 
-def _scene(spin_up: float = SPIN_UP, lever: float = LEVER) -> Scene:
+def _scene(spin_up: float = SPIN_UP, lever: float = LEVER) -> Scene:  # noqa: ARG001 -- the torque is the control's
     """A ball at rest, held up and spun up about z by the control, with a sensor `lever` [m] off its axis, turned against it."""
     ball = Body(
         name="ball",

@@ -79,7 +79,7 @@ def _pose(time: Floats, turning: float) -> tuple[Floats, Floats]:
 
 
 def walls_from_inside(origins: Floats, directions: Floats) -> tuple[Floats, Floats]:
-    """Range [m] and cosine of incidence of rays (..., 3) that start inside the room: the first of six planes that is reached."""
+    """Range [m] and cosine of incidence of rays (..., 3) that start inside the room: the first of six planes."""
     with np.errstate(divide="ignore"):
         reach = (np.copysign(np.array(HALF), directions) - origins) / directions
     reach = np.where(directions == 0.0, np.inf, reach)
@@ -151,7 +151,11 @@ CASE = Case(
             because="an attitude that is off by e moves the end of a beam of length r along its wall by r e/cos of incidence: "
             "e is w^3 dt^2/12 a second for 2 atan(w dt/2) a step, and rounding in single precision",
         ),
-        Check(metric=FALSE_RETURNS, at_most=0.0, because="a closed room returns every beam, and its corners lead on from wall to wall"),
+        Check(
+            metric=FALSE_RETURNS,
+            at_most=0.0,
+            because="a closed room returns every beam, and its corners lead on from wall to wall",
+        ),
         Check(metric=STAMP_ERROR, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
     ),
     observe=(RANGE_ERROR_RMS, INTENSITY_ERROR_MAX),

@@ -110,13 +110,13 @@ CASE = Case(
         Check(
             metric=FALSE_RETURNS,
             at_most=0.0,
-            because="no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides what it meets",
+            because="no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides",
         ),
         Check(
             metric=INTENSITY_ERROR_MAX,
             at_most=EXACT / (0.3 * GRAZING),
-            because="a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of the "
-            "most curved shape (radius .3 m) by that over the radius",
+            because="a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of "
+            "the most curved shape (radius .3 m) by that over the radius",
         ),
     ),
     observe=(RANGE_ERROR_RMS, RANGE_ERROR_MEDIAN),

@@ -87,8 +87,8 @@ CASE = Case(
         Check(
             metric=INDEPENDENCE_SCORE,
             at_most=4.0,
-            because=f"4/sqrt(N): the largest of {PAIRS} pairs of independent axes exceeds it under 4 of 1000 seeds, and the seed "
-            "is the run's own; equal streams reach sqrt(N)",
+            because=f"4/sqrt(N): the largest of {PAIRS} pairs of independent axes exceeds it under 4 of 1000 seeds, and the "
+            "seed is the run's own; equal streams reach sqrt(N)",
         ),
         Check(metric=SPECTRUM_SCORE, at_most=5.0, because=FIVE + f"the largest of {12 * 6} octaves in 4 of 100 000"),
         Check(

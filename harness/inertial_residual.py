@@ -28,7 +28,7 @@ def inertial_residual(sensor: Imu, channel: str, actual: Trajectory) -> Floats:
     if name not in actual.streams or f"{name}_ideal" not in actual.streams:
         raise NotMeasurable(f"stream '{name}' was not recorded")
     reading, signal = actual.streams[name], actual.streams[f"{name}_ideal"]
-    if law.saturation is not None and len(reading) and np.abs(reading).max() > law.saturation - law.quantisation:
+    if law.saturation is not None and len(reading) and np.abs(reading).max() >= law.saturation - law.quantisation:
         raise NotMeasurable(f"stream '{name}' is cut off at {law.saturation:g}, which hides its noise")
     if law.quantisation**2 / 12 > SHARE * law.density**2 * sensor.rate:
         raise NotMeasurable(f"stream '{name}' is read in steps of {law.quantisation:g}, which hides its noise")

@@ -134,8 +134,12 @@ def _ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) ->
         origins = 0.2 * np.tile(far, 2)[:, None] * np.abs(directions)
         expected = np.concatenate([0.8 * far, 1.2 * far])
         hits = _cast(adapter, settings, scene, place + origins @ R.T, directions @ R.T, 50.0)
-        found.append(near(f"ranges from inside a {shape.type} [m]", hits.distance, expected, 1e-5, "rounding in single precision"))
-        found.append(near(f"normals from inside a {shape.type}", hits.normal_W, directions @ R.T, 1e-4, "outwards, along the ray"))
+        found.append(
+            near(f"ranges from inside a {shape.type} [m]", hits.distance, expected, 1e-5, "rounding in single precision")
+        )
+        found.append(
+            near(f"normals from inside a {shape.type}", hits.normal_W, directions @ R.T, 1e-4, "outwards, along the ray")
+        )
     if not found:
         raise NotApplicable("the engine claims no solid with a closed form")
     return judge(*found)

@@ -3,8 +3,8 @@
 Over an interval T with the rates a and b at its ends, all in B, the body turns by the rotation vector
 T (a + b)/2 + T^2/12 a x b, an error of order T^3 in an interval. The integral starts from the body's first attitude and rate.
 
-Source: Iserles, Munthe-Kaas, Norsett, Zanna, Lie-group methods, Acta Numerica 9 (2000), section 5 (Magnus expansion); Titterton and
-Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2 (the cross product is the coning correction).
+Source: Iserles, Munthe-Kaas, Norsett, Zanna, Lie-group methods, Acta Numerica 9 (2000), section 5 (Magnus expansion); Titterton
+and Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2 (the cross product is the coning correction).
 """
 
 import numpy as np

@@ -3,8 +3,8 @@
 Every second difference of samples is taken: with white noise and a random walk these are independent normal variables of the
 variance 2 N^2/T + K^2 T. A Markov process would correlate them, so that a law that has one is not measured.
 
-Source: Kolmogorov (1933), sqrt(n) D; Pearson (1900), with cells of equal probability (Mann, Wald, On the choice of the number of
-class intervals, 1942) and Wilson and Hilferty's cube root, which makes a chi-squared variable normal.
+Source: Kolmogorov (1933), sqrt(n) D; Pearson (1900), with cells of equal probability (Mann, Wald, On the choice of the number
+of class intervals, 1942) and Wilson and Hilferty's cube root, which makes a chi-squared variable normal.
 """
 
 from collections.abc import Callable
@@ -61,7 +61,9 @@ def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
             if variance == 0 and law.instability == 0:
                 continue
             if law.instability > 0:
-                raise NotMeasurable(f"the {channel} of sensor '{sensor.name}' has bias instability, whose samples are correlated")
+                raise NotMeasurable(
+                    f"the {channel} of sensor '{sensor.name}' has bias instability, whose samples are correlated"
+                )
             change = np.diff(inertial_residual(sensor, channel, actual), axis=0)[::2]
             if len(change) < FEWEST:
                 raise NotMeasurable(f"stream '{sensor.name}/{channel}' has {len(change)} differences, {FEWEST} are needed")
@@ -79,7 +81,10 @@ def _largest(judge: Callable[[Floats], float]) -> Callable[[Scene, Trajectory, T
 
 
 NORMAL_DISTANCE = Metric(
-    name="inertial_distribution_distance", unit="1", source="Kolmogorov (1933): sqrt(n) D", measure=_largest(kolmogorov_distance)
+    name="inertial_distribution_distance",
+    unit="1",
+    source="Kolmogorov (1933): sqrt(n) D",
+    measure=_largest(kolmogorov_distance),
 )
 HISTOGRAM_SCORE = Metric(
     name="inertial_histogram_score", unit="1", source="Pearson (1900); Mann, Wald (1942)", measure=_largest(histogram_score)

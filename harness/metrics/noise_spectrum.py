@@ -69,7 +69,9 @@ def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> 
                 continue
             noise = inertial_residual(sensor, channel, actual)
             if len(noise) <= 8 * SEGMENT:
-                raise NotMeasurable(f"stream '{sensor.name}/{channel}' has {len(noise)} samples, more than {8 * SEGMENT} are needed")
+                raise NotMeasurable(
+                    f"stream '{sensor.name}/{channel}' has {len(noise)} samples, more than {8 * SEGMENT} are needed"
+                )
             scores.append(_scores(law, noise, 1.0 / sensor.rate))
     if not scores:
         raise NotMeasurable("no inertial sensor of the scene has random noise")

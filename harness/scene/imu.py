@@ -40,8 +40,8 @@ class AxisNoise:
     def __post_init__(self) -> None:
         if self.saturation is not None and self.saturation < self.quantisation:
             raise ValueError(
-                f"inertial noise: saturation {self.saturation:g} lies below quantisation {self.quantisation:g}, which leaves no "
-                "reading but 0; expected at least one step of the quantisation"
+                f"inertial noise: saturation {self.saturation:g} lies below quantisation {self.quantisation:g}, which leaves "
+                "no reading but 0; expected at least one step of the quantisation"
             )
 
 

@@ -3,9 +3,10 @@
 The pattern: `channels` elevations against the x-y plane of S, its own or evenly from elevation_low to elevation_high (both
 included), times `columns` azimuths 2 pi k / columns counter-clockwise from +x of S.
 
-A beam of half angle a is told by seven sub-rays that share its solid angle evenly: its axis, for the disc within a/sqrt(7), and
-six on the ring outside it, at the root mean square of the ring's two radii, a sqrt(4/7). The hexagon has the moments of a
-uniform disc up to the third order, so that on a plane the mean of the seven ranges is the mean over the beam to O(a^4).
+A beam of half angle a is told by seven sub-rays of equal weight: its axis, and six evenly on a ring at a sqrt(7/12), where
+their mean square distance from the axis, 6/7 of the ring's, is the a^2/2 of an even disc. A hexagon has no moments of the
+first and third order, so that on a plane the mean of the seven ranges is the mean over the beam but for terms in a^4.
+Source: Stroud, Approximate Calculation of Multiple Integrals (1971), chapter 8 (rules for the disc).
 """
 
 import numpy as np
@@ -37,7 +38,7 @@ def spread(directions: Floats, divergence: float) -> Floats:
     u = np.cross(directions, least)
     u /= np.linalg.norm(u, axis=-1, keepdims=True)
     v = np.cross(directions, u)
-    angle = divergence * np.sqrt(4.0 / 7.0)
+    angle = divergence * np.sqrt(7.0 / 12.0)
     turn = np.arange(SUB_RAYS - 1) * np.pi / 3.0
     ring = [np.cos(angle) * directions + np.sin(angle) * (np.cos(t) * u + np.sin(t) * v) for t in turn]
     return np.stack([directions, *ring])

@@ -4,8 +4,8 @@ A beam without a return has an infinite range and intensity 0 (ROS REP 117). Int
 hit times the cosine of the angle of incidence (Lambert's law) and NaN where the engine gives no normal. A beam that starts
 inside a solid, as of a sensor inside the housing of its own carrier, meets that solid's far side.
 
-A spreading beam is the sum of its sub-rays (see `harness.sensors.beams`): what one body sends back arrives as one echo, with the
-sum of its sub-rays' intensities over their number and their mean range weighted by them. The strongest echo is returned,
+A spreading beam is the sum of its sub-rays (see `harness.sensors.beams`): what one body sends back arrives as one echo, with
+the sum of its sub-rays' intensities over their number and their mean range weighted by them. The strongest echo is returned,
 of equal ones the nearer, as a range finder with a single return does; so at an edge the beam tells of the body that sends
 back more. Source: Wagner et al., Gaussian decomposition and calibration of a novel small-footprint full-waveform digitising
 airborne laser scanner, ISPRS J. Photogramm. Remote Sens. 60 (2006) 100 (echoes are sums over the footprint).

@@ -25,7 +25,7 @@ def points(pattern: Floats, ranges: Floats) -> Floats:
 
 
 def write_points(along: Floats, scan: Floats, out: Floats) -> None:
-    """One scan's ranges (channels, columns) along x, y, z of the pattern (3, channels, columns), into (channels, columns, 3)."""
+    """Write one scan (channels, columns) along the pattern (3, channels, columns) into `out` (channels, columns, 3)."""
     reach = scan.copy()
     np.putmask(reach, scan == np.inf, np.nan)
     for axis in range(3):

@@ -1,7 +1,7 @@
 """Recorder: reads the sensors of a scene while it is simulated, each by the reader of its own file.
 
-Streams are named '<sensor>/<channel>' (k, ...); what noise was laid over stands without it under '<channel>_ideal'; time stamps
-in '<sensor>/time' (k,) s. A sensor without a noise model gives its ideal signal.
+Streams are named '<sensor>/<channel>' (k, ...); what errors were laid over stands without them under '<channel>_ideal'; time
+stamps in '<sensor>/time' (k,) s. A sensor without a noise model gives its ideal signal.
 """
 
 import math

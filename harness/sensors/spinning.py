@@ -1,8 +1,8 @@
 """A range finder whose columns are fired one after the other while it moves: the distortion of its scans by that motion.
 
-The columns 0..n-1 of the scan stamped t are fired at t - T (n - 1 - k)/n over the interval T that ends then, the last one at the
-stamp. Each is fired from the pose of the sensor at its instant, taken between the two steps about it: the place by the cubic
-that has their places and velocities, the attitude at a constant rate, which errs by at most a dt^2/8 for an angular
+The columns k = 0..n-1 of the scan stamped t are fired at t - T (n - 1 - k)/n, over the interval T that ends with the last one
+at the stamp. Each is fired from the pose of the sensor at its instant, taken between the two steps about it: the place by the
+cubic that has their places and velocities, the attitude at a constant rate, which errs by at most a dt^2/8 for an angular
 acceleration a. The other bodies stand where they are at the later of the two steps: that is known, and off by at most v dt.
 There is no scan at time 0, before which no interval has passed.
 

@@ -64,12 +64,15 @@ def test_what_stands_on_the_world_reads_gravity_upwards_whether_or_not_something
 @pytest.mark.parametrize("track", ["default", "tuned"])
 def test_asking_between_steps_leaves_states_contacts_and_warnings_as_they_are_bit_for_bit(track: str) -> None:
     boxes = tuple(
-        Body(name=f"b{k}", collision=(PlacedShape(shape=Box(half_extents=(0.2, 0.2, 0.2))),), p_WB=(0.03 * k, 0, 0.2 + 0.41 * k))
+        Body(
+            name=f"b{k}", collision=(PlacedShape(shape=Box(half_extents=(0.2, 0.2, 0.2))),), p_WB=(0.03 * k, 0, 0.2 + 0.41 * k)
+        )
         for k in range(4)
     )
     ground = Body(name="g", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
     laws = tuple(
-        Surface(between=pair, static_friction=0.5, kinetic_friction=0.5) for pair in (("default", "default"), ("default", "ground"))
+        Surface(between=pair, static_friction=0.5, kinetic_friction=0.5)
+        for pair in (("default", "default"), ("default", "ground"))
     )
     scene = Scene(bodies=(ground, *boxes), surfaces=laws, sensors=(_imu("b2"),))
     asked, left = _built(scene, track), _built(scene, track)

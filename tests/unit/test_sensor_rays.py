@@ -5,7 +5,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.scene import Body, Box, Capsule, Cylinder, PlacedShape, Plane, Scene, Shape, Sphere, TriangleMesh, axis_angle
+from harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    PlacedShape,
+    Plane,
+    Scene,
+    Shape,
+    Sphere,
+    TriangleMesh,
+    axis_angle,
+)
 from harness.sensors.rays import first_hits
 from harness.trajectory import Floats, State
 
@@ -103,8 +116,26 @@ def test_axis_parallel_rays_along_and_beside_a_box_are_told_apart() -> None:
     )
 
 
-def test_a_shape_without_a_closed_form_is_refused() -> None:
-    mesh = TriangleMesh(vertices=((0, 0, 0), (1, 0, 0), (0, 1, 0)), faces=((0, 1, 2),))
-    scene = Scene(bodies=(Body(name="m", motion="static", collision=(PlacedShape(shape=mesh),)),))
-    with pytest.raises(TypeError, match="triangle_mesh"):
-        first_hits(scene, State.initial(scene), np.zeros((1, 3)), np.ones((1, 3)), 1.0)
+BOX_CORNERS = tuple((x, y, z) for x in (-0.5, 0.5) for y in (-0.8, 0.8) for z in (-0.3, 0.3))
+BOX_FACES = (
+    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+    (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "shape", [ConvexHull(vertices=BOX_CORNERS), TriangleMesh(vertices=BOX_CORNERS, faces=BOX_FACES)], ids=lambda s: s.type
+)
+def test_a_box_told_as_hull_or_mesh_is_met_as_the_box_is(shape: Shape) -> None:
+    rng = np.random.default_rng(4)
+    origins = rng.normal(size=(400, 3))
+    origins *= 3.0 / np.linalg.norm(origins, axis=1, keepdims=True)
+    aims = rng.uniform(-0.9, 0.9, size=origins.shape) - origins
+    aims /= np.linalg.norm(aims, axis=1, keepdims=True)
+    found = []
+    for one in (Box(half_extents=(0.5, 0.8, 0.3)), shape):
+        scene = Scene(bodies=(Body(name="s", motion="static", collision=(PlacedShape(shape=one),), p_WB=(0.1, 0.2, 0.3)),))
+        found.append(first_hits(scene, State.initial(scene), origins, aims, 20.0))
+    assert 100 < np.isfinite(found[0].distance).sum() < 400
+    np.testing.assert_allclose(found[1].distance, found[0].distance, atol=1e-13)
+    np.testing.assert_allclose(found[1].normal_W, found[0].normal_W, atol=1e-13)

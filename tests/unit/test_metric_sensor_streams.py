@@ -1,0 +1,200 @@
+"""Metrics of lag, spectrum, distribution, stamps and integrated attitude: silent on what is right, loud on planted faults."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from harness.inertial_residual import inertial_residual
+from harness.metric import NotMeasurable
+from harness.metrics.gyroscope_attitude import GYROSCOPE_ATTITUDE
+from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG, delay
+from harness.metrics.noise_distribution import HISTOGRAM_SCORE, NORMAL_DISTANCE
+from harness.metrics.noise_independence import INDEPENDENCE_SCORE
+from harness.metrics.noise_spectrum import SPECTRUM_SCORE, difference_spectrum
+from harness.metrics.stream_stamps import STAMP_ERROR
+from harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
+from harness.sensors.imu_errors import read_out, sensed
+from harness.sensors.imu_noise import three_axes
+from harness.trajectory import Floats, Trajectory
+
+RATE, COUNT = 100.0, 20_000
+LAW = AxisNoise(density=2e-3, bias=0.1, random_walk=1e-3, misalignment=(0.02, -0.01, 0.03), scale_error=5e-3)
+SLOW = replace(LAW, instability=5e-3, instability_time=0.3)
+FALSE_ALARM, FALSE_DISTANCE = 5.0, 2.73
+
+
+def _scene(law: AxisNoise = LAW, **fields: object) -> Scene:
+    sensor = Imu(name="imu", body="b", rate=RATE, noise=ImuNoise(accelerometer=law, gyroscope=law))
+    return Scene(bodies=(Body(name="b"),), sensors=(replace(sensor, **fields),))  # type: ignore[arg-type]
+
+
+def _streams(law: AxisNoise, seed: int = 1, name: str = "imu") -> dict[str, Floats]:
+    """Noise of a law on a signal that moves by far more than the noise."""
+    time = np.arange(1, COUNT + 1) / RATE
+    found = {f"{name}/time": time, f"{name}/native": np.zeros(COUNT)}
+    ideal = np.stack([3 * np.sin(time), 2 * np.cos(0.7 * time), 9.81 + 0 * time], axis=1)
+    for channel in ("accelerometer", "gyroscope"):
+        noise = three_axes(law, COUNT, 1 / RATE, seed, name, channel)
+        found[f"{name}/{channel}_ideal"] = ideal
+        found[f"{name}/{channel}"] = read_out(law, sensed(law, ideal) + noise)
+    return found
+
+
+def _answer(streams: dict[str, Floats], end: float = COUNT / RATE) -> Trajectory:
+    return replace(Trajectory.of(np.array([0.0, end]), 1), streams=streams)
+
+
+def test_what_axes_out_of_line_and_scale_do_to_the_signal_is_no_noise() -> None:
+    rest = inertial_residual(_scene().sensors[0], "gyroscope", _answer(_streams(LAW)))  # type: ignore[arg-type]
+    noise = three_axes(LAW, COUNT, 1 / RATE, 1, "imu", "gyroscope")
+    np.testing.assert_allclose(rest, noise, atol=1e-13)
+
+
+def test_readings_at_their_bound_or_in_coarse_steps_are_not_judged_as_noise() -> None:
+    for change, said in (({"saturation": 3.0}, "cut off at 3"), ({"quantisation": 0.1}, "steps of 0.1")):
+        law = replace(LAW, **change)  # type: ignore[arg-type]
+        with pytest.raises(NotMeasurable, match=said):
+            SPECTRUM_SCORE(_scene(law), _answer(_streams(law)))
+
+
+def test_noise_of_the_law_raises_no_alarm_in_twelve_seeds() -> None:
+    for seed in range(12):
+        answer = _answer(_streams(LAW, seed))
+        assert SPECTRUM_SCORE(_scene(), answer) < FALSE_ALARM
+        assert HISTOGRAM_SCORE(_scene(), answer) < FALSE_ALARM
+        assert NORMAL_DISTANCE(_scene(), answer) < FALSE_DISTANCE
+        assert SPECTRUM_SCORE(_scene(SLOW), _answer(_streams(SLOW, seed))) < FALSE_ALARM
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        replace(SLOW, density=4e-3),
+        replace(SLOW, density=2.1e-3),
+        replace(SLOW, random_walk=0.02),
+        replace(SLOW, instability=0.02),
+    ],
+    ids=["doubled sigma", "five per cent", "walk", "instability"],
+)
+def test_a_wrong_level_is_seen_in_the_spectrum(fault: AxisNoise) -> None:
+    assert SPECTRUM_SCORE(_scene(SLOW), _answer(_streams(fault))) > FALSE_ALARM
+
+
+def test_the_spectrum_of_differences_integrates_to_their_variance() -> None:
+    """2 N^2/T + K^2 T + 2 s^2 (1 - m), the last for a Markov process of memory m."""
+    turn = 2 * np.pi * (np.arange(200_000) + 0.5) / 400_000
+    sigma, memory = SLOW.instability / 0.617364, np.exp(-1 / RATE / SLOW.instability_time)
+    variance = 2 * SLOW.density**2 * RATE + SLOW.random_walk**2 / RATE + 2 * sigma**2 * (1 - memory)
+    assert difference_spectrum(SLOW, turn, 1 / RATE).mean() == pytest.approx(variance, rel=1e-6)
+
+
+@pytest.mark.parametrize("metric", [HISTOGRAM_SCORE, NORMAL_DISTANCE], ids=lambda m: m.name)
+def test_a_doubled_sigma_and_a_uniform_shape_are_seen_in_the_distribution(metric: Callable[..., float]) -> None:
+    alarm = FALSE_ALARM if metric is HISTOGRAM_SCORE else FALSE_DISTANCE
+    assert metric(_scene(), _answer(_streams(replace(LAW, density=4e-3)))) > alarm
+    flat = _streams(replace(LAW, density=0.0, random_walk=0.0))
+    spread = LAW.density * np.sqrt(RATE) * np.sqrt(3)
+    shape = np.random.default_rng(2).uniform(-spread, spread, (COUNT, 3))
+    assert metric(_scene(), _answer(flat | {"imu/gyroscope": flat["imu/gyroscope"] + shape})) > alarm
+    with pytest.raises(NotMeasurable, match="bias instability"):
+        metric(_scene(SLOW), _answer(_streams(SLOW)))
+
+
+def test_a_stream_shared_by_two_sensors_is_seen() -> None:
+    scene = _scene()
+    twin = replace(scene, sensors=(*scene.sensors, replace(scene.sensors[0], name="twin")))  # type: ignore[arg-type]
+    apart = _streams(LAW) | _streams(LAW, name="twin")
+    assert INDEPENDENCE_SCORE(twin, _answer(apart)) < 4.0
+    shared = apart | {"twin/gyroscope": apart["imu/gyroscope"]}
+    assert INDEPENDENCE_SCORE(twin, _answer(shared)) > 0.99 * np.sqrt((COUNT - 1) / 1.5)
+
+
+@pytest.mark.parametrize("true", [0.0, 0.005, 0.0123, -0.007])
+def test_a_delay_is_found_between_the_samples(true: float) -> None:
+    time = np.arange(300) * 0.01
+
+    def signal(t: Floats) -> Floats:
+        return np.stack([np.sin(9 * t), np.cos(7 * t), t * t], axis=1)
+
+    # The spline's error is (w h)^4/384 of the amplitude, some 2e-7, over a slope of the order of w.
+    assert delay(time, signal(time - true), signal(time), 0.05) == pytest.approx(true, abs=1e-7)
+
+
+def _lagged(by: float, native: float, latency: float = 0.0) -> tuple[Scene, Trajectory, Trajectory]:
+    scene = _scene(latency=latency)
+    time = np.arange(5, 400) / RATE
+
+    def signal(t: Floats) -> Floats:
+        return np.stack([np.sin(9 * t), np.cos(7 * t), 0 * t], axis=1)
+
+    told = {"imu/time": time, "imu/native": np.full(len(time), native)}
+    told |= {"imu/accelerometer": signal(time - by), "imu/gyroscope": signal(time - latency)}
+    truth = {"imu/time": time, "imu/accelerometer_instant": signal(time), "imu/gyroscope_instant": signal(time)}
+    return scene, _answer(told), _answer(truth)
+
+
+def test_half_an_interval_is_due_to_a_difference_and_none_to_an_engines_own_sensor() -> None:
+    assert ACCELEROMETER_LAG(*_lagged(0.005, native=0.0)) < 1e-7
+    assert ACCELEROMETER_LAG(*_lagged(0.0, native=1.0)) < 1e-7
+    assert ACCELEROMETER_LAG(*_lagged(0.025, native=0.0, latency=0.02)) < 1e-7
+    assert GYROSCOPE_LAG(*_lagged(0.025, native=0.0, latency=0.02)) < 1e-7
+    # A difference that passes for the engine's own sensor, a latency that was forgotten, and one step too many.
+    assert ACCELEROMETER_LAG(*_lagged(0.005, native=1.0)) == pytest.approx(0.005, abs=1e-6)
+    assert ACCELEROMETER_LAG(*_lagged(0.005, native=0.0, latency=0.02)) == pytest.approx(0.02, abs=1e-6)
+    assert ACCELEROMETER_LAG(*_lagged(0.015, native=0.0)) == pytest.approx(0.01, abs=1e-6)
+    scene, told, truth = _lagged(0.0, native=1.0)
+    told.streams["imu/accelerometer"][100, 1] = np.nan  # type: ignore[index]
+    assert np.isnan(ACCELEROMETER_LAG(scene, told, truth))
+
+
+def test_stamps_are_judged_one_by_one() -> None:
+    scene = replace(_scene(latency=0.005), sensors=(*_scene(latency=0.005).sensors, Lidar(name="l", body="b", rate=10.0)))
+    good = {"imu/time": np.arange(2, 101) / RATE, "l/time": np.arange(11) / 10}
+    assert STAMP_ERROR(scene, _answer(good, 1.0)) < 1e-15
+    late = good | {"imu/time": good["imu/time"] + 1e-6 * (np.arange(99) == 7)}
+    assert STAMP_ERROR(scene, _answer(late, 1.0)) == pytest.approx(1e-6)
+    for lost in (good["imu/time"][1:], good["imu/time"][:-1], np.delete(good["imu/time"], 40)):
+        assert STAMP_ERROR(scene, _answer(good | {"imu/time": lost}, 1.0)) == np.inf
+    bad = good["l/time"].copy()
+    bad[3] = np.nan
+    assert np.isnan(STAMP_ERROR(scene, _answer(good | {"l/time": bad}, 1.0)))
+
+
+def _coning(late: float = 0.0, swapped: bool = False) -> tuple[Scene, Trajectory]:
+    """A body whose rate goes round in B: w_B = (cos 3t, sin 3t, 2), integrated in small steps as the truth."""
+    fine, every, count = 20, 0.01, 200
+    time = np.arange(count * fine + 1) * every / fine
+
+    def rate(t: Floats) -> Floats:
+        return np.stack([np.cos(3 * t), np.sin(3 * t), 2 + 0 * t], axis=-1)
+
+    # A rotation by the rate in the middle of a small step errs by its third power.
+    turns = Rotation.from_rotvec(rate((time[:-1] + time[1:]) / 2) * every / fine)
+    here, attitudes = Rotation.from_quat(axis_angle((1, 1, 0), 0.5), scalar_first=True), []
+    attitudes.append(here.as_quat(scalar_first=True))
+    for k, turn in enumerate(turns):
+        here = here * turn
+        if (k + 1) % fine == 0:
+            attitudes.append(here.as_quat(scalar_first=True))
+    stamps = np.arange(count + 1) * every
+    run = Trajectory.of(stamps, 1)
+    run.q_WB[:, 0] = np.array(attitudes)
+    run.w_WB[:, 0] = Rotation.from_quat(run.q_WB[:, 0], scalar_first=True).apply(rate(stamps))
+    mount = axis_angle((0.2, 1.0, 0.3), 0.7)
+    read = Rotation.from_quat(mount, scalar_first=True).inv().apply(rate(stamps[1:] - late))
+    scene = _scene(q_BS=mount)
+    streams = {"imu/time": stamps[1:], "imu/gyroscope_ideal": read[:, [1, 0, 2]] if swapped else read}
+    return scene, replace(run, streams=streams)
+
+
+def test_an_integrated_gyroscope_gives_the_bodys_attitude_and_a_late_or_swapped_one_does_not() -> None:
+    # The Magnus step with rates at its ends errs by |w''| T^2/12 a second: 9 * 1e-4/12 over 2 s.
+    assert GYROSCOPE_ATTITUDE(*_coning()) < 1.1 * 2 * 9e-4 / 12
+    assert GYROSCOPE_ATTITUDE(*_coning(late=0.01)) > 5e-3
+    assert GYROSCOPE_ATTITUDE(*_coning(swapped=True)) > 0.1
+    scene, run = _coning()
+    run.streams["imu/gyroscope_ideal"][5, 0] = np.nan  # type: ignore[index]
+    assert np.isnan(GYROSCOPE_ATTITUDE(scene, run))

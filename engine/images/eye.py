@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.check import finite, not_negative, number, positive, unit_quaternion, whole
-from engine.solids import quat_mat
 
 __all__ = ["Eye", "Lens", "Picture"]
 
@@ -88,6 +87,8 @@ class Eye:
     @property
     def axes(self) -> FloatArray:
         """R_WE (3, 3): right, down and ahead as columns."""
+        from engine.solids import quat_mat  # late: it loads the compiler
+
         return quat_mat(unit_quaternion("eye", "q_WE", self.q_WE))
 
     @property

@@ -1,12 +1,16 @@
-"""The truth that a trial is measured by: of the case, or made by the reference engine once and kept in the run's folder."""
+"""The truth that a trial is measured by: of the case, or made by the reference engine; what takes long is kept on disk."""
 
+import hashlib
+import inspect
 import io
+import time as clock
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from harness import truths
 from harness.case import Case, Converged
 from harness.converge import converged
 from harness.discover import adapter
@@ -18,33 +22,65 @@ from harness.trajectory import Floats, Trajectory
 
 __all__ = ["truth_of"]
 
+LONG = 0.1
+"""Seconds from which on a closed form is kept: reading it back takes a few milliseconds."""
+
 
 def truth_of(case: Case, scene: Scene, time: Floats, parameters: Mapping[str, Any], folder: Path | None) -> Converged | None:
     """What the answer at the times (t,) s is measured by: a closed form has errors of zero.
 
-    A truth that the reference engine has to make is kept under `folder`, named by all that it depends on.
+    A truth that takes long to make is kept under `folder`, named by all that it depends on.
 
     Raises: NotMeasurable, Unsupported: the reference cannot make it.
     """
-    if case.coarsest is None:
-        truth = case.truth_at(time, parameters)
-        if isinstance(truth, Trajectory):
-            return Converged(trajectory=truth, position_error=0.0, velocity_error=0.0)
-        return truth
-    reference = adapter("reference")
-    depends = {"scene": dump_json(scene), "time": time.tolist(), "step": case.coarsest, "engine": reference.version()}
-    kept = None if folder is None else folder / "truths" / f"{digest(depends)}.npz"
+    if case.coarsest is not None:
+        reference = adapter("reference")
+        depends = {"scene": dump_json(scene), "time": time.tolist(), "step": case.coarsest, "engine": reference.version()}
+        kept = _place(folder, depends)
+        if kept is not None and kept.is_file():
+            return _read(kept)
+        made = converged(scene, time, reference, case.coarsest)
+        if kept is not None:
+            _write(kept, made)
+        return made
+    kept = _place(folder, {"case": case.name, "parameters": dict(parameters), "time": time.tolist(), "laws": _laws(case)})
     if kept is not None and kept.is_file():
-        with np.load(kept, allow_pickle=False) as file:
-            arrays = dict(file)
-        states = (arrays[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
-        position, velocity = arrays["errors"].tolist()
-        return Converged(trajectory=Trajectory(*states), position_error=position, velocity_error=velocity)
-    made = converged(scene, time, reference, case.coarsest)
-    if kept is not None:
-        t, buffer = made.trajectory, io.BytesIO()
-        errors = np.array([made.position_error, made.velocity_error])
-        np.savez(buffer, time=t.time, p_WB=t.p_WB, q_WB=t.q_WB, v_WB=t.v_WB, w_WB=t.w_WB, errors=errors)
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(kept, buffer.getvalue())
-    return made
+        return _read(kept)
+    start = clock.monotonic()
+    truth = case.truth_at(time, parameters)
+    if isinstance(truth, Trajectory):
+        plain = not truth.streams and truth.contacts is None
+        truth = Converged(trajectory=truth, position_error=0.0, velocity_error=0.0)
+        if kept is not None and plain and clock.monotonic() - start > LONG:
+            _write(kept, truth)
+    return truth
+
+
+def _place(folder: Path | None, depends: Mapping[str, Any]) -> Path | None:
+    return None if folder is None else folder / "truths" / f"{digest(depends)}.npz"
+
+
+def _laws(case: Case) -> str:
+    """A digest of the text that a closed form is made by: the case's own file and those of `harness.truths`."""
+    files = sorted(Path(folder) / name for folder in truths.__path__ for name in Path(folder).glob("*.py"))
+    own = inspect.getsourcefile(case.expected) if case.expected is not None else None
+    told = hashlib.sha256()
+    for path in [*files, *([Path(own)] if own is not None else [])]:
+        told.update(path.read_bytes())
+    return told.hexdigest()
+
+
+def _read(kept: Path) -> Converged:
+    with np.load(kept, allow_pickle=False) as file:
+        arrays = dict(file)
+    states = (arrays[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
+    position, velocity = arrays["errors"].tolist()
+    return Converged(trajectory=Trajectory(*states), position_error=position, velocity_error=velocity)
+
+
+def _write(kept: Path, made: Converged) -> None:
+    t, buffer = made.trajectory, io.BytesIO()
+    errors = np.array([made.position_error, made.velocity_error])
+    np.savez(buffer, time=t.time, p_WB=t.p_WB, q_WB=t.q_WB, v_WB=t.v_WB, w_WB=t.w_WB, errors=errors)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(kept, buffer.getvalue())

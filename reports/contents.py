@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["FAMILIES", "cases", "engines", "families", "tracks"]
+__all__ = ["FAMILIES", "cases", "engines", "families", "named_tracks", "tracks"]
 
 FAMILIES: dict[str, str] = {
     "flight": "Free flight",
@@ -94,6 +94,11 @@ def engines(store: "Store") -> dict[str, dict[str, Any]]:
 
 
 def tracks(store: "Store") -> list[str]:
-    """The tracks that the study names, 'default' before 'tuned' before others; not the settings that a search went on to."""
+    """The tracks that were run, 'default' before 'tuned' before others."""
+    return sorted(store.trials["track"].unique(), key=lambda track: (TRACK_ORDER.get(track, 2), track))
+
+
+def named_tracks(store: "Store") -> list[str]:
+    """The tracks that the study names, in the same order; not the settings that a search went on to."""
     trials = store.trials
     return sorted(trials["track"][trials["round"] == 0].unique(), key=lambda track: (TRACK_ORDER.get(track, 2), track))

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from reports.answers import answers, at_own_step
-from reports.contents import cases, engines, tracks
+from reports.contents import cases, engines, named_tracks
 from reports.verdict import totals
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def glances(store: "Store") -> list[Glance]:
     """All engines on all tracks that were run. One with fewer than half of the cases has no ratios."""
     rows, found = answers(store), []
     own, counts = at_own_step(store, rows), totals(store)
-    for track in tracks(store):
+    for track in named_tracks(store):
         part = own[own["track"] == track]
         errors, costs = table(part, "error"), table(part, "cpu_per_sim_s")
         scales = pd.Series({name: case["scale"] or 1.0 for name, case in cases(store).items()}, dtype=np.float64)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from harness.tables import determinism, effects, limits
 from harness.tables.orders import convergences
-from reports.contents import cases, engines, tracks
+from reports.contents import cases, engines, named_tracks
 from reports.glance import Glance, glances
 from reports.status import STATUSES
 from reports.text import TIMES, amount, join_words, plural
@@ -51,7 +51,7 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
     """Who passes most, on each track."""
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
-    for track in reversed(tracks(store)):
+    for track in reversed(named_tracks(store)):
         judged = [one for one in seen if one.track == track and one.counts["passed"] + one.counts["failed"]]
         if len(judged) < 2:
             continue
@@ -70,7 +70,7 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
 
 def price(store: "Store", seen: list[Glance]) -> list[str]:
     """Who is cheapest where all answered, and in the same breath whose errors are the smallest."""
-    track = tracks(store)[-1]
+    track = named_tracks(store)[-1]
     priced = [one for one in seen if one.track == track and one.relative_cost is not None]
     if len(priced) < 2:
         return []
@@ -91,7 +91,7 @@ def ranked(store: "Store", ratios: dict[str, float]) -> str:
 
 def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
     """What tuning changes, in whole cases."""
-    if not {"default", "tuned"} <= set(tracks(store)):
+    if not {"default", "tuned"} <= set(named_tracks(store)):
         return []
     changed = []
     for name, engine in engines(store).items():

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from reports.answers import answers, at_own_step
 from reports.charts import across_cases
-from reports.contents import cases, engines, families, tracks
+from reports.contents import cases, engines, families, named_tracks
 from reports.glance import glances
 from reports.page import Page
 from reports.summary import sentences
@@ -52,7 +52,7 @@ def render(store: "Store") -> Mapping[str, str]:
         glances=glances(store),
         families=[(family, listed) for family, listed in told if listed],
         cells=cells,
-        tracks=tracks(store),
+        tracks=named_tracks(store),
         figures=figures,
         findings={name: by_reason(engine["known_failures"]) for name, engine in engines(store).items()},
         machine=store.machine,

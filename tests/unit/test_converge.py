@@ -1,7 +1,9 @@
 """Converged references: the error bar covers the true error wherever that is known, and is not absurdly wide."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from time import sleep
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from harness.metrics.position import POSITION_MAX
 from harness.run import judge
 from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
-from harness.truth_keeper import truth_of
+from harness.truth_keeper import LONG, truth_of
 
 G = 9.81
 SAMPLES = np.arange(31) / 60
@@ -160,3 +162,28 @@ def test_a_truth_is_made_once_and_read_back_bit_for_bit(tmp_path: Path) -> None:
     assert (first.position_error, first.velocity_error) == (second.position_error, second.velocity_error)
     truth_of(case, case.scene(), time[:3], {}, tmp_path)
     assert len(list((tmp_path / "truths").iterdir())) == 2
+
+
+def test_a_slow_closed_form_is_made_once_for_a_folder_and_anew_when_anything_changes(tmp_path: Path) -> None:
+    calls: list[int] = []
+
+    def slow(time: Floats, turn: float = 1.0) -> Trajectory:
+        calls.append(1)
+        sleep(1.5 * LONG)
+        truth = Trajectory.of(time, 1)
+        truth.p_WB[:, 0, 0] = turn * time
+        return truth
+
+    case = replace(_case(0.0), truth="closed form", coarsest=None, expected=slow)
+    time, later = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 6)
+    first = truth_of(case, case.scene(), time, {"turn": 2.0}, tmp_path)
+    again = truth_of(case, case.scene(), time, {"turn": 2.0}, tmp_path)
+    assert first is not None
+    assert again is not None
+    np.testing.assert_array_equal(first.trajectory.p_WB, again.trajectory.p_WB)
+    assert len(calls) == 1
+    truth_of(case, case.scene(), later, {"turn": 2.0}, tmp_path)
+    truth_of(case, case.scene(), time, {"turn": 3.0}, tmp_path)
+    assert len(calls) == 3
+    truth_of(case, case.scene(), time, {"turn": 2.0}, None)
+    assert len(calls) == 4

@@ -1,4 +1,4 @@
-"""The exact solve: five methods from the quickest to the most patient, each judged by the certificate alone.
+"""The exact solve: six methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
 2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
@@ -6,7 +6,8 @@
 4. De Saxce's fixed point around convex problems (`fixed_point`), solved in extended precision and begun from the sliding of
    the best so far, from none and from that of free motion; and after each round 1 and Newton with the modes of the contacts
    that it shows (`settle`);
-5. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 3 and Newton with their modes.
+5. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 3 and Newton with their modes;
+6. 4 again, longer and from random sliding, the same in every run.
 
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 
@@ -55,8 +56,10 @@ PATHS = tuple((power, fine) for fine in (False, True) for power in (2.0, 1.0, 1.
 """
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
-EARLY = 8
-"""Rounds of the fixed point from each start before paths are traced; those that converge mostly do so in the first."""
+EARLY, LATE = 4, 8
+"""Rounds of the fixed point from each start before paths are traced, and after; those that converge mostly do so in the first."""
+GUESSES, SEED = 6, 1
+"""Random starts of the fixed point at the end, of three kinds each, and what they are drawn with."""
 PATIENCE = 12
 """Rounds of the fixed point without halving the residual, after which it is given up."""
 
@@ -107,12 +110,17 @@ def answers(scaled: Scaled, tolerance: float, most: int, guess: FloatArray | Non
         yield found
         near = min(near, found, key=residual_of)
     yield sharpen(scaled, near[0], tolerance)
-    free, begun = np.zeros_like(scaled.q), sliding_of(scaled, near[0])
-    for start in (begun, np.zeros(len(begun)), sliding_of(scaled, free)):
+    begun, free = sliding_of(scaled, near[0]), sliding_of(scaled, np.zeros_like(scaled.q))
+    for start in (begun, np.zeros_like(free), free):
         yield relax(scaled, start, tolerance, min(EARLY, most))
     for path in PATHS:
         yield trace(scaled, path, tolerance)
     yield relax(scaled, begun, tolerance, most)
+    draw = np.random.default_rng(SEED)
+    for _ in range(GUESSES):
+        share = draw.uniform(size=len(free))
+        for start in (share * free.max(), share * free, np.where(share < 0.5, free, 0.0)):
+            yield relax(scaled, start, tolerance, min(LATE, most))
 
 
 def residual_of(answer: Answer) -> float:

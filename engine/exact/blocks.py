@@ -32,7 +32,7 @@ def positive_part(w: FloatArray) -> FineArray:
     value, vector = np.linalg.eigh(w)
     real = value > VANISHING * value[-1]
     half = vector[:, real].astype(FINE) * np.sqrt(value[real].astype(FINE))
-    return half @ half.T
+    return np.asarray(half @ half.T, FINE)
 
 
 class Blocks:

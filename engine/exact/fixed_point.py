@@ -17,12 +17,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.exact.blocks import FINE, Blocks, FineArray
+from engine.exact.blocks import FINE, Blocks
 from engine.exact.interior import central_point
 from engine.exact.newton import minimise
 from engine.exact.scaled import Scaled
 
-__all__ = ["Round", "rounds"]
+__all__ = ["Round", "rounds", "sliding"]
 
 FloatArray = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def rounds(scaled: Scaled, s: FloatArray) -> Iterator[Round]:
         s = np.maximum(accelerate(tried, missed), 0.0)
 
 
-def sliding(rubs: NDArray[np.bool_], y: FineArray) -> FloatArray:
+def sliding(rubs: NDArray[np.bool_], y: NDArray[np.floating]) -> FloatArray:
     """|u_T| (k,) of scaled velocities (k, 3), where friction is one."""
     return np.where(rubs, np.hypot(y[:, 1], y[:, 2]), 0.0).astype(np.float64)
 

@@ -52,12 +52,11 @@ WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
 NARROW, CLOSER, MOST_TRACED = 1e-2, 0.3, 800
 """Width of a traced path below which Newton is tried, how much narrower each time, and the matrices it may take."""
 PATHS = tuple((power, fine) for fine in (False, True) for power in (2.0, 1.0, 1.5))
-"""Power of w in the width of sliding, and whether with more digits, of the traced paths: where one is lost, another may lead on.
-"""
+"""Power of w in the width of sliding, and whether with more digits, of the paths: where one is lost, another may lead on."""
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 EARLY, LATE = 4, 8
-"""Rounds of the fixed point from each start before paths are traced, and after; those that converge mostly do so in the first."""
+"""Rounds of the fixed point from each start before paths are traced, and after; most that converge do so in the first few."""
 GUESSES, SEED = 6, 1
 """Random starts of the fixed point at the end, of three kinds each, and what they are drawn with."""
 PATIENCE = 12

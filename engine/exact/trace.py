@@ -112,9 +112,7 @@ def look(
     return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
 
 
-def trace_path(
-    fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int
-) -> Iterator[PathPoint]:
+def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int) -> Iterator[PathPoint]:
     """Points of the path; ends where the path is lost.
 
     Args: fine (3k, 3k), W in the precision that x and y shall have, and q (k, 3), scaled to order one and to mu = 1;

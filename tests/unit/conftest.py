@@ -1,9 +1,9 @@
 """The engine's tests as plain Python: each gets a share of time, so that a run without the compiler ends.
 
-With NUMBA_DISABLE_JIT=1 a kernel runs some hundred times slower, and the tests would take hours. What such a run is for is that
-Python sees every line of every kernel, and that bounds of arrays are checked on the way; a minute of stepping shows no line that
-a second does not. All parameters of a test share a few seconds, and what a parameter leaves is for those after it. A test that is
-cut short is skipped and says so: it has not passed. Compiled runs are as they were.
+With NUMBA_DISABLE_JIT=1 a kernel runs some hundred times slower, and the tests would take hours. Such a run is there so that
+Python sees the lines of every kernel and checks the bounds of every array; hours of stepping show hardly a line that seconds do
+not. All parameters of a test share a few seconds, and what one of them leaves is for those after it. A test that is cut short
+is skipped and says so: it has not passed. Compiled runs are as they were.
 """
 
 import os

@@ -57,8 +57,8 @@ HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 EARLY, LATE = 4, 8
 """Rounds of the fixed point from each start before paths are traced, and after; most that converge do so in the first few."""
-GUESSES, SEED = 6, 1
-"""Random starts of the fixed point at the end, of three kinds each, and what they are drawn with."""
+GUESSES, SEED, SLOWEST = 8, 1, 1e-5
+"""Random starts of the fixed point at the end, of four kinds each, what they are drawn with, and their slowest sliding."""
 PATIENCE = 12
 """Rounds of the fixed point without halving the residual, after which it is given up."""
 
@@ -118,7 +118,12 @@ def answers(scaled: Scaled, tolerance: float, most: int, guess: FloatArray | Non
     draw = np.random.default_rng(SEED)
     for _ in range(GUESSES):
         share = draw.uniform(size=len(free))
-        for start in (share * free.max(), share * free, np.where(share < 0.5, free, 0.0)):
+        for start in (
+            share * free,
+            SLOWEST**share * free,
+            np.where(share < 0.5, free, 0.0),
+            np.full_like(free, SLOWEST ** share[0]),
+        ):
             yield relax(scaled, start, tolerance, min(LATE, most))
 
 

@@ -30,8 +30,8 @@ test: $(STAMP)     ## all tests but the long ones
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
 	$(BIN)/python -m pytest
 
-test-nojit: $(STAMP) ## the engine's unit tests as plain Python, for coverage
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -m "not slow" --timeout 1200 tests/unit/test_engine_*.py
+test-nojit: $(STAMP) ## the engine's unit tests as plain Python, each for a share of time
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -rs -m "not slow" --timeout 120 tests/unit/test_engine_*.py
 
 lint: $(STAMP)     ## style, types, layers
 	$(BIN)/ruff check .

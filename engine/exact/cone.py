@@ -6,7 +6,6 @@ acts on a vector through its spectral values.
 Source: Fukushima, Luo, Tseng, Smoothing functions for second-order-cone complementarity problems, SIAM J. Optim. 12, 2002.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -14,44 +13,43 @@ from numpy.typing import NDArray
 
 __all__ = ["compose", "frame_of", "inverse_slope", "project", "root", "smooth_project", "spectral"]
 
-FloatArray = NDArray[np.float64]
+Reals = NDArray[Any]
+"""Real numbers of any precision; what is returned has the precision of the arguments."""
 
-HALF = math.sqrt(0.5)
 
-
-def spectral(x: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+def spectral(x: Reals) -> tuple[Reals, Reals, Reals]:
     """Lower and upper spectral value (k,) and tangent direction (k, 2) of vectors (k, 3)."""
     size = np.hypot(x[:, 1], x[:, 2])
     tangent = np.where(size[:, None] > 0.0, x[:, 1:] / np.maximum(size, 1e-300)[:, None], (1.0, 0.0))
     return x[:, 0] - size, x[:, 0] + size, tangent
 
 
-def compose(low: FloatArray, high: FloatArray, tangent: FloatArray) -> FloatArray:
+def compose(low: Reals, high: Reals, tangent: Reals) -> Reals:
     """The vectors (k, 3) with these spectral values on this frame."""
     half = 0.5 * (high - low)
     return np.stack([0.5 * (low + high), half * tangent[:, 0], half * tangent[:, 1]], axis=1)
 
 
-def project(x: FloatArray) -> FloatArray:
+def project(x: Reals) -> Reals:
     """The points of the cone nearest to the vectors (k, 3)."""
     low, high, tangent = spectral(x)
     return compose(np.maximum(low, 0.0), np.maximum(high, 0.0), tangent)
 
 
-def root(value: FloatArray, width: float) -> tuple[FloatArray, FloatArray]:
+def root(value: Reals, width: float) -> tuple[Reals, Reals]:
     """p = (z + sqrt(z^2 + 4 w^2)) / 2, without cancellation, and its conjugate p - z, whose product is w^2."""
     length = 0.5 * (np.abs(value) + np.sqrt(value * value + 4.0 * width * width))
     other = width * width / np.maximum(length, 1e-300)
     return np.where(value >= 0.0, length, other), np.where(value >= 0.0, other, length)
 
 
-def smooth_project(z: FloatArray, width: float) -> FloatArray:
+def smooth_project(z: Reals, width: float) -> Reals:
     """The smoothed projection of vectors (k, 3): x of the pair x o y = width^2, x - y = z, inside the cone."""
     low, high, tangent = spectral(z)
     return compose(root(low, width)[0], root(high, width)[0], tangent)
 
 
-def inverse_slope(z: FloatArray, width: float) -> tuple[FloatArray, FloatArray]:
+def inverse_slope(z: Reals, width: float) -> tuple[Reals, Reals]:
     """The derivative of the smoothed projection at z, as its inverse eigenvalues (k, 3) and its orthonormal frame (k, 3, 3).
 
     With p the smoothed projection and c = p - z its conjugate, p c = w^2, the inverse eigenvalue is (p + c) / p on either end
@@ -65,10 +63,10 @@ def inverse_slope(z: FloatArray, width: float) -> tuple[FloatArray, FloatArray]:
     return values, frame_of(tangent)
 
 
-def frame_of(tangent: FloatArray) -> FloatArray:
+def frame_of(tangent: Reals) -> Reals:
     """Orthonormal frames (k, 3, 3) with the columns (1, -t) / sqrt 2, (1, t) / sqrt 2 and across, for unit tangents (k, 2)."""
-    frame = np.zeros((len(tangent), 3, 3))
-    frame[:, 0, :2] = HALF
-    frame[:, 1:, 0], frame[:, 1:, 1] = -HALF * tangent, HALF * tangent
+    frame, half = np.zeros((len(tangent), 3, 3), tangent.dtype), np.sqrt(tangent.dtype.type(0.5))
+    frame[:, 0, :2] = half
+    frame[:, 1:, 0], frame[:, 1:, 1] = -half * tangent, half * tangent
     frame[:, 1, 2], frame[:, 2, 2] = -tangent[:, 1], tangent[:, 0]
     return frame

@@ -1,7 +1,9 @@
 """De Saxce's correction as a fixed point around convex cone problems, with Anderson acceleration.
 
 For given s = mu |u_T| Coulomb's law is the optimality of a convex problem with s added to the normal velocities; the s that its
-solution returns is fed back.
+solution returns is fed back. Velocities of a convex problem are unique, and it has no turns and no bad starts: through the
+interior and then by smoothed Newton it is solved to 1e-13 of the largest free velocity, which shows who sticks, slips and opens
+among motions of 1e-9.
 
 Source: Acary, Cadoux, Lemarechal, Malick, A formulation of the linear discrete Coulomb friction problem via convex
 optimization, ZAMM 91, 2011 (fixed point);
@@ -9,68 +11,61 @@ Walker, Ni, Anderson acceleration for fixed-point iterations, SIAM J. Numer. Ana
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.exact.blocks import Blocks
+from engine.exact.blocks import FINE, Blocks
 from engine.exact.interior import central_point
 from engine.exact.newton import minimise
 from engine.exact.scaled import Scaled
 
-__all__ = ["rounds"]
+__all__ = ["Round", "rounds", "sliding"]
 
 FloatArray = NDArray[np.float64]
 
 DEPTH = 10
 """Earlier iterates that the acceleration looks at."""
-PROXIMAL = 1e-8
-"""Weight of the distance to the last round's impulses, in units of a contact's own inverse mass. Where forces are not unique,
-as in a jammed pile, it keeps them bounded; it vanishes with the change from round to round."""
-WIDEST, NARROWEST = 1e-2, 1e-13
-"""Widths of the smoothing, in units of the largest free velocity, between which Newton starts near by."""
-CENTRED = 1e-7
-"""Width at which the interior-point method hands over to Newton."""
+CENTRED, NARROWEST = 1e-7, 1e-13
+"""Widths, in units of the largest free velocity, at which the interior-point method hands over to Newton, and Newton ends."""
 
 
-def rounds(scaled: Scaled, x: FloatArray) -> Iterator[tuple[FloatArray, int]]:
-    """Scaled impulses (k, 3) after each round, and its Newton steps; ends when they are not finite. Args: x: where to start."""
-    blocks = Blocks(scaled.w + PROXIMAL * np.eye(scaled.w.shape[0]))
-    width, goal = WIDEST, 1e-4
+@dataclass(frozen=True, slots=True)
+class Round:
+    """The solution of one convex problem.
+
+    Terms:
+        x, y (k, 3): scaled impulses, and velocities with s on the normal; steps: matrices factorised.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    steps: int
+
+
+def rounds(scaled: Scaled, s: FloatArray) -> Iterator[Round]:
+    """The convex problems one after the other; ends when they are not finite. Args: s (k,): what |u_T| is at first."""
+    blocks = Blocks(scaled.fine)
     tried: list[FloatArray] = []
     missed: list[FloatArray] = []
-    s = sliding(scaled, x)
     while True:
-        q = scaled.q - PROXIMAL * x
+        q = scaled.q.astype(FINE)
         q[:, 0] += s
-        x, steps = convex(blocks, q, scaled.kept, x, width, goal)
+        middle, width, steps = central_point(blocks, q, CENTRED, 60)
+        x, _, more = minimise(blocks, q, scaled.kept, middle, width, NARROWEST, 80)
         if not np.isfinite(x).all():
             return
-        yield x, steps
-        tried, missed = [*tried, s][-DEPTH - 1 :], [*missed, sliding(scaled, x) - s][-DEPTH - 1 :]
+        y = q + blocks.times(x)
+        yield Round(x.astype(np.float64), y.astype(np.float64), steps + more)
+        tried, missed = [*tried, s][-DEPTH - 1 :], [*missed, sliding(scaled.rubs, y) - s][-DEPTH - 1 :]
         s = np.maximum(accelerate(tried, missed), 0.0)
-        miss = float(np.abs(missed[-1]).max())
-        width = min(max(miss, 1e-9), WIDEST)
-        goal = min(max(1e-4 * miss, NARROWEST), goal)
 
 
-def sliding(scaled: Scaled, x: FloatArray) -> FloatArray:
-    """|u_T| (k,) of scaled impulses, where friction is one."""
-    u = scaled.q + (scaled.w @ x.ravel()).reshape(-1, 3)
-    return np.where(scaled.rubs, np.hypot(u[:, 1], u[:, 2]), 0.0)
-
-
-def convex(
-    blocks: Blocks, q: FloatArray, kept: NDArray[np.bool_], x: FloatArray, width: float, goal: float
-) -> tuple[FloatArray, int]:
-    """One convex problem by Newton from near by or, where that fails, through the interior. Returns: impulses, steps."""
-    near, error, steps = minimise(blocks, q, kept, x, width, goal, 40)
-    if error <= 10.0 * goal:
-        return near, steps
-    middle, reached, more = central_point(blocks, q, max(goal, CENTRED), 60)
-    far, missed, last = minimise(blocks, q, kept, middle, reached, goal, 40)
-    return (far if missed < error else near), steps + more + last
+def sliding(rubs: NDArray[np.bool_], y: NDArray[np.floating]) -> FloatArray:
+    """|u_T| (k,) of scaled velocities (k, 3), where friction is one."""
+    return np.where(rubs, np.hypot(y[:, 1], y[:, 2]), 0.0).astype(np.float64)
 
 
 def accelerate(tried: list[FloatArray], missed: list[FloatArray]) -> FloatArray:

@@ -12,27 +12,24 @@ frictional contact mechanics using interior point algorithm, Optim. Methods Soft
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from engine.exact.blocks import Blocks
+from engine.exact.blocks import FINE, Blocks, FineArray
 from engine.exact.cone import frame_of
 
 __all__ = ["central_point"]
-
-FloatArray = NDArray[np.float64]
 
 CLOSE = 0.99
 """Share of the way to the boundary of the cones that a step may take."""
 
 
-def product(a: FloatArray, b: FloatArray) -> FloatArray:
+def product(a: FineArray, b: FineArray) -> FineArray:
     """The Jordan product (a . b, a_N b_T + b_N a_T) of vectors (k, 3)."""
     out = a[:, :1] * b + b[:, :1] * a
     out[:, 0] = (a * b).sum(axis=1)
     return out
 
 
-def quotient(a: FloatArray, b: FloatArray) -> FloatArray:
+def quotient(a: FineArray, b: FineArray) -> FineArray:
     """The x (k, 3) with a o x = b, a inside the cone."""
     size = np.hypot(a[:, 1], a[:, 2])
     det = (a[:, 0] - size) * (a[:, 0] + size)
@@ -43,7 +40,7 @@ def quotient(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(out)
 
 
-def longest(x: FloatArray, dx: FloatArray) -> float:
+def longest(x: FineArray, dx: FineArray) -> float:
     """The largest t <= 1 / CLOSE with x + t dx in the cones."""
     a = dx[:, 0] ** 2 - dx[:, 1] ** 2 - dx[:, 2] ** 2
     b = x[:, 0] * dx[:, 0] - x[:, 1] * dx[:, 1] - x[:, 2] * dx[:, 2]
@@ -56,7 +53,7 @@ def longest(x: FloatArray, dx: FloatArray) -> float:
     return min(1.0 / CLOSE, float((c[hits] / under[hits]).min(initial=np.inf)))
 
 
-def central_point(blocks: Blocks, q: FloatArray, goal: float, most: int) -> tuple[FloatArray, float, int]:
+def central_point(blocks: Blocks, q: FineArray, goal: float, most: int) -> tuple[FineArray, float, int]:
     """Impulses x (k, 3) near the central path.
 
     Args: blocks: W (3k, 3k) scaled to order one; q (k, 3); goal: mean of sqrt(x . y) to reach; most: rounds allowed.
@@ -64,7 +61,7 @@ def central_point(blocks: Blocks, q: FloatArray, goal: float, most: int) -> tupl
     """
     k = len(q)
     start = max(1.0, float(np.abs(q).max()))
-    x, y = np.zeros((k, 3)), np.zeros((k, 3))
+    x, y = np.zeros((k, 3), FINE), np.zeros((k, 3), FINE)
     x[:, 0] = y[:, 0] = start
     mean = start * start
     for count in range(most):
@@ -97,12 +94,12 @@ def central_point(blocks: Blocks, q: FloatArray, goal: float, most: int) -> tupl
     return x, float(np.sqrt(mean)), most
 
 
-def turn(frame: FloatArray, v: FloatArray) -> FloatArray:
+def turn(frame: FineArray, v: FineArray) -> FineArray:
     """frame (k, 3, 3) times v (k, 3)."""
     return np.asarray((frame @ v[:, :, None])[:, :, 0])
 
 
-def scaling(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+def scaling(x: FineArray, y: FineArray) -> tuple[FineArray, FineArray]:
     """The frame (k, 3, 3) and the eigenvalues (k, 3) of the Nesterov-Todd scaling T with T y = T^-1 x."""
     sx, sy = np.hypot(x[:, 1], x[:, 2]), np.hypot(y[:, 1], y[:, 2])
     dx = np.sqrt(np.maximum((x[:, 0] - sx) * (x[:, 0] + sx), 1e-300))

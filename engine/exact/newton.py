@@ -13,22 +13,22 @@ Source: Fukushima, Luo, Tseng, SIAM J. Optim. 12, 2002; Chen, Sun, Sun, Comput. 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.exact.blocks import Blocks
+from engine.exact.blocks import FINE, Blocks, FineArray
 from engine.exact.cone import inverse_slope, smooth_project
 
 __all__ = ["minimise"]
 
-FloatArray = NDArray[np.float64]
-
+NARROWER = 0.3
+"""From one width to the next."""
 PATIENCE = 6
 """Steps without halving the residual at one width: then round-off is reached."""
-STEEPEST = 1e14
+STEEPEST = 0.1 / float(np.finfo(FINE).eps)
 """Largest inverse slope kept: beyond it a direction does not move."""
 
 
 def minimise(
-    blocks: Blocks, q: FloatArray, kept: NDArray[np.bool_], x: FloatArray, width: float, goal: float, most: int
-) -> tuple[FloatArray, float, int]:
+    blocks: Blocks, q: FineArray, kept: NDArray[np.bool_], x: FineArray, width: float, goal: float, most: int
+) -> tuple[FineArray, float, int]:
     """Impulses x (k, 3) of the convex problem.
 
     Args: blocks: W (3k, 3k), with q (k, 3) scaled to order one; kept (k, 3): False for components held at zero, where W
@@ -45,7 +45,7 @@ def minimise(
         if error <= max(0.1 * width, goal):
             if width <= goal:
                 return x, error, count
-            width, idle, lowest = max(min(0.1 * width, 10.0 * width * width), goal), 0, np.inf
+            width, idle, lowest = max(NARROWER * width, goal), 0, np.inf
             miss = smooth_project(z, width) - x
         elif error > 0.5 * lowest:
             idle += 1
@@ -53,7 +53,7 @@ def minimise(
                 return x, error, count
         lowest = min(error, lowest)
         values, frame = inverse_slope(z, width)
-        values = np.minimum(values, STEEPEST)
+        values = np.minimum(values, STEEPEST).astype(FINE)
         if not blocks.factor(frame, values - 1.0):
             return x, error, count
         step = blocks.solve((frame @ (values[:, :, None] * (np.swapaxes(frame, 1, 2) @ miss[:, :, None])))[:, :, 0])

@@ -5,10 +5,12 @@ of one and the free velocities a largest component of one. Frictionless contacts
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.exact.blocks import FineArray, positive_part
 from engine.exact.law import Problem
 from engine.exact.residual import relative_residual
 
@@ -17,7 +19,7 @@ __all__ = ["Scaled", "scale_problem"]
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Scaled:
     """A problem and its scaled form.
 
@@ -33,6 +35,11 @@ class Scaled:
     kept: NDArray[np.bool_]
     scale: FloatArray
     unit: float
+
+    @cached_property
+    def fine(self) -> FineArray:
+        """W with more digits and without the negative eigenvalues of its round-off."""
+        return positive_part(self.w)
 
     def impulse(self, x: FloatArray) -> FloatArray:
         """Impulses r (k, 3) N s of scaled ones."""

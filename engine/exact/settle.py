@@ -2,8 +2,8 @@
 
 Along a path impulses that vanish in the limit do so like w^2, all others tend to constants. The logarithmic derivative of both
 spectral values of an impulse, 2 or 0, therefore tells open contacts (both vanish), slipping ones (the lower vanishes) and
-sticking ones, whatever the scale of their velocities; a comparison of impulse and velocity would need their scales. With the
-modes,
+sticking ones, whatever the scale of their velocities; a comparison of impulse and velocity would need their scales. Where a
+convex problem is solved to 1e-13, all that vanishes is below what does not, and the comparison serves. With the modes,
 
     open: x = 0,    sticking: u = 0,    slipping: u_N = 0 and x_T = -x_N u_T / |u_T|
 
@@ -19,7 +19,7 @@ from scipy.linalg import get_lapack_funcs
 
 from engine.exact.cone import spectral
 
-__all__ = ["OPEN", "SLIPPING", "STICKING", "modes_of", "settling_step"]
+__all__ = ["OPEN", "SLIPPING", "STICKING", "modes_between", "modes_of", "settling_step"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -35,6 +35,15 @@ def modes_of(rubs: NDArray[np.bool_], x: FloatArray, drift: FloatArray) -> IntAr
     along = (drift[:, 1:] * tangent).sum(axis=1)
     vanishes, slips = drift[:, 0] + along > high, (drift[:, 0] - along > low) & rubs
     return np.where(vanishes, OPEN, np.where(slips, SLIPPING, STICKING))
+
+
+def modes_between(rubs: NDArray[np.bool_], x: FloatArray, y: FloatArray) -> IntArray:
+    """The modes (k,) of contacts where x (k, 3) and y (k, 3) are complementary: of each pair the smaller one vanishes.
+
+    Ends of one spectral frame are the lower value of one and the higher value of the other.
+    """
+    (low, high, _), (below, above, _) = spectral(x), spectral(y)
+    return np.where(high < below, OPEN, np.where((low < above) & rubs, SLIPPING, STICKING))
 
 
 def settling_step(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], mode: IntArray, x: FloatArray) -> FloatArray | None:

@@ -1,11 +1,13 @@
-"""The exact solve: five methods from the quickest to the most patient, each judged by the certificate alone.
+"""The exact solve: six methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
 2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
 3. 1 from the best so far with velocities weighed higher, for contacts that slip slowly under large impulses;
-4. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 3 and Newton with the modes of the
-   contacts that the path shows (`settle`);
-5. De Saxce's fixed point around convex problems (`fixed_point`), and 1 after each round.
+4. De Saxce's fixed point around convex problems (`fixed_point`), solved in extended precision and begun from the sliding of
+   the best so far, from none and from that of free motion; and after each round 1 and Newton with the modes of the contacts
+   that it shows (`settle`);
+5. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 3 and Newton with their modes;
+6. 4 again, longer and from random sliding, the same in every run.
 
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 
@@ -22,17 +24,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.exact.finish import finishing_step
-from engine.exact.fixed_point import rounds
+from engine.exact.fixed_point import rounds, sliding
 from engine.exact.follow import follow_path
 from engine.exact.law import Problem
 from engine.exact.residual import relative_residual
 from engine.exact.scaled import Scaled, scale_problem
-from engine.exact.settle import OPEN, modes_of, settling_step
-from engine.exact.trace import PathPoint, trace_path
+from engine.exact.settle import OPEN, modes_between, modes_of, settling_step
+from engine.exact.trace import trace_path
 
 __all__ = ["Solution", "solve"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 Answer: TypeAlias = tuple[FloatArray, float, int]
 """The best scaled impulses (k, 3) that a method found, their residual, and the Newton steps it took."""
 
@@ -48,10 +51,14 @@ WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
 """First widths of the paths, and their last one, in units of the largest free velocity."""
 NARROW, CLOSER, MOST_TRACED = 1e-2, 0.3, 800
 """Width of a traced path below which Newton is tried, how much narrower each time, and the matrices it may take."""
-PATHS = tuple((power, kind) for kind in (np.float64, np.longdouble) for power in (2.0, 1.0, 1.5))
-"""Power of w in the width of sliding, and kind of numbers, of the traced paths: where one is lost, another may lead on."""
+PATHS = tuple((power, fine) for fine in (False, True) for power in (2.0, 1.0, 1.5))
+"""Power of w in the width of sliding, and whether with more digits, of the paths: where one is lost, another may lead on."""
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
+EARLY, LATE = 4, 8
+"""Rounds of the fixed point from each start before paths are traced, and after; most that converge do so in the first few."""
+GUESSES, SEED, SLOWEST = 8, 1, 1e-5
+"""Random starts of the fixed point at the end, of four kinds each, what they are drawn with, and their slowest sliding."""
 PATIENCE = 12
 """Rounds of the fixed point without halving the residual, after which it is given up."""
 
@@ -102,9 +109,22 @@ def answers(scaled: Scaled, tolerance: float, most: int, guess: FloatArray | Non
         yield found
         near = min(near, found, key=residual_of)
     yield sharpen(scaled, near[0], tolerance)
+    begun, free = sliding_of(scaled, near[0]), sliding_of(scaled, np.zeros_like(scaled.q))
+    for start in (begun, np.zeros_like(free), free):
+        yield relax(scaled, start, tolerance, min(EARLY, most))
     for path in PATHS:
         yield trace(scaled, path, tolerance)
-    yield relax(scaled, near[0] if near[1] < NEAR else np.zeros_like(scaled.q), tolerance, most)
+    yield relax(scaled, begun, tolerance, most)
+    draw = np.random.default_rng(SEED)
+    for _ in range(GUESSES):
+        share = draw.uniform(size=len(free))
+        for start in (
+            share * free,
+            SLOWEST**share * free,
+            np.where(share < 0.5, free, 0.0),
+            np.full_like(free, SLOWEST ** share[0]),
+        ):
+            yield relax(scaled, start, tolerance, min(LATE, most))
 
 
 def residual_of(answer: Answer) -> float:
@@ -121,14 +141,21 @@ def follow(scaled: Scaled, width: float, tolerance: float) -> Answer:
     return x, residual, steps + last
 
 
-def trace(scaled: Scaled, path: tuple[float, type[np.floating]], tolerance: float) -> Answer:
+def sliding_of(scaled: Scaled, x: FloatArray) -> FloatArray:
+    """|u_T| (k,) of scaled impulses."""
+    return sliding(scaled.rubs, scaled.q + (scaled.w @ x.ravel()).reshape(-1, 3))
+
+
+def trace(scaled: Scaled, path: tuple[float, bool], tolerance: float) -> Answer:
     """From ever narrower points of the traced path."""
+    power, fine = path
     best, lowest, steps, narrow = np.zeros_like(scaled.q), np.inf, 0, NARROW
-    for point in trace_path(scaled.w, scaled.q, scaled.rubs, *path, MOST_TRACED):
+    for point in trace_path(scaled.fine if fine else scaled.w, scaled.q, scaled.rubs, power, MOST_TRACED):
         steps += point.steps
         if point.width < narrow:
             narrow = CLOSER * point.width
-            for x, residual, more in (finish(scaled, point.x, tolerance), *settle(scaled, point, tolerance)):
+            mode = modes_of(scaled.rubs, point.x, point.drift)
+            for x, residual, more in (finish(scaled, point.x, tolerance), *settle(scaled, point.x, mode, tolerance)):
                 steps += more
                 if residual > tolerance:
                     x, residual, more = sharpen(scaled, x, tolerance)
@@ -140,16 +167,20 @@ def trace(scaled: Scaled, path: tuple[float, type[np.floating]], tolerance: floa
     return best, lowest, steps
 
 
-def relax(scaled: Scaled, x: FloatArray, tolerance: float, most: int) -> Answer:
-    """By rounds of the fixed point from x."""
-    best, lowest, steps, idle = x, np.inf, 0, 0
-    for count, (point, more) in enumerate(rounds(scaled, x)):
-        tried, residual, last = finish(scaled, point, tolerance)
-        steps += more + last
-        idle = 0 if residual < 0.5 * lowest else idle + 1
-        if residual < lowest:
-            best, lowest = tried, residual
-        if lowest <= tolerance or idle > PATIENCE or count + 1 >= most:
+def relax(scaled: Scaled, s: FloatArray, tolerance: float, most: int) -> Answer:
+    """By rounds of the fixed point from sliding s (k,)."""
+    best, lowest, steps, idle = np.zeros_like(scaled.q), np.inf, 0, 0
+    for count, found in enumerate(rounds(scaled, s)):
+        before, mode = lowest, modes_between(scaled.rubs, found.x, found.y)
+        steps += found.steps
+        for x, residual, more in (finish(scaled, found.x, tolerance), *settle(scaled, found.x, mode, tolerance)):
+            steps += more
+            if residual < lowest:
+                best, lowest = x, residual
+            if lowest <= tolerance:
+                return best, lowest, steps
+        idle = 0 if lowest < 0.5 * before else idle + 1
+        if idle > PATIENCE or count + 1 >= most:
             break
     return best, lowest, steps
 
@@ -167,12 +198,11 @@ def sharpen(scaled: Scaled, x: FloatArray, tolerance: float) -> Answer:
     return best, lowest, steps
 
 
-def settle(scaled: Scaled, point: PathPoint, tolerance: float) -> Iterator[Answer]:
-    """By Newton from a point of the path with its modes."""
-    mode = modes_of(scaled.rubs, point.x, point.drift)
+def settle(scaled: Scaled, near: FloatArray, mode: IntArray, tolerance: float) -> Iterator[Answer]:
+    """By Newton from impulses near by with the modes (k,) of the contacts."""
     for held in HELD:
         regular = scaled.w + held * np.eye(scaled.w.shape[0])
-        x = np.where(scaled.kept & (mode != OPEN)[:, None], point.x, 0.0)
+        x = np.where(scaled.kept & (mode != OPEN)[:, None], near, 0.0)
         best, lowest, idle, count = x, scaled.residual(x), 0, 0
         while lowest > tolerance and idle <= 3 and count < MOST_SETTLED:
             made = settling_step(regular, scaled.q - held * x, scaled.rubs, mode, x)

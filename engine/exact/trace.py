@@ -112,15 +112,13 @@ def look(
     return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
 
 
-def trace_path(
-    w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, kind: type[np.floating], most: int
-) -> Iterator[PathPoint]:
+def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int) -> Iterator[PathPoint]:
     """Points of the path; ends where the path is lost.
 
-    Args: w (3k, 3k) and q (k, 3) scaled to order one and to mu = 1; rubs (k,): contacts with friction; power: of w in
-        the width of sliding; kind: of floating-point numbers for x and y; most: matrices allowed.
+    Args: fine (3k, 3k), W in the precision that x and y shall have, and q (k, 3), scaled to order one and to mu = 1;
+        rubs (k,): contacts with friction; power: of w in the width of sliding; most: matrices allowed.
     """
-    n, fine = len(w), w.astype(kind)
+    n, w = len(fine), fine.astype(np.float64)
     x, used = start(w, fine, q, rubs, power)
     here = look(w, fine, q, rubs, x, WIDEST, power)
     unit, turn = np.repeat(here.size, 3), np.zeros(n + 1)

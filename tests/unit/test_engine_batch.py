@@ -198,6 +198,7 @@ for build in (_free, _pile, _hulls):
 """
 
 
+@pytest.mark.compiler
 def test_no_number_of_threads_changes_a_bit() -> None:
     """Four threads exist in a process that is told so, however many cores there are; seven worlds do not divide evenly."""
     told = os.environ | {"NUMBA_NUM_THREADS": "4"}

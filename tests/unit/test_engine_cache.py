@@ -10,6 +10,8 @@ import pytest
 
 import engine
 
+pytestmark = pytest.mark.compiler
+
 FALL = """
 import engine
 world = engine.World([engine.Body(name="b")])
@@ -97,7 +99,6 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
 
 
-@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="this very run is without the compiler")
 def test_the_unit_tests_pass_without_the_compiler() -> None:
     """A part that takes less than a minute; `make test-nojit` runs them all."""
     here = Path(__file__).parent

@@ -247,16 +247,40 @@ def test_piles_with_mass_ratios_of_1e4_are_solved_and_certified_contact_by_conta
 
 
 @pytest.mark.slow
-def test_eighteen_of_twenty_piles_are_solved_without_a_miss() -> None:
-    """Bounds are what was reached: 2 misses in 3000 solves, the worst 2.0e-8. The aim is all of twenty piles."""
-    missed, worst = [], 0.0
-    for seed in range(20):
-        seen = _pile(seed, 4)
-        seen.step(150)
-        missed.append(_residual(seen) > EXACT)
-        worst = max(worst, _residual(seen))
-    assert sum(missed) <= 2
-    assert worst <= 2.1e-8
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("seed", range(20))
+def test_all_of_twenty_piles_are_solved_without_a_miss(seed: int) -> None:
+    """Twenty of twenty: 3000 solves, each of which depends on those before it in its pile."""
+    seen = _pile(seed, 4)
+    seen.step(150)
+    assert _residual(seen) <= EXACT
+
+
+# --- motions far below the others -------------------------------------------------------------------
+
+
+def _held(misfit: float) -> Problem:
+    """A body on two points 1 m apart that falls at 1 m/s, where no rigid motion keeps both points by `misfit` m/s.
+
+    Normals up, tangents along the line (x) and across it; mass and inertia one, centre between the points. Their velocities
+    along the line are one and the same for a rigid body, and q asks for two.
+    """
+    rows = [([0, 0, 1, 0, -x, 0], [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, x]) for x in (-0.5, 0.5)]
+    reach = np.array(rows, float).reshape(6, 6)
+    q = np.array([[-1.0, -0.5 * misfit, 0.0], [-1.0, 0.5 * misfit, 0.0]])
+    return Problem(reach @ reach.T, q, np.full(2, 0.5), 1.0)
+
+
+@pytest.mark.parametrize("misfit", [1e-3, 1e-6, 1e-8, 1e-9])
+def test_points_that_cannot_both_stick_slip_however_slowly(misfit: float) -> None:
+    """Were both stuck, misfit / 2 would remain as a residual. Each carries half of m v; friction is full where it slips."""
+    problem = _held(misfit)
+    solution = solve(problem)
+    slip = np.abs(problem.after(solution.impulse)[:, 1])
+    assert solution.residual <= 1e-11
+    assert solution.impulse[:, 0] == pytest.approx(0.5, rel=1e-9)
+    assert slip.sum() == pytest.approx(misfit, rel=1e-2)
+    assert np.abs(solution.impulse[slip > 0.1 * misfit, 1]) == pytest.approx(0.25, rel=1e-9)
 
 
 def test_a_pushed_stack_slides_as_one_on_the_ground() -> None:

@@ -200,7 +200,7 @@ def test_importing_the_engine_loads_no_compiler() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
+@pytest.mark.compiler
 def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> None:
     """Compile time follows the number of compiled functions, and `load3` alone meets some forty different columns."""
     import numba
@@ -215,6 +215,7 @@ def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> Non
     assert len(vec.load3.overloads) == 1  # type: ignore[attr-defined]
 
 
+@pytest.mark.compiler
 def test_the_kernels_run_without_compilation_and_give_the_same_fall() -> None:
     """NUMBA_DISABLE_JIT=1 runs the same lines as plain Python: the numbers agree to fused multiply-adds."""
     code = (

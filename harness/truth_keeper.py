@@ -49,10 +49,10 @@ def truth_of(case: Case, scene: Scene, time: Floats, parameters: Mapping[str, An
     start = clock.monotonic()
     truth = case.truth_at(time, parameters)
     if isinstance(truth, Trajectory):
-        plain = not truth.streams and truth.contacts is None
         truth = Converged(trajectory=truth, position_error=0.0, velocity_error=0.0)
-        if kept is not None and plain and clock.monotonic() - start > LONG:
-            _write(kept, truth)
+    plain = truth is not None and not truth.trajectory.streams and truth.trajectory.contacts is None
+    if truth is not None and kept is not None and plain and clock.monotonic() - start > LONG:
+        _write(kept, truth)
     return truth
 
 

@@ -21,7 +21,7 @@ from harness.simulate import simulate
 from harness.study import Trial
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory_file import save_trajectory
-from harness.truth_keeper import truth_of
+from harness.truth_keeper import bounded, truth_of
 
 __all__ = ["Answer", "answer_of", "judge", "outcome", "refusal", "run_trial"]
 
@@ -219,7 +219,7 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
     except (NotMeasurable, Unsupported) as error:
         truth, warnings = None, (*warnings, f"no truth: {error}")
     expected = None if truth is None else truth.trajectory
-    measurements = () if broke is not None else judge(case, scene, actual, truth)
+    measurements = () if broke is not None else judge(bounded(case, trial.settings.dt, folder), scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     return replace(
         outcome(trial, status, reason),

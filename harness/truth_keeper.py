@@ -1,10 +1,12 @@
-"""The truth that a trial is measured by: of the case, or made by the reference engine; what takes long is kept on disk."""
+"""What a trial is measured by: the truth, of the case or made by the reference engine, and bounds; what takes long is kept."""
 
 import hashlib
 import inspect
 import io
+import json
 import time as clock
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +22,10 @@ from harness.scene.file import dump_json
 from harness.store import write_atomically
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["truth_of"]
+__all__ = ["bounded", "truth_of"]
 
 LONG = 0.1
-"""Seconds from which on a closed form is kept: reading it back takes a few milliseconds."""
+"""Seconds from which on a closed form or a bound is kept: reading it back takes a few milliseconds."""
 
 
 def truth_of(case: Case, scene: Scene, time: Floats, parameters: Mapping[str, Any], folder: Path | None) -> Converged | None:
@@ -56,14 +58,30 @@ def truth_of(case: Case, scene: Scene, time: Floats, parameters: Mapping[str, An
     return truth
 
 
-def _place(folder: Path | None, depends: Mapping[str, Any]) -> Path | None:
-    return None if folder is None else folder / "truths" / f"{digest(depends)}.npz"
+def bounded(case: Case, dt: float, folder: Path | None) -> Case:
+    """The case with its bounds as they are at a time step dt [s]; they are kept under `folder` where they take long."""
+    if not any(callable(check.at_most) for check in case.checks):
+        return case
+    kept = _place(folder, {"case": case.name, "bounds at": dt, "laws": _laws(case)}, "json")
+    if kept is not None and kept.is_file():
+        bounds = json.loads(kept.read_text(encoding="utf-8"))
+    else:
+        start = clock.monotonic()
+        bounds = [check.bound(dt) for check in case.checks]
+        if kept is not None and clock.monotonic() - start > LONG:
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(kept, json.dumps(bounds).encode())
+    return replace(case, checks=tuple(replace(check, at_most=b) for check, b in zip(case.checks, bounds, strict=True)))
+
+
+def _place(folder: Path | None, depends: Mapping[str, Any], kind: str = "npz") -> Path | None:
+    return None if folder is None else folder / "truths" / f"{digest(depends)}.{kind}"
 
 
 def _laws(case: Case) -> str:
-    """A digest of the text that a closed form is made by: the case's own file and those of `harness.truths`."""
+    """A digest of the text that closed forms and bounds are made by: the case's own file and those of `harness.truths`."""
     files = sorted(Path(folder) / name for folder in truths.__path__ for name in Path(folder).glob("*.py"))
-    own = inspect.getsourcefile(case.expected) if case.expected is not None else None
+    own = inspect.getsourcefile(case.scene)
     told = hashlib.sha256()
     for path in [*files, *([Path(own)] if own is not None else [])]:
         told.update(path.read_bytes())

@@ -16,7 +16,7 @@ from harness.metrics.position import POSITION_MAX
 from harness.run import judge
 from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
-from harness.truth_keeper import LONG, truth_of
+from harness.truth_keeper import LONG, bounded, truth_of
 
 G = 9.81
 SAMPLES = np.arange(31) / 60
@@ -187,3 +187,21 @@ def test_a_slow_closed_form_is_made_once_for_a_folder_and_anew_when_anything_cha
     assert len(calls) == 3
     truth_of(case, case.scene(), time, {"turn": 2.0}, None)
     assert len(calls) == 4
+
+
+def test_slow_bounds_are_worked_out_once_for_a_folder_and_a_step(tmp_path: Path) -> None:
+    calls: list[float] = []
+
+    def slow(dt: float) -> float:
+        calls.append(dt)
+        sleep(1.5 * LONG)
+        return dt / 3.0
+
+    case = replace(_case(0.0), checks=(Check(metric=POSITION_MAX, at_most=slow, because="test"), *_case(0.0).checks[1:]))
+    first, again = bounded(case, 0.1, tmp_path), bounded(case, 0.1, tmp_path)
+    assert first.checks[0].at_most == again.checks[0].at_most == 0.1 / 3.0
+    assert calls == [0.1]
+    assert [check.metric for check in again.checks] == [check.metric for check in case.checks]
+    bounded(case, 0.2, tmp_path)
+    bounded(case, 0.1, None)
+    assert calls == [0.1, 0.2, 0.1]

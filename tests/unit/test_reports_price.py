@@ -52,6 +52,16 @@ def test_without_several_clocked_steps_there_is_no_such_page_and_no_link_to_it()
     assert "price.html" not in texts["index.html"]
 
 
+def test_settings_of_a_search_stand_on_the_case_page_and_not_as_tracks_of_the_overview() -> None:
+    turned = "tuned, iterations 4"
+    store = Priced([*told(), ("a", "ours", turned, 1e-3, 5e-4, None)])
+    trials = store.trials
+    trials.loc[trials["track"] == turned, "round"] = 2
+    texts = rendered(store)
+    assert turned not in texts["index.html"]
+    assert turned in next(text for name, text in texts.items() if name.startswith("case") and name.endswith("a.html"))
+
+
 def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:
     texts = rendered(Priced(told()))
     assert 'href="price.html"' in texts["index.html"]

@@ -256,6 +256,14 @@ def test_all_of_twenty_piles_are_solved_without_a_miss(seed: int) -> None:
     assert _residual(seen) <= EXACT
 
 
+@pytest.mark.parametrize("seed", [7, 10, 33])
+def test_the_first_touches_of_piles_that_are_held_from_two_sides_are_solved(seed: int) -> None:
+    """Bodies between others and a wall: gaps of some 1e-9 m that no rigid motion closes together ask who slips at 1e-8 m/s."""
+    seen = _pile(seed, 4)
+    seen.step(30)
+    assert _residual(seen) <= EXACT
+
+
 # --- motions far below the others -------------------------------------------------------------------
 
 

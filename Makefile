@@ -31,7 +31,7 @@ test-all: $(STAMP) ## all tests, with the long stress and soak runs
 	$(BIN)/python -m pytest
 
 test-nojit: $(STAMP) ## the engine's unit tests as plain Python, each for a share of time
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -rs -m "not slow" --timeout 120 tests/unit/test_engine_*.py
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -rs -m "not slow" --timeout 900 tests/unit/test_engine_*.py
 
 lint: $(STAMP)     ## style, types, layers
 	$(BIN)/ruff check .

@@ -53,8 +53,8 @@ def minimise(
                 return x, error, count
         lowest = min(error, lowest)
         values, frame = inverse_slope(z, width)
-        values = np.minimum(values, STEEPEST).astype(FINE)
-        if not blocks.factor(frame, values - 1.0):
+        values = np.minimum(values, STEEPEST)
+        if not blocks.factor(frame, np.asarray(values - 1.0, FINE)):
             return x, error, count
         step = blocks.solve((frame @ (values[:, :, None] * (np.swapaxes(frame, 1, 2) @ miss[:, :, None])))[:, :, 0])
         step[~kept] = 0.0

@@ -15,8 +15,8 @@ from types import FrameType
 import pytest
 
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
-SECONDS, LEAST = 5.0, 0.4
-"""Processor time [s] for all parameters of a test together, and the least for each."""
+SECONDS, LEAST = 3.5, 0.3
+"""Processor time [s] for all parameters of a test together, and the least for each: a quarter of an hour at most for all."""
 
 waiting: Counter[str] = Counter()
 """How many parameters of a test have still to run."""

@@ -9,24 +9,37 @@ first and third order, so that on a plane the mean of the seven ranges is the me
 Source: Stroud, Approximate Calculation of Multiple Integrals (1971), chapter 8 (rules for the disc).
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from harness.scene import Lidar
 from harness.trajectory import Floats
 
-__all__ = ["SUB_RAYS", "beams", "spread"]
+__all__ = ["SUB_RAYS", "beams", "by_axis", "spread"]
 
 SUB_RAYS = 7
 
 
+@lru_cache(maxsize=16)
 def beams(lidar: Lidar) -> Floats:
-    """Unit directions in S, shape (channels, columns, 3)."""
+    """Unit directions in S, shape (channels, columns, 3), read-only."""
     even = np.linspace(lidar.elevation_low, lidar.elevation_high, lidar.channels)
     elevation = (even if lidar.elevations is None else np.array(lidar.elevations))[:, None]
     azimuth = 2.0 * np.pi * np.arange(lidar.columns)[None, :] / lidar.columns
     across = np.cos(elevation)
     up = np.broadcast_to(np.sin(elevation), (lidar.channels, lidar.columns))
-    return np.stack([across * np.cos(azimuth), across * np.sin(azimuth), up], axis=-1)
+    found = np.stack([across * np.cos(azimuth), across * np.sin(azimuth), up], axis=-1)
+    found.flags.writeable = False
+    return found
+
+
+@lru_cache(maxsize=16)
+def by_axis(lidar: Lidar) -> Floats:
+    """The same axis by axis, (3, channels, columns), read-only: a product over a last axis of three takes twice as long."""
+    found = np.ascontiguousarray(np.moveaxis(beams(lidar), -1, 0))
+    found.flags.writeable = False
+    return found
 
 
 def spread(directions: Floats, divergence: float) -> Floats:

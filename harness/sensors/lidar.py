@@ -103,11 +103,10 @@ class LidarReader:
 
     def __init__(self, lidar: Lidar, setting: Setting, start: State) -> None:  # noqa: ARG002 -- a scan needs no past
         self._lidar, self._setting = lidar, setting
-        self._pattern = beams(lidar)
-        self._rays = spread(self._pattern, lidar.divergence).reshape(-1, 3)
+        self._rays = spread(beams(lidar), lidar.divergence).reshape(-1, 3)
         # Memory that is new costs more to touch than to fill.
         self._room = np.empty_like(self._rays)
-        self._scans = Scans(lidar, self._pattern, setting.seed)
+        self._scans = Scans(lidar, setting.seed)
 
     def read(self, time: float, state: State) -> None:
         """Cast all beams. Raises: Unsupported."""

@@ -8,19 +8,18 @@ a spinning sensor is given in S as S was when the column was fired, as a driver 
 import numpy as np
 
 from harness.scene import Lidar
+from harness.sensors.beams import by_axis
 from harness.sensors.lidar_noise import noisy
 from harness.trajectory import Floats
 
 __all__ = ["Scans", "points"]
 
 
-def points(pattern: Floats, ranges: Floats) -> Floats:
-    """Ranges (k, channels, columns) [m] along the pattern (channels, columns, 3), NaN where nothing returned."""
-    found = np.empty((len(ranges), *pattern.shape))
-    # Axis by axis: products over a last axis of three would take twice as long.
-    along = np.ascontiguousarray(np.moveaxis(pattern, -1, 0))
+def points(lidar: Lidar, ranges: Floats) -> Floats:
+    """Ranges (k, channels, columns) [m] along the beams, (k, channels, columns, 3), NaN where nothing returned."""
+    found = np.empty((*ranges.shape, 3))
     for scan, out in zip(ranges, found, strict=True):
-        write_points(along, scan, out)
+        write_points(by_axis(lidar), scan, out)
     return found
 
 
@@ -33,10 +32,10 @@ def write_points(along: Floats, scan: Floats, out: Floats) -> None:
 
 
 class Scans:
-    """The scans so far of one sensor with beams (channels, columns, 3) in S."""
+    """The scans so far of one sensor."""
 
-    def __init__(self, lidar: Lidar, pattern: Floats, seed: int) -> None:
-        self._lidar, self._pattern, self._seed = lidar, pattern, seed
+    def __init__(self, lidar: Lidar, seed: int) -> None:
+        self._lidar, self._seed = lidar, seed
         self._times: list[float] = []
         self._ranges: list[Floats] = []
         self._intensities: list[Floats] = []
@@ -49,10 +48,11 @@ class Scans:
 
     def streams(self) -> dict[str, Floats]:
         """All scans."""
-        lidar, name, shape = self._lidar, self._lidar.name, (-1, *self._pattern.shape[:2])
+        lidar, name, shape = self._lidar, self._lidar.name, (-1, self._lidar.channels, self._lidar.columns)
         ranges, intensities = (np.array(kept).reshape(shape) for kept in (self._ranges, self._intensities))
-        heard = ranges.copy(), intensities.copy()
-        if lidar.noise is not None:
+        if lidar.noise is None:
+            heard = ranges.copy(), intensities.copy()
+        else:
             heard = noisy(lidar.noise, ranges, intensities, self._seed, name)
         return {
             f"{name}/time": np.array(self._times),
@@ -60,5 +60,5 @@ class Scans:
             f"{name}/intensity_ideal": intensities,
             f"{name}/range": heard[0],
             f"{name}/intensity": heard[1],
-            f"{name}/points": points(self._pattern, heard[0]),
+            f"{name}/points": points(lidar, heard[0]),
         }

@@ -6,12 +6,14 @@ Source: O'Neill, "Developing a seed_seq alternative" (2015), the hash behind num
 """
 
 import hashlib
+from functools import lru_cache
 
 import numpy as np
 
 __all__ = ["generator"]
 
 
+@lru_cache(maxsize=256)
 def _words(name: str) -> tuple[int, ...]:
     """128 bits of a name as four words of 32."""
     digest = hashlib.sha256(name.encode()).digest()

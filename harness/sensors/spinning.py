@@ -46,11 +46,10 @@ class SpinningReader:
 
     def __init__(self, lidar: Lidar, setting: Setting, start: State) -> None:
         self._lidar, self._setting = lidar, setting
-        self._pattern = beams(lidar)
         # Columns first, so that rays from one place stand together.
-        rays = spread(self._pattern, lidar.divergence)
+        rays = spread(beams(lidar), lidar.divergence)
         self._rays = np.ascontiguousarray(np.moveaxis(rays, 2, 0))
-        self._scans = Scans(lidar, self._pattern, setting.seed)
+        self._scans = Scans(lidar, setting.seed)
         self._before, self._row = 0.0, row_of(setting.scene, lidar.body, start)
         self._fired = 0
         self._open = (np.zeros((lidar.channels, lidar.columns)), np.zeros((lidar.channels, lidar.columns)))

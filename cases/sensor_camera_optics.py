@@ -13,6 +13,7 @@ from harness.sensors.rays import first_hits
 from harness.sensors.sight import Sight
 from harness.sensors.true_frames import stamps_up_to, true_frames, true_sight
 from harness.trajectory import Floats, State, Trajectory
+from harness.truths.rest import at_rest
 
 RATE = 10.0
 INDEX, HALF_THICKNESS = 1.5, 0.15
@@ -123,13 +124,12 @@ def _in_pane(scene: Scene, sight: Sight) -> Floats:
 def _expected(time: Floats, tilt: float = 0.5) -> Trajectory:
     """Nothing moves; the colour of each pixel is the sum over its light's ways."""
     scene = _scene(tilt)
-    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
-    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
+    truth = at_rest(scene, time)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
     streams: dict[str, Floats] = {}
     for camera, sheet, light in zip(scene.sensors, ("mirror", "pane"), (_in_mirror, _in_pane), strict=True):
         assert isinstance(camera, Camera)
-        sight = true_sight(scene, camera, start)
+        sight = true_sight(scene, camera, State.initial(scene))
         grey = np.where(sight.body == scene.index(sheet), light(scene, sight), 0.0).reshape(camera.height, camera.width)
         streams |= true_frames(scene, camera, stamps)
         streams[f"{camera.name}/colour"] = np.broadcast_to(grey[None, :, :, None], (len(stamps), *grey.shape, 3)).copy()

@@ -23,7 +23,8 @@ from harness.scene import (
     axis_angle,
 )
 from harness.sensors.true_frames import stamps_up_to, true_frames
-from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 RATE = 10.0
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -75,8 +76,7 @@ def _scene(renderer: str = "rasterised") -> Scene:
 def _expected(time: Floats, renderer: str = "rasterised") -> Trajectory:
     """Nothing moves; a pixel shows what the ray through its centre meets first."""
     scene = _scene(renderer)
-    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
-    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
+    truth = at_rest(scene, time)
     camera = scene.sensors[0]
     assert isinstance(camera, Camera)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time

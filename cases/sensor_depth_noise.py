@@ -29,7 +29,8 @@ from harness.scene import (
     axis_angle,
 )
 from harness.sensors.true_frames import stamps_up_to, true_frames
-from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 DURATION, RATE = 0.3, 10.0
 WIDTH, HEIGHT, FOCAL = 128, 96, 120.0
@@ -102,8 +103,7 @@ def _scene(infrared: float = 0.1) -> Scene:
 def _expected(time: Floats, infrared: float = 0.1) -> Trajectory:
     """Nothing moves; the ideal depths, and what each principle cannot see, by closed-form rays."""
     scene = _scene(infrared)
-    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
-    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
+    truth = at_rest(scene, time)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
     streams: dict[str, Floats] = {}
     for camera in scene.sensors:

@@ -9,7 +9,8 @@ from harness.metrics.pixel_error import PIXEL_ERROR
 from harness.metrics.silhouette import SILHOUETTE_IOU
 from harness.scene import Body, DepthCamera, PlacedShape, Scene, Sphere
 from harness.sensors.true_frames import stamps_up_to, true_frames
-from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 RATE = 10.0
 BALLS = (
@@ -39,8 +40,7 @@ def _scene(seen_by: str = "rays") -> Scene:
 def _expected(time: Floats, seen_by: str = "rays") -> Trajectory:
     """Nothing moves; a pixel's depth is that of the first hit of the ray through its centre."""
     scene = _scene(seen_by)
-    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
-    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
+    truth = at_rest(scene, time)
     camera = scene.sensors[0]
     assert isinstance(camera, DepthCamera)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time

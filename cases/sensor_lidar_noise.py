@@ -33,9 +33,9 @@ from harness.scene import (
     axis_angle,
     box_inertia,
 )
-from harness.sensors import lidar as scanning
-from harness.sensors.rays import first_hits
-from harness.trajectory import Floats, State, Trajectory
+from harness.sensors.true_scans import true_scans
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 DURATION = 1.0
 RATE = 10.0
@@ -99,18 +99,10 @@ def _scene(channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) 
 def _expected(time: Floats, channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) -> Trajectory:
     """Nothing moves; the ranges are the closed-form first hits of the beams."""
     scene = _scene(channels, columns, tilt)
-    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
-    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
     lidar = scene.sensors[0]
     assert isinstance(lidar, Lidar)
-    carrier = scene.index(lidar.body)
-    origins, directions = scanning.in_world(lidar, start.p_WB[carrier], start.q_WB[carrier])
-    hits = first_hits(scene, start, origins, directions, lidar.max_range)
-    count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) + 1 if len(truth) else 0
-    streams: dict[str, Floats] = {"lidar/time": np.arange(count) / RATE}
-    for name, signal in zip(("range", "intensity"), scanning.ideal(lidar, scene, directions, hits), strict=True):
-        streams[f"lidar/{name}_ideal"] = np.broadcast_to(signal, (count, *signal.shape))
-    return replace(truth, streams=streams)
+    truth = at_rest(scene, time)
+    return replace(truth, streams=true_scans(scene, lidar, float(truth.time[-1])) if len(truth) else {})
 
 
 LONGEST = 2.0 * float(np.linalg.norm(HALF))

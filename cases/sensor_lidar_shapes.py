@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from harness.case import Case, Check
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.range_error import (
@@ -30,9 +28,9 @@ from harness.scene import (
     Vector3,
     axis_angle,
 )
-from harness.sensors import lidar as scanning
-from harness.sensors.rays import first_hits
-from harness.trajectory import Floats, State, Trajectory
+from harness.sensors.true_scans import true_scans
+from harness.trajectory import Floats, Trajectory
+from harness.truths.rest import at_rest
 
 DURATION, RATE = 0.2, 10.0
 CHANNELS, COLUMNS = 32, 360
@@ -74,17 +72,10 @@ def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
 def _expected(time: Floats, channels: int = CHANNELS, columns: int = COLUMNS) -> Trajectory:
     """Nothing moves; the ranges are the closed-form first hits of the beams, and infinite beyond the sensor's reach."""
     scene = _scene(channels, columns)
-    start, truth = State.initial(scene), Trajectory.of(time, len(scene.bodies))
-    truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
     lidar = scene.sensors[0]
     assert isinstance(lidar, Lidar)
-    origins, directions = scanning.in_world(lidar, np.zeros(3), np.array(UNTURNED))
-    hits = first_hits(scene, start, origins, directions, lidar.max_range)
-    count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) + 1 if len(truth) else 0
-    streams: dict[str, Floats] = {"lidar/time": np.arange(count) / RATE}
-    for name, signal in zip(("range", "intensity"), scanning.ideal(lidar, scene, directions, hits), strict=True):
-        streams[f"lidar/{name}_ideal"] = np.broadcast_to(signal, (count, *signal.shape))
-    return replace(truth, streams=streams)
+    truth = at_rest(scene, time)
+    return replace(truth, streams=true_scans(scene, lidar, float(truth.time[-1])) if len(truth) else {})
 
 
 CASE = Case(

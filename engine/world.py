@@ -329,8 +329,9 @@ class World:
             raise ValueError(f"rays: max_range {max_range} m, expected at least 0")
         if geometry == "visual" and self._drawn is not self:
             return self._as_drawn().cast(origins, directions, max_range, method=method, threads=threads)
-        d = np.ascontiguousarray(directions, float)
-        o = np.atleast_2d(np.ascontiguousarray(origins, float))
+        # Read-only arrays are another type to the compiler, which would compile everything once more for them.
+        d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
+        o = np.atleast_2d(o)
         if d.ndim != 2 or d.shape[1] != 3 or o.shape not in (d.shape, (1, 3)):
             raise ValueError(f"rays: origins {np.shape(origins)} and directions {d.shape}, expected (r, 3) and (r, 3), or (3,)")
         hits = _room(len(d))
@@ -377,7 +378,8 @@ class World:
         """
         from engine.images.paths import traced_paths
 
-        o, d = np.atleast_2d(np.ascontiguousarray(origins, float)), np.ascontiguousarray(directions, float)
+        d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
+        o = np.atleast_2d(o)
         return traced_paths(self._as_drawn().cast, self._bodies, o, d, whole("rays", "bounces", bounces, 0))
 
     def _as_drawn(self) -> "World":

@@ -12,9 +12,9 @@
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 
 What is certified is the residual of the answer, whoever found it. A solve may miss 1e-10. Of piles of four boxes with masses
-from 1 to 1e4 kg between walls all of the twenty that the tests know had no miss (2988 solves, at most 3.1e-11), of 61 others 59
-(2 misses in 9128 solves, at most 4.9e-10), of three of eight boxes two (1 miss in 450, 4.8e-7). A miss takes seconds, is counted
-in `World.certificate`, and a converged truth is refused on it.
+from 1 to 1e4 kg between walls all of the twenty that the tests know had no miss (2988 solves, at most 3.1e-11), of 61 others
+59 (2 misses in 9128 solves, at most 4.9e-10), of three of eight boxes two (1 miss in 450, 4.8e-7). A miss takes seconds, is
+counted in `World.certificate`, and a converged truth is refused on it.
 """
 
 from collections.abc import Iterator

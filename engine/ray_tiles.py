@@ -429,7 +429,7 @@ def cast_tile_range(
     facing, packed_facing = (a[12], a[13], a[14]), (a[15], a[16], a[17])
     best, t, length = a[18], a[19], a[20]
     who, pick, near, own, role = places[0], places[1], places[2], places[3], places[4]
-    high, across, rows = TILE // wide, (row + wide - 1) // wide, directions.shape[0] // row
+    high, across, rows = TILE // wide, (row + wide - 1) // wide, directions.shape[0] // max(row, 1)
     for tile in range(first_tile, last_tile):
         top, left = tile // across * high, tile % across * wide
         tall, broad = min(high, rows - top), min(wide, row - left)

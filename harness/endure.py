@@ -109,8 +109,14 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
         sim_seconds=shown.answer.steps * trial.settings.dt,
         steps=shown.answer.steps,
         trajectory_hash=None if folder is None else save_trajectory(folder, shown.scene, shown.answer.actual, None),
-        rough_cost=_cost(trial, case, adapter),
+        rough_cost=None if broken and not _compared(trial) else _cost(trial, case, adapter),
     )
+
+
+def _compared(trial: Trial) -> bool:
+    """Is the cost of what broke to be compared with that of a remedy?"""
+    limit = trial.experiment.limit
+    return limit is not None and trial.track in limit.remedies
 
 
 def _cost(trial: Trial, case: Case, adapter: Adapter) -> float | None:

@@ -158,7 +158,7 @@ def _next_of(
     if value is not None:
         return [_at(first, value, by.axis, case, number)]
     broke = bracket(known, by).broke
-    if first.remedied or limit is None or not limit.remedies or broke is None:
+    if first.remedied or limit is None or first.track not in limit.remedies or broke is None:
         return []
     sick = next(trial for trial in group if value_of(trial, by.axis) == broke)
     if any(trial.remedied == sick.trial for trial in trials):

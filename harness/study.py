@@ -35,6 +35,7 @@ __all__ = [
     "load_study",
 ]
 
+Track = Literal["default", "tuned"]
 
 BEYOND = 4.0
 """A limit along the time step is sought up to so many times the coarsest step of a case's ladder."""
@@ -51,7 +52,7 @@ class Variant:
     Terms: the fields of `Settings`; None keeps the track's own. options: added to the track's, one by one.
     """
 
-    on: Literal["default", "tuned"] = "tuned"
+    on: Track = "tuned"
     substeps: int | None = None
     iterations: int | None = None
     integrator: str | None = None
@@ -77,7 +78,7 @@ class Limit:
         easy, extreme: where the search starts and ends, the axis's own unless said. scan: values from easy to extreme that are
         tried one after the other before the first bracket is halved. within: the ratio of a bracket's ends at which it is close
         enough; along an axis that starts at 0, one more than their distance over the extreme. members: starts of each value.
-        remedies: try what is said to help where a case breaks.
+        remedies: the tracks on which what is said to help is tried where a case breaks.
     """
 
     along: str = "axis"
@@ -86,7 +87,7 @@ class Limit:
     scan: int = Field(default=4, ge=2, le=1000)
     within: float = Field(default=1.25, gt=1.0, le=100.0)
     members: int = Field(default=16, ge=2, le=100_000)
-    remedies: bool = False
+    remedies: tuple[Track, ...] = ()
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -112,7 +113,7 @@ class Experiment:
     name: Name
     cases: tuple[str, ...] = ("*",)
     engines: tuple[str, ...] = ("*",)
-    tracks: tuple[Literal["default", "tuned"], ...] = ("default", "tuned")
+    tracks: tuple[Track, ...] = ("default", "tuned")
     variants: tuple[str, ...] = ()
     dt: Literal["case", "ladder"] | tuple[Positive, ...] = "case"
     parameters: dict[str, tuple[bool | int | float | str, ...]] = Field(default_factory=dict)
@@ -128,6 +129,13 @@ class Experiment:
     limit: Limit | None = None
     effects: bool = False
     determinism: bool = False
+
+    def __post_init__(self) -> None:
+        for track in () if self.limit is None else self.limit.remedies:
+            if track not in self.tracks:
+                raise ValueError(
+                    f"limit.remedies: '{track}', expected one of the experiment's tracks: {', '.join(self.tracks)}"
+                )
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -3,9 +3,9 @@
 For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares is
 turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, means nothing here and is left
 alone. From then on each point of the front tries its neighbours: half and twice its time step, and the next value to both
-sides of every knob that matters. That ends when a round brings nothing to the front and no exact answer is left to try at twice
-its step, or the experiment's number of points is spent. Costs are those that the accuracy run noted in passing; what they
-leave near the front is clocked properly afterwards.
+sides of every knob that matters. That ends when a round brings nothing to the front and no exact answer on it is left to
+try at twice its step, or the experiment's number of points is spent. Costs are those that the accuracy run noted in passing;
+what they leave near the front is clocked properly afterwards.
 """
 
 import math
@@ -210,9 +210,15 @@ def _moved(here: Sequence[Point], last: int) -> bool:
     )
 
 
+def _front(here: Sequence[Point]) -> list[Point]:
+    """The points of the front, the cheapest first."""
+    flags = on_front([point.error for point in here], [point.cost for point in here])
+    return sorted((point for point, on in zip(here, flags, strict=True) if on), key=lambda point: point.cost)
+
+
 def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, Settings]]:
     """Twice the step of what has no error to speak of: that costs less without being worse, however little less."""
-    for point in here:
+    for point in _front(here):
         dt = 2 * point.trial.settings.dt
         if point.error <= SMALLEST and dt <= BEYOND * max(case.ladder) * (1 + 1e-9):
             yield point.trial, point.trial.settings.with_dt(dt)
@@ -220,11 +226,9 @@ def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, S
 
 def _neighbours(here: Sequence[Point], live: Sequence[str], case: Case, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
     """Around each point of the front, in turn: the time step first, then knob after knob."""
-    flags = on_front([p.error for p in here], [p.cost for p in here])
-    front = sorted((point for point, on in zip(here, flags, strict=True) if on), key=lambda point: point.cost)
     coarsest, finest = BEYOND * max(case.ladder), min(case.ladder) / BEYOND
     moves: list[list[tuple[Trial, Settings]]] = []
-    for point in front:
+    for point in _front(here):
         settings = point.trial.settings
         near: list[tuple[Trial, Settings]] = []
         for dt in (settings.dt / 2, settings.dt * 2):

@@ -7,6 +7,7 @@ import json
 import time as clock
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -80,8 +81,13 @@ def _place(folder: Path | None, depends: Mapping[str, Any], kind: str = "npz") -
 
 def _laws(case: Case) -> str:
     """A digest of the text that closed forms and bounds are made by: the case's own file and those of `harness.truths`."""
+    return _told(inspect.getsourcefile(case.scene))
+
+
+@cache
+def _told(own: str | None) -> str:
+    """Worked out once a process, which has read the text only once as well."""
     files = sorted(Path(folder) / name for folder in truths.__path__ for name in Path(folder).glob("*.py"))
-    own = inspect.getsourcefile(case.scene)
     told = hashlib.sha256()
     for path in [*files, *([Path(own)] if own is not None else [])]:
         told.update(path.read_bytes())

@@ -79,7 +79,7 @@ def _tooltips(*numbers: tuple[str, str]) -> list[Any]:
 def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
     import altair as alt
 
-    first = group[0]
+    first, known = group[0], group[0].noise.law
     rows: list[Row] = []
     law: list[Row] = []
     for one in group:
@@ -97,7 +97,7 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
 
     told_over = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
     caption = (
-        f"Overlapping Allan deviation of the noise, root mean square over the axes. Grey: the law ({first.law}), exactly, with "
+        f"Overlapping Allan deviation of the noise, root mean square over the axes. Grey: the law ({known}), exactly, with "
         "the band in which 19 of 20 findings lie. The same stream of noise is laid over every engine's signal, so marks lie on "
         "one another where an engine adds nothing of its own."
     )
@@ -130,7 +130,7 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
 
     told_over = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
     caption = (
-        f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.law}). Grey: the "
+        f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.noise.law}). Grey: the "
         "normal law, with the band in which 19 of 20 bins lie."
     )
     spec = finished(_layers(store, rows, law, x, y, told_over), height=260)
@@ -166,7 +166,7 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
     )
     caption = (
         "Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law "
-        f"({first.law})."
+        f"({first.noise.law})."
     )
     spec = finished(_layers(store, rows, law, x, y, told_over), height=280)
     columns = ("engine", "setting", "depth [m]", "spread [m]", "95 % from", "to", "by law", "trial")

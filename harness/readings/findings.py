@@ -7,7 +7,7 @@ the sensors or their bare rays. A trial without readings is a finding without a 
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -18,7 +18,7 @@ from harness.readings.depth import Levels, depth_levels, depth_noise
 from harness.readings.ideal import Errors, ideal_errors
 from harness.readings.inertial import Allan, allan_curve, inertial_noise
 from harness.readings.lag import lag_by_law, lag_of
-from harness.readings.noise import Noise
+from harness.readings.noise import SILENT, Noise
 from harness.readings.picture import Picture, first_picture
 from harness.readings.ranging import Histogram, range_histogram, ranging_noise
 from harness.scene import Lidar, Scene
@@ -27,7 +27,7 @@ from harness.store import Store, StoreError
 
 __all__ = ["SKETCHES", "Finding", "concerned", "findings"]
 
-NOISE = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
+MEASURES = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,7 +38,7 @@ class Finding:
         where: the parameters that are not the case's own. readings: how many, of `values` numbers each. error_max, error_rms,
         error_median [unit]: of the ideal signal against the truth; disagree: share that meets another surface, or none.
         metric, at_most, passed: the case's own check of that signal, and error its value; the largest error without a check.
-        law, sigma ... walk: see `harness.readings.noise.Noise`.
+        noise: what is found of it beside its law.
         lag, lag_law [s]: behind the motion. rays_per_s: beams or pixels a CPU second, sensors read and noise laid over;
         bare_rays_per_s: of the beams, or of the case's own rays, alone; times_bare: what a ray that is read costs over a bare
         one, where all rays of the scene are beams. cpu_sensing [s]: of one interval of the scene's sensors.
@@ -65,22 +65,7 @@ class Finding:
     metric: str = ""
     at_most: float | None = None
     passed: bool | None = None
-    law: str = ""
-    sigma: float | None = None
-    sigma_low: float | None = None
-    sigma_high: float | None = None
-    sigma_law: float | None = None
-    bias: float | None = None
-    bias_low: float | None = None
-    bias_high: float | None = None
-    bias_law: float | None = None
-    lost: float | None = None
-    lost_low: float | None = None
-    lost_high: float | None = None
-    lost_law: float | None = None
-    white: float | None = None
-    floor: float | None = None
-    walk: float | None = None
+    noise: Noise = SILENT
     lag: float | None = None
     lag_law: float | None = None
     rays_per_s: float | None = None
@@ -211,8 +196,8 @@ def _of_channel(
     prices: _Prices,
 ) -> Finding:
     errors = ideal_errors(channel)
-    measure = NOISE.get(channel.type)
-    noise = (None if measure is None else measure(channel)) or Noise(law="")
+    measure = MEASURES.get(channel.type)
+    noise = (None if measure is None else measure(channel)) or SILENT
     lacking = [word for word in (plain.reason, errors.why, noise.why) if word]
     seeing = channel.sensor is not None and rays_of(channel.sensor) > 0
     bare = prices.bare if channel.type in ("lidar", RAYS) else None
@@ -230,7 +215,7 @@ def _of_channel(
         readings=len(channel.time),
         values=channel.read[0].size if len(channel.read) else 0,
         **_error_fields(errors, _check(channel.channel, measured)),
-        **{field.name: getattr(noise, field.name) for field in fields(Noise) if field.name not in ("count", "why")},
+        noise=noise,
         lag=lag_of(channel, scene, arrays),
         lag_law=lag_by_law(channel),
         rays_per_s=1.0 / read if read else None,

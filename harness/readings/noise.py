@@ -9,7 +9,7 @@ import numpy as np
 from harness.proportion import Z_95, wilson_interval
 from harness.trajectory import Floats
 
-__all__ = ["Noise", "lost_share", "spread", "spread_interval"]
+__all__ = ["SILENT", "Noise", "lost_share", "spread", "spread_interval"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +40,10 @@ class Noise:
     floor: float | None = None
     walk: float | None = None
     why: str = ""
+
+
+SILENT = Noise(law="")
+"""Of a channel without noise."""
 
 
 def spread_interval(sigma: float, freedom: float) -> tuple[float, float]:

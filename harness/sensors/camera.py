@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from harness.scene import Camera
 from harness.sensors.pictures import Pictures
-from harness.sensors.pinhole import intrinsics, project, unproject
 from harness.sensors.reader import Setting
 from harness.trajectory import Floats, State
 
-__all__ = ["CameraReader", "intrinsics", "project", "unproject"]
+__all__ = ["CameraReader"]
 
 
 class CameraReader:

@@ -14,7 +14,7 @@ from harness.kinematics import rotate
 from harness.scene import Camera, DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from harness.sensors import stereo, structured_light, time_of_flight
 from harness.sensors.pictures import Pictures
-from harness.sensors.pinhole import pixel_rays
+from harness.sensors.pinhole import pixel_rays, view_of
 from harness.sensors.reader import Setting, pose_of, row_of
 from harness.sensors.seeds import generator
 from harness.sensors.sight import Mask, Sight, bounded, sight_by_rays
@@ -56,20 +56,7 @@ def picture_camera(camera: DepthCamera) -> Camera:
     """The colour camera of the same view, by whose picture the depth is seen. Raises: ValueError where rays see it."""
     if camera.seen_by == "rays":
         raise ValueError(f"sensor '{camera.name}': seen_by 'rays', expected a renderer")
-    return Camera(
-        name=camera.name,
-        body=camera.body,
-        rate=camera.rate,
-        p_BS=camera.p_BS,
-        q_BS=camera.q_BS,
-        width=camera.width,
-        height=camera.height,
-        focal_x=camera.focal_x,
-        focal_y=camera.focal_y,
-        centre_x=camera.centre_x,
-        centre_y=camera.centre_y,
-        renderer=camera.seen_by,
-    )
+    return Camera(**view_of(camera), renderer=camera.seen_by)
 
 
 class DepthReader:

@@ -6,13 +6,22 @@ row j) covers i <= u < i + 1, j <= v < j + 1, so that its centre is (i + 0.5, j 
 Source: Hartley and Zisserman, Multiple View Geometry, 2nd ed., section 6.1.
 """
 
+from typing import Any
+
 import numpy as np
 
 from harness.scene import Camera, DepthCamera
 from harness.sensors.lens import distort, undistort
 from harness.trajectory import Floats
 
-__all__ = ["intrinsics", "pixel_centres", "pixel_rays", "project", "unproject"]
+__all__ = ["intrinsics", "pixel_centres", "pixel_rays", "project", "unproject", "view_of"]
+
+VIEW = ("name", "body", "rate", "p_BS", "q_BS", "width", "height", "focal_x", "focal_y", "centre_x", "centre_y")
+
+
+def view_of(camera: Camera | DepthCamera) -> dict[str, Any]:
+    """What both kinds of camera have alike, by field: mounting, rate, size and the lens but for its distortion."""
+    return {name: getattr(camera, name) for name in VIEW}
 
 
 def intrinsics(camera: Camera | DepthCamera) -> Floats:

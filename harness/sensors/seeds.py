@@ -1,7 +1,7 @@
 """Random streams: one independent generator for each seed, sensor, channel and axis.
 
 The name of a sensor, not its place in the scene, enters the key, so that adding a sensor leaves the others' noise alone. SFC64
-is the quickest of NumPy's generators: drawing is half of what the noise of a scan costs.
+is the quickest of NumPy's generators at normal numbers: 32768 of them in 0.24 ms, PCG64 in 0.29, Philox in 0.46 (one run).
 Source: O'Neill, "Developing a seed_seq alternative" (2015), the hash behind numpy.random.SeedSequence.
 """
 

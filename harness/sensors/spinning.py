@@ -18,7 +18,7 @@ from harness.sensors.beams import beams, spread
 from harness.sensors.lidar import returns
 from harness.sensors.lidar_scans import Scans
 from harness.sensors.reader import Setting, row_of
-from harness.trajectory import Floats, State
+from harness.trajectory import Floats, Hits, State
 
 __all__ = ["SpinningReader", "pose_between"]
 
@@ -86,7 +86,7 @@ class SpinningReader:
         hits = setting.simulation.cast(origins, directions, lidar.max_range)
         # Sub-rays first, then channels, then columns, as `returns` and the scan have them.
         order = np.moveaxis(np.arange(len(directions)).reshape(rays.shape[:3]), 0, 2).ravel()
-        hits = type(hits)(hits.distance[order], hits.body[order], hits.normal_W[order])
+        hits = Hits(hits.distance[order], hits.body[order], hits.normal_W[order])
         found = returns(lidar, setting.scene, directions[order], hits)
         for kept, one in zip(self._open, found, strict=True):
             kept[:, columns] = one.reshape(lidar.channels, len(columns))

@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.scene import Camera, DepthCamera, Scene
 from harness.sensors.depth_camera import lost
-from harness.sensors.pinhole import pixel_rays
+from harness.sensors.pinhole import pixel_rays, view_of
 from harness.sensors.rays import first_hits
 from harness.sensors.reader import pose_of, row_of
 from harness.sensors.sight import Sight, sight_by_rays
@@ -26,21 +26,7 @@ def stamps_up_to(end: float, rate: float) -> Floats:
 def _as_depth_camera(camera: Camera | DepthCamera) -> DepthCamera:
     if isinstance(camera, DepthCamera):
         return camera
-    return DepthCamera(
-        name=camera.name,
-        body=camera.body,
-        rate=camera.rate,
-        p_BS=camera.p_BS,
-        q_BS=camera.q_BS,
-        width=camera.width,
-        height=camera.height,
-        focal_x=camera.focal_x,
-        focal_y=camera.focal_y,
-        centre_x=camera.centre_x,
-        centre_y=camera.centre_y,
-        near=NEAREST,
-        far=FARTHEST,
-    )
+    return DepthCamera(**view_of(camera), near=NEAREST, far=FARTHEST)
 
 
 def true_sight(scene: Scene, camera: Camera | DepthCamera, state: State) -> Sight:

@@ -1,7 +1,8 @@
 """What each sensor says on each engine: how far off its ideal signal is, whether its noise keeps its law, how late it is, and
 what its rays cost.
 
-One row a channel of a sensor on an engine and track; see `harness.readings.findings.Finding`.
+One row a channel of a sensor on an engine and track; see `harness.readings.findings.Finding` and, for
+the columns law to walk, `harness.readings.noise.Noise`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,16 +10,26 @@ from dataclasses import fields
 from typing import Any
 
 from harness.readings.findings import SKETCHES, Finding, findings
+from harness.readings.noise import Noise
 from harness.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
 
-COLUMNS = tuple(field.name for field in fields(Finding) if field.name not in SKETCHES)
+OF_NOISE = tuple(field.name for field in fields(Noise) if field.name not in ("count", "why"))
+
+
+def _columns() -> tuple[str, ...]:
+    """The fields of a finding, with those of its noise in its place."""
+    own = (field.name for field in fields(Finding) if field.name not in SKETCHES)
+    return tuple(column for name in own for column in (OF_NOISE if name == "noise" else (name,)))
+
+
+COLUMNS = _columns()
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [{name: getattr(one, name) for name in COLUMNS} for one in findings(store)]
+    return [{name: getattr(one.noise if name in OF_NOISE else one, name) for name in COLUMNS} for one in findings(store)]
 
 
 BRIEF = ("case", "engine", "sensor", "error", "bound", "sigma (law)", "lost (law)", "lag", "rays a second", "outcome")

@@ -24,7 +24,7 @@ engines = ["mujoco", "bullet"]
 tracks = ["tuned"]
 parameters = { continuous = [false] }
 timing = false
-limit = { members = 2, remedies = true, within = 1.1 }
+limit = { members = 2, remedies = ["tuned"], within = 1.1 }
 """
 EFFECTS = """
 name = "small-effects"

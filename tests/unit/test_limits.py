@@ -172,7 +172,7 @@ def test_a_run_without_an_answer_ends_the_search() -> None:
 
 def test_a_remedy_that_helps_is_followed_and_one_that_does_not_is_told() -> None:
     case, limit = case_of(eased={"slow": {"speed": 1.0}}), 100.0
-    trials, records = searched(case, BrittleEngine(limit=limit), Limit(within=1.1, remedies=True))
+    trials, records = searched(case, BrittleEngine(limit=limit), Limit(within=1.1, remedies=("tuned",)))
     sick = {trial.remedied for trial in trials if trial.remedied}
     assert len(sick) == 1
     by_remedy = {trial.remedy: records[trial.trial].status for trial in reversed(trials) if trial.remedied}
@@ -193,6 +193,11 @@ def test_starts_are_the_same_for_everyone_and_differ_from_each_other() -> None:
     assert first.told is not None
     assert np.linalg.norm(run.p_WB[0]) <= 5.0 * 0.01 + math.sqrt(3) * TOLERANCE * 0.2
     assert np.linalg.norm(run.v_WB[0]) == pytest.approx(5.0, rel=1e-14)
+
+
+def test_remedies_are_for_tracks_that_run() -> None:
+    with pytest.raises(ValueError, match=r"limit\.remedies: 'default', expected one of the experiment's tracks: tuned"):
+        Experiment(name="e", tracks=("tuned",), limit=Limit(remedies=("default",)))
 
 
 def test_an_axis_that_is_not_there_is_named() -> None:

@@ -24,9 +24,8 @@ from harness.scene import (
     axis_angle,
 )
 from harness.sensors import pictures
-from harness.sensors.camera import intrinsics, project, unproject
 from harness.sensors.lens import RESIDUAL, distort, undistort
-from harness.sensors.pinhole import pixel_centres, pixel_rays
+from harness.sensors.pinhole import intrinsics, pixel_centres, pixel_rays, project, unproject
 from harness.sensors.recorder import SensorRecorder
 from harness.sensors.true_frames import true_frames, true_sight
 from harness.trajectory import Floats, Image, State

@@ -65,32 +65,32 @@ def test_a_clean_engine_keeps_every_law_and_a_planted_fault_breaks_its_own(store
     """At 99.99 % of a known spread: the planted faults are ten times farther off."""
     for sensor, channel in (("imu", "gyroscope"), ("lidar", "range"), ("depth", "depth")):
         clean, loud = (of(store, engine, sensor, channel) for engine in ("reference", "mujoco"))
-        assert clean.sigma_law is not None
-        assert clean.sigma == pytest.approx(clean.sigma_law, rel=4 / math.sqrt(2 * 4000))
-        assert loud.sigma_low is not None
+        assert clean.noise.sigma_law is not None
+        assert clean.noise.sigma == pytest.approx(clean.noise.sigma_law, rel=4 / math.sqrt(2 * 4000))
+        assert loud.noise.sigma_low is not None
         if sensor != "depth":
-            assert loud.sigma_low > 1.5 * clean.sigma_law
-            assert loud.sigma == pytest.approx(2 * clean.sigma_law, rel=0.1)
+            assert loud.noise.sigma_low > 1.5 * clean.noise.sigma_law
+            assert loud.noise.sigma == pytest.approx(2 * clean.noise.sigma_law, rel=0.1)
 
 
 def test_a_share_of_lost_returns_lies_in_its_interval_and_a_biased_one_does_not(store: Store) -> None:
     clean, biased = (of(store, engine, "lidar", "range") for engine in ("reference", "mujoco"))
-    assert clean.lost_low is not None
-    assert clean.lost_high is not None
-    assert biased.lost_low is not None
-    assert clean.lost_low < 0.1 < clean.lost_high
-    assert biased.lost_low > 0.2
+    assert clean.noise.lost_low is not None
+    assert clean.noise.lost_high is not None
+    assert biased.noise.lost_low is not None
+    assert clean.noise.lost_low < 0.1 < clean.noise.lost_high
+    assert biased.noise.lost_low > 0.2
     # Beams that meet nothing have nothing to lose: 8 of 512 in each of ten scans.
-    assert clean.lost is not None
-    assert clean.lost * 5040 == pytest.approx(round(clean.lost * 5040), abs=1e-9)
+    assert clean.noise.lost is not None
+    assert clean.noise.lost * 5040 == pytest.approx(round(clean.noise.lost * 5040), abs=1e-9)
 
 
 def test_pixels_that_got_lost_are_counted_among_those_that_could_answer(store: Store) -> None:
     depth = of(store, "reference", "depth", "depth")
-    assert depth.lost_law == 0.05
-    assert depth.lost_low is not None
-    assert depth.lost_high is not None
-    assert depth.lost_low < 0.05 < depth.lost_high
+    assert depth.noise.lost_law == 0.05
+    assert depth.noise.lost_low is not None
+    assert depth.noise.lost_high is not None
+    assert depth.noise.lost_low < 0.05 < depth.noise.lost_high
 
 
 def test_the_error_of_an_ideal_signal_is_the_planted_one_and_stands_beside_its_check(store: Store) -> None:

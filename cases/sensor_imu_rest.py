@@ -25,14 +25,14 @@ from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION, SETTLED, RATE = 3.0, 2.0, 60.0
-HALF, FRICTION = 0.1, 0.5
+HALF = 0.1
 MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
 BORNE = 0.01
 """How well a ground has to carry a weight that rests on it, as a share of the weight [1]."""
 
 
-def _scene(friction: float = FRICTION) -> Scene:
-    """A box that just touches a plane, with a sensor off its centre, turned against it."""
+def _scene() -> Scene:
+    """A box that just touches a smooth plane, with a sensor off its centre, turned against it."""
     half = (HALF, HALF, HALF)
     box = Body(
         name="box",
@@ -42,11 +42,10 @@ def _scene(friction: float = FRICTION) -> Scene:
     )
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     imu = Imu(name="imu", body="box", rate=RATE, p_BS=(0.05, -0.03, 0.08), q_BS=MOUNTING)
-    surface = Surface(static_friction=friction, kinetic_friction=friction)
-    return Scene(bodies=(ground, box), surfaces=(surface,), sensors=(imu,))
+    return Scene(bodies=(ground, box), surfaces=(Surface(),), sensors=(imu,))
 
 
-def _expected(time: Floats, friction: float = FRICTION) -> Trajectory:  # noqa: ARG001 -- rest knows no friction
+def _expected(time: Floats) -> Trajectory:
     """Rest, in which the sensor feels the ground's push g upwards."""
     truth = Trajectory.of(time, 2)
     truth.p_WB[:, 1, 2] = HALF
@@ -71,7 +70,6 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"friction": FRICTION},
     headline=ACCELEROMETER_ERROR.name,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a box at rest never diverges"),

@@ -93,7 +93,8 @@ def matters(store: Store, plain: Any, other: Any, finer: Any) -> Consequence | N
     if other.status == "diverged":
         return Consequence(float("inf"), 0.0, matters=True)
     best = finer if finer is not None and finer.status in ANSWERED else None
-    runs = [store.trajectory(run.trajectory_hash) if run is not None else None for run in (plain, other, best)]
+    names = "time", "p_WB", "q_WB"
+    runs = [store.trajectory(run.trajectory_hash, names) if run is not None else None for run in (plain, other, best)]
     assert runs[0] is not None
     assert runs[1] is not None
     found = compared(runs[0], runs[1], runs[2])

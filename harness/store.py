@@ -5,6 +5,7 @@ import json
 import os
 import tomllib
 import zipfile
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -132,11 +133,14 @@ class Store:
         path = self.folder / "study.toml"
         return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
-    def trajectory(self, trajectory_hash: str) -> dict[str, NDArray[Any]]:
-        """The arrays of one trajectory: time, p_WB, ..., truth_p_WB, ..., contacts_..., stream:..., scene (JSON)."""
+    def trajectory(self, trajectory_hash: str, only: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
+        """The arrays of one trajectory: time, p_WB, ..., truth_p_WB, ..., contacts_..., stream:..., scene (JSON).
+
+        only: the names of those that are wanted, which are read in less time than all.
+        """
         path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
         try:
             with np.load(path, allow_pickle=False) as arrays:
-                return dict(arrays)
-        except (OSError, ValueError, zipfile.BadZipFile) as error:
+                return {name: arrays[name] for name in only or arrays.files}
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
             raise StoreError(f"{path}: not readable: {error}") from error

@@ -95,6 +95,7 @@ class Experiment:
     """A block of trials: every case that a pattern names, on every engine that a pattern names.
 
     Terms:
+        without: patterns of cases that are left out all the same.
         variants: patterns over '<engine>/<variant>' of the study's variants, run beside the tracks under their own names.
         dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at
         instead of its own, each a list; all combinations are run. timing: also clock it, by `samples` samples of
@@ -112,6 +113,7 @@ class Experiment:
 
     name: Name
     cases: tuple[str, ...] = ("*",)
+    without: tuple[str, ...] = ()
     engines: tuple[str, ...] = ("*",)
     tracks: tuple[Track, ...] = ("default", "tuned")
     variants: tuple[str, ...] = ()
@@ -129,6 +131,11 @@ class Experiment:
     limit: Limit | None = None
     effects: bool = False
     determinism: bool = False
+
+    def asks(self, case: str) -> bool:
+        """Is the case of that name among its own?"""
+        wanted, left = (any(fnmatchcase(case, one) for one in some) for some in (self.cases, self.without))
+        return wanted and not left
 
     def __post_init__(self) -> None:
         for track in () if self.limit is None else self.limit.remedies:
@@ -166,7 +173,7 @@ class Study:
             engines = [e for e in adapters.values() if any(fnmatchcase(e.name, pattern) for pattern in experiment.engines)]
             sides = list(self._sides(experiment, engines))
             for case in cases.values():
-                if not any(fnmatchcase(case.name, pattern) for pattern in experiment.cases):
+                if not experiment.asks(case.name):
                     continue
                 for parameters, seed in parameters_of(experiment, case):
                     if experiment.limit is not None:

@@ -137,7 +137,8 @@ def finished(layers: Sequence[Any], height: int) -> Row:
     """One specification, as wide as the page lets it."""
     import altair as alt
 
-    spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict()
+    # The tests validate every specification; doing so again takes as long as drawing it.
+    spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict(validate=False)
     spec["config"] = {
         "legend": {
             "orient": "bottom",

@@ -66,13 +66,23 @@ def _verdicts(store: Store) -> Iterator[Verdict]:
     altered = set(trials.loc[trials["alteration"].str.contains(EVERYTHING, regex=False), "experiment"])
     part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
     part = part.assign(departure=[json.loads(text).get("name", "") for text in part["alteration"]])
-    samples = dict(iter(store.samples.groupby("trial")))
+    samples = _sampled(store)
     for _, cells in part.groupby("case", sort=False):
         named = _where(cells["parameters"])
         for parameters, scenes in cells.groupby("parameters", sort=False):
             needed = _needed(store, scenes)
             for (engine, track), group in scenes.groupby(["engine", "track"], sort=False):
                 yield from _of_side(store, str(engine), str(track), named[str(parameters)], group, needed, samples)
+
+
+Sampled = Mapping[str, pd.Series]
+
+
+def _sampled(store: Store) -> Sampled:
+    """By trial, the CPU seconds of a unit in each of its samples, by process and block."""
+    told = store.samples.set_index(["process", "block"])
+    told = told.assign(unit=told["cpu"] / (told["steps"] * told["units"]))
+    return {str(trial): part["unit"] for trial, part in told.groupby("trial")}
 
 
 def _where(told: Iterable[str]) -> dict[str, str]:
@@ -109,7 +119,7 @@ def _of_side(
     where: str,
     group: pd.DataFrame,
     needed: Mapping[str, bool],
-    samples: Mapping[Any, pd.DataFrame],
+    samples: Sampled,
 ) -> Iterator[Verdict]:
     runs = _runs(group)
     plain = runs.get("")
@@ -187,17 +197,13 @@ def _named(text: str) -> list[str]:
     return [name for name in Effect(~0).names if name in words]
 
 
-def _price(cost: Any, base: Any, samples: Mapping[Any, pd.DataFrame]) -> Ratio | None:
+def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     """CPU time of a unit of one run over that of another, in the blocks that both were sampled in."""
     one, other = samples.get(cost.trial), samples.get(base.trial)
     if one is None or other is None:
         return None
-    both = one.merge(other, on=["process", "block"], suffixes=("", "_base"))
-    if both.empty:
-        return None
-    mine = both["cpu"] / (both["steps"] * both["units"])
-    theirs = both["cpu_base"] / (both["steps_base"] * both["units_base"])
-    return ratio(mine.to_numpy(), theirs.to_numpy())
+    both = one.index.intersection(other.index)
+    return None if both.empty else ratio(one[both].to_numpy(), other[both].to_numpy())
 
 
 def audit(verdicts: Iterable[Verdict]) -> list[str]:

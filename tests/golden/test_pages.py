@@ -8,6 +8,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import altair as alt
 import pytest
 
 from harness.store import Store
@@ -99,3 +100,21 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
         *(f"{table}.csv" for table in ("price", "profile", "steps")),
         *(f"charts/{name}.svg" for name in ("profile-factor", "profile-time", "largest-steps")),
     }
+
+
+def test_every_chart_keeps_the_schema_of_vega_lite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a report leaves out, since it takes as long as drawing."""
+    plain, kept = alt.LayerChart.to_dict, []
+
+    def validated(chart: alt.LayerChart, **_: object) -> object:
+        kept.append(plain(chart, validate=True))
+        return plain(chart, validate=False)
+
+    monkeypatch.setattr(alt.LayerChart, "to_dict", validated)
+    rendered(Store(write_run_folder(tmp_path / "run", only=("joint_chain", "stack_tower"))))
+    sensors.PAGE.render(Store(write_sensor_folder(tmp_path / "sensors")))
+    assert len(kept) > 10
+    broken = alt.layer(alt.Chart("x.json").mark_point())
+    broken.height = [1]
+    with pytest.raises(alt.utils.schemapi.SchemaValidationError):
+        broken.to_dict()

@@ -138,6 +138,11 @@ def test_a_variant_that_takes_a_tracks_name_is_refused(tmp_path: Path) -> None:
         load_study(str(path))
 
 
+def test_a_case_may_be_left_out_of_a_pattern() -> None:
+    some = Experiment(name="e", cases=("stack_*",), without=("*_minutes",))
+    assert [some.asks(name) for name in ("stack_tower", "stack_ten_minutes", "spin_fast")] == [True, False, False]
+
+
 def test_the_quick_study_has_a_case_of_each_family_and_does_not_grow_by_itself() -> None:
     (look, _) = load_study("quick").experiments
     assert "*" not in look.cases

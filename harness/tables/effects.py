@@ -80,9 +80,11 @@ Sampled = Mapping[str, pd.Series]
 
 def _sampled(store: Store) -> Sampled:
     """By trial, the CPU seconds of a unit in each of its samples, by process and block."""
-    told = store.samples.set_index(["process", "block"])
-    told = told.assign(unit=told["cpu"] / (told["steps"] * told["units"]))
-    return {str(trial): part["unit"] for trial, part in told.groupby("trial")}
+    found = {}
+    for trial, part in store.samples.groupby("trial"):
+        told = part.set_index(["process", "block"])
+        found[str(trial)] = told["cpu"] / (told["steps"] * told["units"])
+    return found
 
 
 def _where(told: Iterable[str]) -> dict[str, str]:

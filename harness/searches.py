@@ -1,7 +1,7 @@
 """The searches for limits, read back from a run folder: where each ended, by what it broke, and what a step costs there."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -22,9 +22,10 @@ class Search:
     """One search: a case on an engine under one group of settings.
 
     Terms:
-        where: the parameters, and the time step, that the experiment sets to more than one value. axis, unit, easy, extreme:
-        what was made harder. held, broke: the ends of the bracket; None where it has none on that side. share: of the members
-        that held at `broke`. signs: by what the others broke. verdict: 'limit', 'beyond the extreme', 'not even the easiest',
+        where: the parameters, and the time step, that the experiment sets to other values than the case's own. axis, unit,
+        easy, extreme: what was made harder. held, broke: the ends of the bracket; None where it has none on that side.
+        share: of the members that held at `broke`. signs: by what the others broke. verdict: 'limit', 'beyond the extreme',
+        'not even the easiest',
         'stopped' (a run without an answer: `reason`), 'unsupported', 'unavailable'. members: starts of each value. values: how
         many were tried. cost: CPU seconds per simulated second at `held`, roughly. reach: where between easy (0) and extreme
         (1) the limit lies, on the axis's own measure. trial_held, trial_broke: those runs. remedy, remedied: what was tried to
@@ -90,7 +91,7 @@ def _searches(store: Store) -> Iterator[Search]:
             step=0.0 if by.axis.parameter == "dt" else part["dt"],
         )
         plain = part[part["remedied"] == ""]
-        named = _telling(plain["others"], plain["step"])
+        named = _telling(plain["others"], plain["step"], store.catalogue["cases"][str(case)])
         for (others, step, engine, track, remedy, remedied), group in part.groupby(
             ["others", "step", "engine", "track", "remedy", "remedied"], sort=False
         ):
@@ -98,12 +99,13 @@ def _searches(store: Store) -> Iterator[Search]:
             yield _search(str(name), str(case), where, (engine, track), (remedy, remedied), group, by, shares, starts)
 
 
-def _telling(others: "pd.Series[str]", steps: "pd.Series[float]") -> dict[tuple[str, float], str]:
-    """What tells the cells of an experiment apart, in words."""
+def _telling(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]) -> dict[tuple[str, float], str]:
+    """What tells the cells of an experiment apart, and from the case as it is, in words."""
     cells = list(dict.fromkeys(zip(others, steps, strict=True)))
     told = [json.loads(text) for text, _ in cells]
-    loose = [name for name in (told[0] if told else {}) if len({repr(one.get(name)) for one in told}) > 1]
-    many = len({step for _, step in cells}) > 1
+    own = case["parameters"]
+    loose = [name for name in (told[0] if told else {}) if any(one.get(name) != own.get(name) for one in told)]
+    many = any(step not in (0.0, case["dt"]) for _, step in cells)
     found = {}
     for cell, one in zip(cells, told, strict=True):
         words = [f"{name} {one[name]}" for name in loose] + ([f"dt 1/{1 / cell[1]:.4g} s"] if many else [])

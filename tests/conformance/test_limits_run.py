@@ -73,6 +73,7 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, plumbline: Command) -> 
     case = discover.case("tunnel_sphere_wall")
     for row in table(limits, "limits", plumbline):
         assert row["verdict"] == "limit"
+        assert row["where"] == "continuous False"
         engine = discover.adapter(row["engine"])
         experiment = Experiment(name="scan", tracks=("tuned",), timing=False, limit=Limit(members=2))
         study = Study(name="scan", experiments=(experiment,))

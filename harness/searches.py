@@ -23,12 +23,12 @@ class Search:
 
     Terms:
         where: the parameters, and the time step, that the experiment sets to other values than the case's own. axis, unit,
-        easy, extreme: what was made harder. held, broke: the ends of the bracket; None where it has none on that side.
-        share: of the members that held at `broke`. signs: by what the others broke. verdict: 'limit', 'beyond the extreme',
-        'not even the easiest', 'stopped' (a run without an answer: `reason`), 'unsupported', 'unavailable'. members: starts of
-        each value. values: how many were tried. cost: CPU seconds per simulated second at `held`, roughly. reach: where between easy (0) and extreme
-        (1) the limit lies, on the axis's own measure. trial_held, trial_broke: those runs. remedy, remedied: what was tried to
-        help the trial that broke.
+        easy, extreme: what was made harder. held, broke: the ends of the bracket; None where it has none on that side. share:
+        of the members that held at `broke`. signs: by what the others broke. verdict: 'limit', 'beyond the extreme', 'not even
+        the easiest', 'stopped' (a run without an answer: `reason`), 'unsupported', 'unavailable'. members: starts of each
+        value. values: how many were tried. cost: CPU seconds per simulated second at `held`, roughly. reach: where between easy
+        (0) and extreme (1) the limit lies, on the axis's own measure. trial_held, trial_broke: those runs. remedy, remedied:
+        what was tried to help the trial that broke.
     """
 
     experiment: str

@@ -1,8 +1,6 @@
 """What it saves to leave out what a scene does not call for: a number for each engine, a mark for each scene."""
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from harness.alteration import EVERYTHING
@@ -16,35 +14,13 @@ from reports.text import amount
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["Saving", "matrix", "savings", "savings_chart"]
+__all__ = ["matrix", "savings_chart"]
 
 Row = dict[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Saving:
-    """What everything on costs over the scene as it is: geometric mean, smallest and largest over so many scenes."""
-
-    engine: str
-    mean: float
-    low: float
-    high: float
-    scenes: int
-
-
 def _priced(found: Sequence[Verdict]) -> list[Verdict]:
     return [one for one in found if one.verdict == EVERYTHING and one.cost is not None]
-
-
-def savings(found: Sequence[Verdict]) -> list[Saving]:
-    """One row an engine."""
-    made = []
-    for engine in dict.fromkeys(one.engine for one in found):
-        costs = [one.cost for one in _priced(found) if one.engine == engine and one.cost]
-        if costs:
-            mean = math.exp(sum(map(math.log, costs)) / len(costs))
-            made.append(Saving(engine, mean, min(costs), max(costs), len(costs)))
-    return made
 
 
 def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:

@@ -15,7 +15,7 @@ from harness.effects import Consequence, matters, told_apart, weighed
 from harness.ratio import Ratio, ratio
 from harness.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "Verdict", "audit", "brief", "rows", "sentences", "verdicts"]
+__all__ = ["BRIEF", "COLUMNS", "Saving", "Verdict", "audit", "brief", "rows", "savings", "sentences", "verdicts"]
 
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked."""
@@ -29,7 +29,8 @@ class Verdict:
         effect: its name; several where they were left out together. declared: does the scene call for it? insists: why it does
         although its motion does not show it. moved, own: see `harness.effects.Consequence`; None where nothing could be
         compared. matters: on this engine. cost, low, high: CPU time of a step with it over that without it (everything on over
-        as it is), with the 95 % interval of the median over blocks; None where one of both was not clocked. verdict: 'needed
+        as it is), with the 95 % interval of the median over blocks; None where one of both was not clocked. cpu_as_it_is: CPU
+        seconds of a simulated second of the scene as it is; None where that was not clocked. verdict: 'needed
         and on', 'needed but missing', 'paid for without need', 'insisted on', 'cannot be switched off', 'left out', 'everything
         on', or the status of a run that gave no answer. reason: what the engine says to it. trial: of the departure.
     """
@@ -47,6 +48,7 @@ class Verdict:
     cost: float | None
     low: float | None
     high: float | None
+    cpu_as_it_is: float | None
     verdict: str
     reason: str
     trial: str
@@ -146,6 +148,7 @@ def _of_side(
             cost=None if price is None else price.value,
             low=None if price is None else price.low,
             high=None if price is None else price.high,
+            cpu_as_it_is=None if pd.isna(plain.cpu_per_sim_s) else float(plain.cpu_per_sim_s),
             verdict=verdict,
             reason=reason,
             trial=str(run.trial),
@@ -251,17 +254,49 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
+@dataclass(frozen=True, slots=True)
+class Saving:
+    """What everything on costs over the scene as it is, on one engine.
+
+    Terms:
+        mean, low, high: geometric mean, smallest and largest over so many scenes. summed: the time of a simulated second of
+        each of these scenes, added up, with everything on over as it is; None where no step was clocked.
+    """
+
+    engine: str
+    mean: float
+    low: float
+    high: float
+    scenes: int
+    summed: float | None
+
+
+def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
+    """One an engine."""
+    everything: dict[str, list[Mapping[str, Any]]] = {}
+    for row in rows:
+        if row["verdict"] == EVERYTHING and row["cost"]:
+            everything.setdefault(row["engine"], []).append(row)
+    made = []
+    for engine, mine in everything.items():
+        costs = [row["cost"] for row in mine]
+        mean = math.exp(float(np.mean(np.log(costs))))
+        both = [(row["cost"], row["cpu_as_it_is"]) for row in mine if row["cpu_as_it_is"]]
+        whole = sum(second for _, second in both)
+        summed = sum(cost * second for cost, second in both) / whole if whole else None
+        made.append(Saving(engine, mean, min(costs), max(costs), len(costs), summed))
+    return made
+
+
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What leaving effects out saves, engine by engine, and what the audit says."""
     found = []
-    for engine in dict.fromkeys(row["engine"] for row in rows):
-        costs = [row["cost"] for row in rows if row["engine"] == engine and row["verdict"] == EVERYTHING and row["cost"]]
-        if costs:
-            middle = math.exp(float(np.mean(np.log(costs))))
-            found.append(
-                f"{engine}: a step with everything on costs {middle:.3g} times that of the scene as it is "
-                f"(geometric mean over {len(costs)} scenes, {min(costs):.3g} to {max(costs):.3g})."
-            )
+    for one in savings(rows):
+        added = "" if one.summed is None else f"; a simulated second of each, added up, {one.summed:.3g} times"
+        found.append(
+            f"{one.engine}: a step with everything on costs {one.mean:.3g} times that of the scene as it is "
+            f"(geometric mean over {one.scenes} scenes, {one.low:.3g} to {one.high:.3g}{added})."
+        )
     asked = dict.fromkeys(row["engine"] for row in rows)
     judge = JUDGE if JUDGE in asked else next(iter(asked), "")
     judged = [row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING]

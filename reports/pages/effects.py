@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from harness.alteration import EVERYTHING
 from harness.tables import effects as effects_table
-from harness.tables.effects import audit, verdicts
+from harness.tables.effects import audit, savings, verdicts
 from reports.contents import engines
 from reports.page import Page
-from reports.savings import matrix, savings, savings_chart
+from reports.savings import matrix, savings_chart
 from reports.sheet import sheet
 from reports.template import fill
 
@@ -33,7 +33,7 @@ def render(store: "Store") -> Mapping[str, str]:
         store,
         title="Effects",
         names=[name for name in engines(store) if any(one.engine == name for one in found)],
-        savings=savings(found),
+        savings=savings(map(asdict, found)),
         figure=figure,
         audit=audit(found),
         audited=len({(one.case, one.where) for one in found}),

@@ -17,7 +17,7 @@ from harness.record import Record
 from harness.run import run_trial
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from harness.study import Experiment, Study, Trial
-from harness.tables.effects import Verdict, audit, verdicts
+from harness.tables.effects import Verdict, audit, savings, verdicts
 
 HALF = (0.1, 0.15, 0.2)
 
@@ -171,3 +171,12 @@ def test_names_say_which_effects_they_are_about() -> None:
     assert told_apart("without friction, gyroscopic") == ("friction", "gyroscopic")
     assert told_apart("with continuous_collision") == ("continuous_collision",)
     assert told_apart(EVERYTHING) == told_apart(FINER) == told_apart("") == ()
+
+
+def test_the_saving_is_a_mean_of_ratios_and_a_ratio_of_sums() -> None:
+    told = [("a", 2.0, 1.0), ("b", 0.5, 3.0), ("rays", 4.0, None)]
+    rows = [{"engine": "e", "verdict": EVERYTHING, "cost": c, "cpu_as_it_is": s, "case": name} for name, c, s in told]
+    (one,) = savings([*rows, {"engine": "e", "verdict": "needed and on", "cost": 9.0, "cpu_as_it_is": 1.0}])
+    assert one.mean == pytest.approx(4.0 ** (1 / 3))
+    assert (one.low, one.high, one.scenes) == (0.5, 4.0, 3)
+    assert one.summed == pytest.approx((2.0 * 1.0 + 0.5 * 3.0) / 4.0)

@@ -15,7 +15,7 @@ from harness.effects import Consequence, matters, told_apart, weighed
 from harness.ratio import Ratio, ratio
 from harness.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "Saving", "Verdict", "audit", "brief", "rows", "savings", "sentences", "verdicts"]
+__all__ = ["BRIEF", "COLUMNS", "Saving", "Verdict", "audit", "audited", "brief", "rows", "savings", "sentences", "verdicts"]
 
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked."""
@@ -297,9 +297,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             f"{one.engine}: a step with everything on costs {one.mean:.3g} times that of the scene as it is "
             f"(geometric mean over {one.scenes} scenes, {one.low:.3g} to {one.high:.3g}{added})."
         )
-    asked = dict.fromkeys(row["engine"] for row in rows)
-    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
-    judged = [row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING]
+    judged = audited(rows)
     bad = [row for row in judged if row["verdict"] in ("paid for without need", "needed but missing")]
     scenes = {(row["case"], row["where"]) for row in judged}
     failed = {(row["case"], row["where"]) for row in bad}
@@ -307,6 +305,13 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         found.append(f"Audit: {len(scenes) - len(failed)} of {len(scenes)} scenes call for exactly what they need.")
     found += [f"Audit: {row['case']}: {row['effect']}: {row['verdict']}." for row in bad]
     return found + [proposal for scene in failed if (proposal := proposed(scene, judged))]
+
+
+def audited(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """The rows that the audit judges: single effects on the judge's tuned track, on another engine's where it was not asked."""
+    asked = dict.fromkeys(row["engine"] for row in rows)
+    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
+    return [row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING]
 
 
 def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from harness.alteration import EVERYTHING
 from harness.tables import effects as effects_table
-from harness.tables.effects import audit, savings, verdicts
+from harness.tables.effects import audit, audited, savings, verdicts
 from reports.contents import engines
 from reports.page import Page
 from reports.savings import matrix, savings_chart
@@ -27,20 +27,21 @@ def concerns(store: "Store") -> bool:
 def render(store: "Store") -> Mapping[str, str]:
     """The page, its chart and its table as CSV."""
     found = verdicts(store)
+    rows = [asdict(one) for one in found]
     figure = savings_chart(store, found)
     page = fill(
         "effects.html",
         store,
         title="Effects",
         names=[name for name in engines(store) if any(one.engine == name for one in found)],
-        savings=savings(map(asdict, found)),
+        savings=savings(rows),
         figure=figure,
         audit=audit(found),
-        audited=len({(one.case, one.where) for one in found}),
+        audited=len({(row["case"], row["where"]) for row in audited(rows)}),
         matrix=matrix(store, found),
         found=[one for one in found if one.verdict != EVERYTHING],
     )
-    sheets = {"effects.csv": sheet(effects_table.COLUMNS, map(asdict, found))}
+    sheets = {"effects.csv": sheet(effects_table.COLUMNS, rows)}
     return {"effects.html": page} | sheets | ({figure.path: figure.svg} if figure is not None else {})
 
 

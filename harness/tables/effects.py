@@ -308,7 +308,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def audited(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The rows that the audit judges: single effects on the judge's tuned track, on another engine's where it was not asked."""
+    """The rows that the audit judges: effects left out or taken in on the judge's tuned track; another engine's, without it."""
     asked = dict.fromkeys(row["engine"] for row in rows)
     judge = JUDGE if JUDGE in asked else next(iter(asked), "")
     return [row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING]

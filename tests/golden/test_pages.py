@@ -102,8 +102,8 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
     }
 
 
-def test_every_chart_keeps_the_schema_of_vega_lite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a report leaves out, since it takes as long as drawing."""
+def test_charts_keep_the_schema_of_vega_lite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a report leaves out: here for the charts of these two folders."""
     plain, kept = alt.LayerChart.to_dict, []
 
     def validated(chart: alt.LayerChart, **_: object) -> object:

@@ -192,8 +192,11 @@ def calibrate(bench: Bench, seconds: float) -> int:
 
 
 def rough_cost(bench: Bench, seconds: float = 2e-3) -> float:
-    """CPU seconds per simulated second, per unit where that is no step: the middle of three short samples, taken at once."""
+    """CPU seconds per simulated second, per unit where that is no step: the least of five short samples, taken at once.
+
+    What disturbs a sample makes it longer.
+    """
     steps = calibrate(bench, seconds)
-    taken = sorted(bench.clock(steps)[0] for _ in range(3))[1] / (steps * bench.units)
+    taken = min(bench.clock(steps)[0] for _ in range(5)) / (steps * bench.units)
     bench.stop()
     return taken if bench.unit != "step" else taken / bench.dt

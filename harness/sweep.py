@@ -4,8 +4,9 @@ For a case on an engine the tracks come first, at each time step of the ladder. 
 turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, means nothing here and is left
 alone. From then on each point of the front tries its neighbours: half and twice its time step, and the next value to both
 sides of every knob that matters. That ends when a round brings nothing to the front and no exact answer on it is left to
-try at twice its step, or the experiment's number of points is spent. Costs are those that the accuracy run noted in passing;
-what they leave near the front is clocked properly afterwards.
+try at twice its step, or the experiment's number of points is spent; knobs that mean nothing here are not counted. Costs are
+those that the accuracy run noted in passing, and say nothing about differences of a few per cent; what they leave near the
+front is clocked properly afterwards.
 """
 
 import math
@@ -18,16 +19,16 @@ import numpy as np
 
 from harness.adapter import Adapter, Settings
 from harness.case import Case
-from harness.front import near_front, on_front
+from harness.front import near_front
 from harness.record import Record
 from harness.study import Trial
 
-__all__ = ["SMALLEST", "due_for_clock", "next_trials", "spread", "turned"]
+__all__ = ["SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
-MOVED = 0.95
-"""A front has moved where a new point costs less than this share of what its error cost before."""
+TELLING = 1.1
+"""Rough costs tell two points apart where one is larger than the other by more than this; otherwise the earlier one counts."""
 PER_ROUND = 8
 """New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
 LONGEST = 4.0
@@ -106,7 +107,7 @@ def _smoothed(found: Sequence[Point]) -> list[Point]:
 
     families: dict[str, list[Point]] = {}
     for point in sorted(found, key=lambda point: -point.trial.settings.dt):
-        families.setdefault(_key(point.trial.settings.with_dt(1.0)), []).append(point)
+        families.setdefault(_family(point), []).append(point)
     level: list[Point] = []
     for family in families.values():
         costs = np.exp(isotonic_regression(np.log([point.cost for point in family])).x)
@@ -126,11 +127,14 @@ def next_trials(
 
 def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adapter: Adapter) -> list[Trial]:
     here = points(group, records, case)
-    room = group[0].experiment.sweep - sum(trial.round > 0 for trial in group)
-    if not here or room <= 0:
+    if not here:
         return []
     last = max(trial.round for trial in group)
     base = _base(here, case)
+    idle = _idle(group, records, base) if last > 0 else frozenset[str]()
+    room = group[0].experiment.sweep - sum(trial.round > 0 and trial.trial not in idle for trial in group)
+    if room <= 0:
+        return []
     if last == 0:
         wanted = list(_screening(base, adapter))
     elif last > 1 and not _moved(here, last):
@@ -157,6 +161,11 @@ def _base(here: Sequence[Point], case: Case) -> Point:
 
 def _key(settings: Settings) -> str:
     return repr(replace(settings, source="").plain())
+
+
+def _family(point: Point) -> str:
+    """What points share that differ in the time step alone."""
+    return _key(point.trial.settings.with_dt(1.0))
 
 
 def _label(origin: Trial, settings: Settings, adapter: Adapter) -> str:
@@ -200,20 +209,35 @@ def _live(group: Group, records: Mapping[str, Record], base: Point, adapter: Ada
     return live
 
 
+def _idle(group: Group, records: Mapping[str, Record], base: Point) -> frozenset[str]:
+    """The trials of the first round whose knob was refused, or left the trajectory of the base as it was, bit for bit."""
+    same = (None, base.record.trajectory_hash)
+    return frozenset(trial.trial for trial in group if trial.round == 1 and records[trial.trial].trajectory_hash in same)
+
+
 def _moved(here: Sequence[Point], last: int) -> bool:
-    """Did the last round make an error cheaper than it was, by more than the noise of rough costs?"""
-    before = [point for point in here if point.trial.round < last]
-    return any(
-        all(old.cost * MOVED > point.cost for old in before if old.error <= point.error)
-        for point in here
-        if point.trial.round == last
-    )
+    """Did the last round bring anything to the front?"""
+    return any(point.trial.round == last for point in _front(here))
 
 
 def _front(here: Sequence[Point]) -> list[Point]:
-    """The points of the front, the cheapest first."""
-    flags = on_front([point.error for point in here], [point.cost for point in here])
-    return sorted((point for point, on in zip(here, flags, strict=True) if on), key=lambda point: point.cost)
+    """The points of the front, the cheapest first, so found that the search goes the same way on every day.
+
+    Of the same settings a coarser step costs less, whatever the rough costs say. Otherwise a point counts where it errs less
+    than every one before it that is not dearer by more than rough costs tell.
+    """
+    least: dict[str, float] = {}
+    found: list[Point] = []
+    for point in sorted(here, key=lambda point: -point.trial.settings.dt):
+        family = _family(point)
+        if point.error < least.get(family, math.inf):
+            least[family] = point.error
+            found.append(point)
+    front: list[Point] = []
+    for point in sorted(found, key=lambda point: point.trial.round):
+        if not any(old.error <= point.error and old.cost < TELLING * point.cost for old in front):
+            front = [old for old in front if old.error < point.error or old.cost * TELLING < point.cost] + [point]
+    return sorted(front, key=lambda point: (point.cost, -point.error))
 
 
 def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, Settings]]:
@@ -247,11 +271,15 @@ def due_for_clock(trials: Sequence[Trial], records: Mapping[str, Record], cases:
     due: set[str] = set()
     for group in groups(trials):
         case = cases[group[0].case]
-        here = sorted(points(group, records, case), key=lambda point: point.cost)
-        errors, costs = [p.error for p in here], [p.cost for p in here]
-        front, near = on_front(errors, costs), near_front(errors, costs, MARGIN)
-        ranked = spread([p for p, on in zip(here, front, strict=True) if on])
-        ranked += [p for p, on, close in zip(here, front, near, strict=True) if close and not on]
+        here = points(group, records, case)
+        near = near_front([p.error for p in here], [p.cost for p in here], MARGIN)
+        ranked = spread(_front(here))
+        # What moves every body alike is no other answer, but where it is clearly cheaper: on the front then.
+        known = {point.record.trajectory_hash for point in ranked}
+        for point in sorted((p for p, close in zip(here, near, strict=True) if close), key=lambda p: p.trial.round):
+            if point.record.trajectory_hash not in known:
+                known.add(point.record.trajectory_hash)
+                ranked.append(point)
         chosen = ranked[:CLOCKED]
         chosen += [coarser for point in chosen if (coarser := _coarser(point, here)) is not None]
         due |= {point.trial.trial for point in chosen}

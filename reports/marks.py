@@ -137,7 +137,7 @@ def finished(layers: Sequence[Any], height: int) -> Row:
     """One specification, as wide as the page lets it."""
     import altair as alt
 
-    # A test validates the charts of its folders against the schema, which takes about as long as to draw them.
+    # To check the schema takes about as long as to draw: the tests do it, for the charts of every kind of page.
     spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict(validate=False)
     spec["config"] = {
         "legend": {

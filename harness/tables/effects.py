@@ -15,7 +15,20 @@ from harness.effects import Consequence, matters, told_apart, weighed
 from harness.ratio import Ratio, ratio
 from harness.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "Saving", "Verdict", "audit", "audited", "brief", "rows", "savings", "sentences", "verdicts"]
+__all__ = [
+    "BRIEF",
+    "COLUMNS",
+    "JUDGE",
+    "Audit",
+    "Saving",
+    "Verdict",
+    "audit",
+    "brief",
+    "rows",
+    "savings",
+    "sentences",
+    "verdicts",
+]
 
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked."""
@@ -211,21 +224,52 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     return None if both.empty else ratio(one[both].to_numpy(), other[both].to_numpy())
 
 
-def audit(verdicts: Iterable[Verdict]) -> list[str]:
-    """The scenes that do not call for exactly what they need, each in a sentence; judged on the reference engine."""
-    found = []
-    for one in verdicts:
-        if one.engine != JUDGE or one.track != "tuned" or ", " in one.effect:
-            continue
-        name = f"{one.case} {one.where}".strip()
-        if one.verdict == "paid for without need":
-            found.append(
-                f"{name}: declares {one.effect}, which does not matter: without it no body is moved by more than "
-                f"{_metres(one.moved)}, half the step moves one by {_metres(one.own)}"
-            )
-        elif one.verdict == "needed but missing":
-            found.append(f"{name}: leaves out {one.effect}, which matters: with it a body is moved by {_metres(one.moved)}")
-    return found
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """Whether each scene calls for exactly what it needs.
+
+    Terms:
+        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows. failed:
+        those of them that are against the scene: an effect that does not matter is on, or one that matters is off.
+    """
+
+    judge: str
+    judged: tuple[Mapping[str, Any], ...]
+    failed: tuple[Mapping[str, Any], ...]
+
+    @property
+    def scenes(self) -> int:
+        """How many were judged."""
+        return len(_scenes(self.judged))
+
+    @property
+    def sentences(self) -> list[str]:
+        """What is against the scenes, a sentence each."""
+        return [_accusation(row) for row in self.failed]
+
+
+def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
+    """Of flat rows with COLUMNS; where the judge was not asked, the first engine that was stands in for it."""
+    asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
+    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
+    judged = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
+    failed = tuple(row for row in judged if row["verdict"] in ("paid for without need", "needed but missing"))
+    return Audit(judge, judged, failed)
+
+
+def _scenes(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
+    """The scenes of some rows, in their order."""
+    return dict.fromkeys((row["case"], row["where"]) for row in rows)
+
+
+def _accusation(row: Mapping[str, Any]) -> str:
+    name = f"{row['case']} {row['where']}".strip()
+    if row["verdict"] == "needed but missing":
+        return f"{name}: leaves out {row['effect']}, which matters: with it a body is moved by {_metres(row['moved'])}"
+    return (
+        f"{name}: declares {row['effect']}, which does not matter: without it no body is moved by more than "
+        f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}"
+    )
 
 
 def _metres(value: float | None) -> str:
@@ -297,21 +341,12 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             f"{one.engine}: a step with everything on costs {one.mean:.3g} times that of the scene as it is "
             f"(geometric mean over {one.scenes} scenes, {one.low:.3g} to {one.high:.3g}{added})."
         )
-    judged = audited(rows)
-    bad = [row for row in judged if row["verdict"] in ("paid for without need", "needed but missing")]
-    scenes = {(row["case"], row["where"]) for row in judged}
-    failed = {(row["case"], row["where"]) for row in bad}
-    if scenes:
-        found.append(f"Audit: {len(scenes) - len(failed)} of {len(scenes)} scenes call for exactly what they need.")
-    found += [f"Audit: {row['case']}: {row['effect']}: {row['verdict']}." for row in bad]
-    return found + [proposal for scene in failed if (proposal := proposed(scene, judged))]
-
-
-def audited(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The rows that the audit judges: effects left out or taken in on the judge's tuned track; another engine's, without it."""
-    asked = dict.fromkeys(row["engine"] for row in rows)
-    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
-    return [row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING]
+    told = audit(rows)
+    if told.scenes:
+        clean = told.scenes - len(_scenes(told.failed))
+        found.append(f"Audit: {clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}.")
+    found += [f"Audit: {sentence}." for sentence in told.sentences]
+    return found + [proposal for scene in _scenes(told.failed) if (proposal := proposed(scene, told.judged))]
 
 
 def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from harness.alteration import EVERYTHING
 from harness.tables import effects as effects_table
-from harness.tables.effects import audit, audited, savings, verdicts
+from harness.tables.effects import audit, savings, verdicts
 from reports.contents import engines
 from reports.page import Page
 from reports.savings import matrix, savings_chart
@@ -36,8 +36,7 @@ def render(store: "Store") -> Mapping[str, str]:
         names=[name for name in engines(store) if any(one.engine == name for one in found)],
         savings=savings(rows),
         figure=figure,
-        audit=audit(found),
-        audited=len({(row["case"], row["where"]) for row in audited(rows)}),
+        audit=audit(rows),
         matrix=matrix(store, found),
         found=[one for one in found if one.verdict != EVERYTHING],
     )

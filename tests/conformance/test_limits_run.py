@@ -12,6 +12,7 @@ from harness import discover
 from harness.endure import endure
 from harness.store import Store
 from harness.study import Experiment, Limit, Study
+from tests.charts import checked
 from tests.conftest import Command
 
 LIMITS = """
@@ -25,6 +26,15 @@ tracks = ["tuned"]
 parameters = { continuous = [false] }
 timing = false
 limit = { members = 2, remedies = ["tuned"], within = 1.1 }
+[[experiments]]
+name = "steps"
+cases = ["tunnel_sphere_wall"]
+engines = ["mujoco"]
+tracks = ["tuned"]
+dt = [0.0041666666666666667, 0.0083333333333333333, 0.016666666666666666]
+parameters = { continuous = [false] }
+timing = false
+limit = { members = 2, within = 2.0 }
 """
 EFFECTS = """
 name = "small-effects"
@@ -71,9 +81,10 @@ def limits(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path
 def test_a_limit_agrees_with_a_direct_scan(limits: Path, plumbline: Command) -> None:
     """Twelve speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = discover.case("tunnel_sphere_wall")
-    for row in table(limits, "limits", plumbline):
+    sought = [row for row in table(limits, "limits", plumbline) if row["where"] == "continuous False"]
+    assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
+    for row in sought:
         assert row["verdict"] == "limit"
-        assert row["where"] == "continuous False"
         engine = discover.adapter(row["engine"])
         experiment = Experiment(name="scan", tracks=("tuned",), timing=False, limit=Limit(members=2))
         study = Study(name="scan", experiments=(experiment,))
@@ -105,6 +116,7 @@ def test_the_report_of_limits_has_its_page(limits: Path) -> None:
     text = (limits / "report" / "limits.html").read_text()
     assert "What helps" in text
     assert "wall four times as thick" in text
+    assert text.count('class="spec"') == checked([text]) == 1  # the map of three steps
 
 
 def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) -> None:
@@ -125,7 +137,7 @@ def test_each_effect_has_a_price_and_a_verdict(plumbline: Command, tmp_path: Pat
             assert by["friction_stop", engine, effect]["verdict"] == "needed and on"
             assert by["friction_stop", engine, effect]["cost"] > 0
         assert by["friction_stop", engine, "everything on"]["low"] > 0
-    assert (folder / "report" / "effects.html").is_file()
+    assert checked([(folder / "report" / "effects.html").read_text()]) == 1
 
 
 def test_repetitions_are_compared_bit_by_bit(plumbline: Command, tmp_path: Path) -> None:

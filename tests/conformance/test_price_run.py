@@ -3,12 +3,14 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from harness import discover
 from harness.front import on_front
 from harness.prices import Prices
 from harness.store import Store
-from harness.sweep import SMALLEST
+from harness.sweep import SMALLEST, TELLING
 from tests.conftest import Command
 
 STUDY = """
@@ -37,11 +39,15 @@ def folder(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 
 def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> None:
-    """Two tracks at six steps, and up to ten more for each engine, named by what was turned."""
+    """Two tracks at six steps, up to ten more for each engine, named by what was turned, and knobs that mean nothing here."""
     trials = Store(folder).trials
     for engine in ("mujoco", "reference"):
         mine = trials[trials["engine"] == engine]
-        assert 12 < len(mine) <= 22
+        own = mine[(mine["track"] == "tuned") & np.isclose(mine["dt"], discover.case("spin_asymmetric_top").dt)]
+        hashes = mine["trajectory_hash"]
+        idle = (mine["round"] == 1) & (hashes.isna() | (hashes == own["trajectory_hash"].iloc[0]))
+        assert idle.any()
+        assert 12 < (~idle).sum() <= 22
         words = set(mine["track"])
         assert {"default", "tuned"} < words
         assert all(word.split(",")[0] in ("default", "tuned") for word in words)
@@ -49,7 +55,7 @@ def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> Non
 
 
 def test_fronts_are_clocked_and_every_point_stays_visible(folder: Path) -> None:
-    """What was not clocked keeps its rough cost; by those costs no clocked front has a better point that was left out."""
+    """What was not clocked keeps its rough cost; by those the least error of all is clocked, or one as small for about as much."""
     points = Prices(Store(folder)).points
     assert {point.clocked for point in points} == {True, False}
     for engine in ("mujoco", "reference"):
@@ -57,7 +63,9 @@ def test_fronts_are_clocked_and_every_point_stays_visible(folder: Path) -> None:
         rough = dict(zip(Store(folder).trials["trial"], Store(folder).trials["rough_cost"], strict=True))
         flags = on_front([max(point.error, SMALLEST) for point in mine], [rough[point.trial] for point in mine])
         ends = [point for point, on in zip(mine, flags, strict=True) if on]
-        assert min(ends, key=lambda point: point.error).clocked
+        best = min(ends, key=lambda point: point.error)
+        close = [point for point in mine if rough[point.trial] < TELLING * rough[best.trial]]
+        assert any(point.clocked for point in close if max(point.error, SMALLEST) <= max(best.error, SMALLEST))
         assert max(ends, key=lambda point: point.error).clocked
 
 

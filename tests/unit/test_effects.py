@@ -1,7 +1,7 @@
 """The audit of effects, carried out for real on small scenes: what is needed, a planted surplus and a planted gap."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +81,11 @@ def audited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Audited:
     return of
 
 
+def against(found: Sequence[Verdict]) -> list[str]:
+    """What the audit has against the scenes."""
+    return audit([asdict(one) for one in found]).sentences
+
+
 def test_a_scene_that_calls_for_what_it_needs_passes(audited: Audited) -> None:
     found = audited(case_of("slide_made", sliding()))
     assert {one.effect: one.verdict for one in found} == {
@@ -90,29 +95,40 @@ def test_a_scene_that_calls_for_what_it_needs_passes(audited: Audited) -> None:
         "friction": "needed and on",
         "continuous_collision": "left out",
     }
-    assert audit(found) == []
+    assert against(found) == []
 
 
 def test_a_planted_surplus_fails(audited: Audited) -> None:
     found = audited(case_of("slide_made", sliding(widen=Effect.CONTINUOUS_COLLISION | Effect.GYROSCOPIC)))
-    told = audit(found)
+    told = against(found)
     assert len(told) == 2
     assert any("declares gyroscopic" in sentence for sentence in told)
     assert any("declares continuous_collision" in sentence for sentence in told)
 
 
 def test_a_planted_gap_fails(audited: Audited) -> None:
-    told = audit(audited(case_of("slide_less", sliding(narrow=Effect.FRICTION))))
+    told = against(audited(case_of("slide_less", sliding(narrow=Effect.FRICTION))))
     assert len(told) == 1
     assert "leaves out friction, which matters" in told[0]
-    (sentence,) = audit(audited(case_of("tumble_made", replace(tumbling(), narrow=Effect.GYROSCOPIC))))
+    (sentence,) = against(audited(case_of("tumble_made", replace(tumbling(), narrow=Effect.GYROSCOPIC))))
     assert "leaves out gyroscopic" in sentence
+
+
+def test_another_engine_stands_in_for_the_judge_and_is_named(audited: Audited) -> None:
+    """What the page, the table and the sentences say comes of the same rows, whoever was asked."""
+    surplus = audited(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)))
+    elsewhere = [asdict(one) | {"engine": "another"} for one in surplus]
+    told = audit(elsewhere)
+    assert (told.judge, told.scenes, len(told.failed)) == ("another", 1, 1)
+    both = audit([asdict(one) for one in surplus if one.effect != "gyroscopic"] + elsewhere)
+    assert (both.judge, both.failed) == ("reference", ())
+    assert audit([row for row in elsewhere if row["verdict"] == EVERYTHING]).judge == ""
 
 
 def test_what_a_case_insists_on_is_no_surplus(audited: Audited) -> None:
     scene = sliding(speed=0.0)
-    assert any("friction" in sentence for sentence in audit(audited(case_of("rest_made", scene))))
-    assert audit(audited(case_of("rest_more", scene, insists={"friction": "real ground is rough"}))) == []
+    assert any("friction" in sentence for sentence in against(audited(case_of("rest_made", scene))))
+    assert against(audited(case_of("rest_more", scene, insists={"friction": "real ground is rough"}))) == []
 
 
 def test_the_minimal_set_is_found_by_leaving_out_together(audited: Audited) -> None:

@@ -8,6 +8,7 @@ import pytest
 from harness.store import Store
 from reports.html import rendered
 from reports.pages.scaling import render
+from tests.charts import checked
 from tests.run_folder import write_run_folder
 from tests.unit.test_scaling import Scaling, at, beside, scaling  # noqa: F401 -- the fixtures
 
@@ -25,6 +26,7 @@ def test_a_store_with_a_sweep_has_the_page_with_every_row(scaling: Scaling) -> N
     assert page.count("data-status=") == len(scaling.costs)
     assert "it took too long" in page
     assert "1.25" in texts["charts/growth-0.svg"]
+    assert checked([page]) > 0
     assert len(texts["scaling.csv"].splitlines()) == 1 + len(scaling.rows())
 
 

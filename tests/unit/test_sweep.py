@@ -129,7 +129,7 @@ def test_it_ends_by_itself_and_within_its_number_of_points() -> None:
     free, _ = unfolded(sweep=10_000)
     assert 6 < len(free) < 200
     few, _ = unfolded(sweep=7)
-    assert len(few) == 6 + 7
+    assert len(few) == 6 + 7 + 1  # the colour, which means nothing, is not counted
     none, _ = unfolded(sweep=0)
     assert len(none) == 6
 
@@ -149,6 +149,21 @@ def test_an_exact_answer_is_followed_to_the_coarsest_step_whatever_the_noise_of_
     assert coarsest == pytest.approx(4 / 60)
     due = due_for_clock(trials, known, {CASE.name: CASE})
     assert coarsest in {trial.settings.dt for trial in trials if trial.trial in due}
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_search_goes_the_same_way_whatever_the_noise_of_rough_costs(seed: int) -> None:
+    """Costs told up to 4 % too low or too high: nothing else is tried, and nothing else is clocked."""
+    noise = random.Random(seed)
+
+    def disturbed(trial: Trial) -> Record:
+        told = answer(trial)
+        assert told.rough_cost is not None
+        return replace(told, rough_cost=told.rough_cost * noise.uniform(0.96, 1.04))
+
+    plain, found = unfolded(20), unfolded(20, answer=disturbed)
+    assert [trial.trial for trial in plain[0]] == [trial.trial for trial in found[0]]
+    assert due_for_clock(*plain, {CASE.name: CASE}) == due_for_clock(*found, {CASE.name: CASE})
 
 
 def test_labels_name_track_and_what_was_turned() -> None:

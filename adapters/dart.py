@@ -1203,6 +1203,7 @@ ADAPTER = DartAdapter(
         "options.split_impulse": (True, False),
         "options.drives": DRIVES,
     },
+    loads=("dartpy",),
     orders={INTEGRATOR: 1},
     deviations=(
         "a cut joint of a loop is a velocity constraint with slow error reduction: it drifts",

@@ -1421,6 +1421,7 @@ ADAPTER = MujocoAdapter(
             "the vendor's default time constant of constraints is .02 s: a rod that is let fall gives way by .7 %"
         ),
     },
+    loads=("mujoco",),
     orders={"euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1, "rk4": 4},
     deviations=(
         "contacts, limits and loop joints are soft: they sink, creep and gap",

@@ -639,4 +639,5 @@ ADAPTER = _Reference(
         "splitting_8": 8,
     },
     compile_allowance=900.0,
+    loads=("engine.steps_smooth", "engine.steps_contact", "numba.np.arrayobj"),
 )  # fmt: skip

@@ -203,7 +203,8 @@ class Adapter(ABC):
         deviations: what every answer of this engine carries, whatever the track. orders: what each integrator, by the name that
         `Simulation.resolved` gives it, promises for smooth motion. compile_allowance [s]: what an engine that
         compiles itself on first use may take for that, once, beyond a trial's deadline. threads: numbers of threads that one
-        world can be stepped on, by its option 'threads'; none where it takes one.
+        world can be stepped on, by its option 'threads'; none where it takes one. loads: modules that take long to load and
+        say nothing when they are; accuracy runs start with them loaded.
     """
 
     name: str
@@ -217,6 +218,7 @@ class Adapter(ABC):
     orders: Mapping[str, int] = field(default_factory=dict)
     compile_allowance: float = 0.0
     threads: tuple[int, ...] = ()
+    loads: tuple[str, ...] = ()
 
     def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled
         """Compile what this scene needs, where the engine does such a thing; a trial's deadline begins after it.

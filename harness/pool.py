@@ -2,6 +2,7 @@
 
 import signal
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -12,8 +13,9 @@ from harness import discover
 from harness.interrupt import stop_if_asked
 from harness.record import Record
 from harness.run import outcome
+from harness.servers import context, start_loaded
 from harness.study import Trial
-from harness.worker import context, exit_code, isolated_trial
+from harness.worker import exit_code, isolated_trial
 
 __all__ = ["run_isolated"]
 
@@ -102,15 +104,18 @@ def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
     pipe.send(isolated_trial(trial, folder, log))
 
 
-def _start(trial: Trial, folder: Path, logs: Path) -> _Child:
+def _start(trial: Trial, folder: Path, logs: Path, foreseen: int) -> _Child:
+    """Terms: foreseen: trials of this engine in all."""
     log = logs / f"{trial.trial}.log"
     log.unlink(missing_ok=True)
     forkserver = context()
     ours, theirs = forkserver.Pipe(duplex=False)
     process = forkserver.Process(target=_answer, args=(theirs, trial, folder, log), daemon=True)
-    process.start()
+    adapter = discover.adapter(trial.engine)
+    # Whether another process answers the same is asked of processes that share nothing, not even where things lie in memory.
+    start_loaded(process, () if trial.experiment.determinism else adapter.loads, foreseen)
     theirs.close()
-    patience = trial.experiment.deadline + discover.adapter(trial.engine).compile_allowance
+    patience = trial.experiment.deadline + adapter.compile_allowance
     return _Child(trial, process, ours, log, time.monotonic() + patience)
 
 
@@ -118,12 +123,13 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
     """Records as they come in, one for each trial; leaving the iterator early stops all children."""
     logs = folder / "logs"
     logs.mkdir(exist_ok=True)
-    waiting = list(reversed(trials))
+    waiting, engines = list(reversed(trials)), Counter(trial.engine for trial in trials)
     running: list[_Child] = []
     try:
         while waiting or running:
             while waiting and len(running) < workers:
-                running.append(_start(waiting.pop(), folder, logs))
+                trial = waiting.pop()
+                running.append(_start(trial, folder, logs, engines[trial.engine]))
             soonest = min(child.until for child in running) - time.monotonic()
             wait([child.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
             stop_if_asked()

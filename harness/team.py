@@ -21,8 +21,9 @@ import numpy as np
 from harness import discover
 from harness.bench import Bench, calibrate
 from harness.record import Sample
+from harness.servers import context
 from harness.study import Trial
-from harness.worker import confine, context, exit_code
+from harness.worker import confine, exit_code
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]
 

@@ -1,7 +1,6 @@
-"""Child processes: how they are started, confined in memory and output, and what one does with a trial."""
+"""Child processes: how they are confined in memory and output, how they end, and what one does with a trial."""
 
 import ctypes
-import multiprocessing
 import os
 import resource
 import signal
@@ -9,7 +8,6 @@ import sys
 import traceback
 from contextlib import suppress
 from dataclasses import replace
-from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
@@ -24,29 +22,14 @@ from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
 
-__all__ = ["confine", "context", "exit_code", "isolated_trial"]
+__all__ = ["confine", "exit_code", "isolated_trial"]
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
 _LARGEST_FILE = 512 * 2**20
 """Bytes; what an engine prints beyond is lost, so that a flood cannot fill the disk."""
 _PR_SET_PDEATHSIG = 1
 """From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
-_PRELOAD = ["harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba"]
-
-
-def context() -> ForkServerContext:
-    """Processes forked off a small server that has the libraries but no engine, so that a start costs milliseconds.
-
-    An engine loads in its trial's own process: a library may set the mode of floating-point arithmetic, or take signals, when
-    it is loaded, and no other engine is to feel that. Numeric libraries that load in them use one thread.
-    """
-    for name in _THREADS:
-        os.environ[name] = "1"
-    forkserver = multiprocessing.get_context("forkserver")
-    forkserver.set_forkserver_preload(_PRELOAD)
-    return forkserver
 
 
 def exit_code(process: BaseProcess) -> int | None:

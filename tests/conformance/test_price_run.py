@@ -55,7 +55,7 @@ def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> Non
 
 
 def test_fronts_are_clocked_and_every_point_stays_visible(folder: Path) -> None:
-    """What was not clocked keeps its rough cost; by those the least error of all is clocked, or one as small for about as much."""
+    """What was not clocked keeps its rough cost; the least error is clocked, or one as small for about as much."""
     points = Prices(Store(folder)).points
     assert {point.clocked for point in points} == {True, False}
     for engine in ("mujoco", "reference"):

@@ -1,0 +1,75 @@
+"""Fork servers: one that has the numeric libraries and no engine, and for each engine that takes long to load one that has it.
+
+Off such a server a process starts in milliseconds, where loading an engine takes up to two tenths of a second. An engine is in
+its own server alone: a library may set the mode of floating-point arithmetic, or take signals, when it is loaded, and no other
+engine is to feel that.
+"""
+
+import multiprocessing
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import forkserver
+from multiprocessing.context import ForkServerContext
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+__all__ = ["WORTH_A_SERVER", "context", "start_loaded"]
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_PRELOAD = ("harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba")
+
+WORTH_A_SERVER = 20
+"""Processes of an engine from which on a server of its own, which takes some two seconds to start, saves more than it costs."""
+
+
+def context() -> ForkServerContext:
+    """Processes off the server that knows no engine; numeric libraries that load in them use one thread."""
+    for name in _THREADS:
+        os.environ[name] = "1"
+    plain = multiprocessing.get_context("forkserver")
+    plain.set_forkserver_preload(list(_PRELOAD))
+    return plain
+
+
+def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) -> None:
+    """Start a process of `context` in which these modules are loaded already, where that can be done and pays.
+
+    Args: foreseen: how many processes will want them; few start off the plain server, unless theirs is there.
+    A server that dies of its modules is given up: its processes start off the plain one, and meet what is wrong themselves.
+    """
+    if modules and (modules in _servers or foreseen >= WORTH_A_SERVER):
+        if modules not in _servers:
+            _servers[modules] = _new_server(modules)
+        server = _servers[modules]
+        try:
+            if server is not None:
+                with _through(server):
+                    process.start()
+                return
+        except (EOFError, ConnectionError):
+            _servers[modules] = None
+    process.start()
+
+
+_servers: dict[tuple[str, ...], Any] = {}
+"""By modules; None for those that kill a server."""
+
+
+def _new_server(modules: tuple[str, ...]) -> Any:
+    """It starts with its first process."""
+    server = forkserver.ForkServer()
+    server.set_forkserver_preload([*_PRELOAD, *modules])
+    return server
+
+
+@contextmanager
+def _through(server: Any) -> Iterator[None]:
+    """Python starts the processes of all contexts off one server; for once, off this one."""
+    library: Any = forkserver
+    usual = library.connect_to_new_process
+    library.connect_to_new_process = server.connect_to_new_process
+    try:
+        yield
+    finally:
+        library.connect_to_new_process = usual

@@ -1,0 +1,57 @@
+"""Fork servers: what is loaded in which, and what happens where loading kills one."""
+
+import sys
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import pytest
+
+from harness.servers import WORTH_A_SERVER, context, start_loaded
+
+SELDOM = ("xml.dom.pulldom",)
+"""What nobody else here loads."""
+WAIT = 60.0
+
+
+def tell(pipe: Connection, name: str) -> None:
+    pipe.send(name in sys.modules)
+
+
+def loaded(name: str, modules: tuple[str, ...], foreseen: int = WORTH_A_SERVER) -> bool:
+    """Is a module there from the first moment of a process that starts with these?"""
+    plain = context()
+    ours, theirs = plain.Pipe(duplex=False)
+    process = plain.Process(target=tell, args=(theirs, name), daemon=True)
+    start_loaded(process, modules, foreseen)
+    theirs.close()
+    assert ours.poll(WAIT)
+    found: bool = ours.recv()
+    process.join(WAIT)
+    assert process.exitcode == 0
+    return found
+
+
+def test_a_few_processes_get_no_server_of_their_own_but_use_one_that_is_there() -> None:
+    assert not loaded("xml.sax.saxutils", ("xml.sax.saxutils",), WORTH_A_SERVER - 1)
+    assert loaded("xml.sax.saxutils", ("xml.sax.saxutils",))
+    assert loaded("xml.sax.saxutils", ("xml.sax.saxutils",), 1)
+
+
+def test_each_server_has_its_own_modules_and_the_plain_one_none_of_them() -> None:
+    assert loaded(SELDOM[0], SELDOM)
+    assert not loaded(SELDOM[0], ())
+    assert not loaded(SELDOM[0], ("xml.sax.saxutils",))
+    assert loaded("numpy", SELDOM)
+
+
+def test_a_module_that_is_not_installed_is_left_to_the_process() -> None:
+    assert not loaded("not_installed_anywhere", ("not_installed_anywhere", "xml.sax.saxutils"))
+
+
+def test_a_module_that_kills_its_server_does_not_keep_processes_from_starting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "deadly_to_load.py").write_text("import os\nos._exit(3)\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    for foreseen in (WORTH_A_SERVER, 1):
+        assert not loaded("deadly_to_load", ("deadly_to_load",), foreseen)

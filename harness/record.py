@@ -107,7 +107,7 @@ class Record:
         simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
         track: 'default', 'tuned', or the name of a variant of the study.
         warnings: what the engine said. detail: trace or tail of standard error, for people.
-        rough_cost: CPU seconds per simulated second (per unit, where that is no step), from one sample beside the accuracy run
+        rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
         of a sweep, or of an ensemble: where a sweep looks next is decided by it, and tables of limits show it as rough.
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
         clocks, workers, round, members, remedy, remedied: of the trial. alteration: JSON, of the scene; empty for none.

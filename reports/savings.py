@@ -44,7 +44,7 @@ def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
     style = Marks(store, rows)
     spread = [row[key] for row in rows for key in ("low", "high")]
     x = logarithmic(alt.X, "cost", "CPU time, everything on over the scene as it is", decades(spread))
-    y = alt.Y("engine:N", title=None, sort=style.engines)
+    y = alt.Y("engine:N", title=None, sort=style.engines, axis=alt.Axis(labelLimit=210))
     told = [
         alt.Tooltip("case:N", title="scene"),
         alt.Tooltip("engine:N"),

@@ -98,8 +98,8 @@ def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Poin
 def _smoothed(found: Sequence[Point]) -> list[Point]:
     """The points, coarser steps first, with costs that fall as the step of the same settings grows.
 
-    A rough cost is a few milliseconds' work and may be off by a half. That a coarser step costs no more for a second of
-    simulated time is known beforehand; what contradicts it is levelled, so that the search goes the same way on every day.
+    A rough cost is a few milliseconds' work and was seen nearly twice too large. That a coarser step costs no more for a second of
+    simulated time is known beforehand; what contradicts it is levelled.
 
     Source: R. E. Barlow, D. J. Bartholomew, J. M. Bremner, H. D. Brunk, Statistical Inference under Order Restrictions (1972).
     """
@@ -131,8 +131,8 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
         return []
     last = max(trial.round for trial in group)
     base = _base(here, case)
-    idle = _idle(group, records, base) if last > 0 else frozenset[str]()
-    room = group[0].experiment.sweep - sum(trial.round > 0 and trial.trial not in idle for trial in group)
+    counted = [t for t in group if t.round > 1 or (t.round == 1 and not _means_nothing(records.get(t.trial), base))]
+    room = group[0].experiment.sweep - len(counted)
     if room <= 0:
         return []
     if last == 0:
@@ -203,16 +203,14 @@ def _live(group: Group, records: Mapping[str, Record], base: Point, adapter: Ada
         for value in _beside(base, knob, adapter)[:1]:
             key = _key(turned(base.trial.settings, knob, value))
             trial = next((trial for trial in group if _key(trial.settings) == key), None)
-            record = None if trial is None else records.get(trial.trial)
-            if record is not None and record.trajectory_hash not in (None, base.record.trajectory_hash):
+            if trial is not None and not _means_nothing(records.get(trial.trial), base):
                 live.append(knob)
     return live
 
 
-def _idle(group: Group, records: Mapping[str, Record], base: Point) -> frozenset[str]:
-    """The trials of the first round whose knob was refused, or left the trajectory of the base as it was, bit for bit."""
-    same = (None, base.record.trajectory_hash)
-    return frozenset(trial.trial for trial in group if trial.round == 1 and records[trial.trial].trajectory_hash in same)
+def _means_nothing(record: Record | None, base: Point) -> bool:
+    """Was a turned knob refused, or did it leave the trajectory of the base as it was, bit for bit?"""
+    return record is None or record.trajectory_hash in (None, base.record.trajectory_hash)
 
 
 def _moved(here: Sequence[Point], last: int) -> bool:
@@ -221,7 +219,7 @@ def _moved(here: Sequence[Point], last: int) -> bool:
 
 
 def _front(here: Sequence[Point]) -> list[Point]:
-    """The points of the front, the cheapest first, so found that the search goes the same way on every day.
+    """The points of the front, the cheapest first, so found that noise in rough costs leads the search as little as may be.
 
     Of the same settings a coarser step costs less, whatever the rough costs say. Otherwise a point counts where it errs less
     than every one before it that is not dearer by more than rough costs tell.

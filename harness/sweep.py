@@ -98,8 +98,8 @@ def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Poin
 def _smoothed(found: Sequence[Point]) -> list[Point]:
     """The points, coarser steps first, with costs that fall as the step of the same settings grows.
 
-    A rough cost is a few milliseconds' work and was seen nearly twice too large. That a coarser step costs no more for a second of
-    simulated time is known beforehand; what contradicts it is levelled.
+    A rough cost is a few milliseconds' work and was seen nearly twice too large. That a coarser step costs no more for a second
+    of simulated time is known beforehand; what contradicts it is levelled.
 
     Source: R. E. Barlow, D. J. Bartholomew, J. M. Bremner, H. D. Brunk, Statistical Inference under Order Restrictions (1972).
     """

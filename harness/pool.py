@@ -4,7 +4,7 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -15,7 +15,7 @@ from harness.record import Record
 from harness.run import outcome
 from harness.servers import context, start_loaded
 from harness.study import Trial
-from harness.worker import exit_code, isolated_trial
+from harness.worker import exit_code, isolated_trial, roughly_clocked
 
 __all__ = ["run_isolated"]
 
@@ -64,31 +64,42 @@ def _expired(trial: Trial, code: int | None, log: Path) -> Record:
     return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Child:
-    """A process at work on a trial. Terms: pipe: its record comes here. until: the end of its time, on the monotonic clock."""
+    """A process at work on a trial.
+
+    Terms:
+        pipe: its record comes here, the last word counts. until: the end of its time, on the monotonic clock. said: what has
+        come so far. ended: has it said its last word, or died?
+    """
 
     trial: Trial
     process: BaseProcess
     pipe: Connection
     log: Path
     until: float
+    said: Record | None = None
+    ended: bool = False
 
-    @property
-    def done(self) -> bool:
-        """Has it answered or died, or is it late?"""
-        return self.pipe.poll() or time.monotonic() > self.until
+    def listen(self) -> bool:
+        """Take what has come: has it said its last word or died, or is it late?"""
+        try:
+            while self.pipe.poll():
+                self.said = self.pipe.recv()
+        except (EOFError, OSError):
+            self.ended = True
+        return self.ended or time.monotonic() > self.until
 
     def record(self) -> Record:
         """Its record, or what became of it; the process has ended then."""
         try:
-            if not self.pipe.poll():
-                return _late(self.trial, self.log)
-            record: Record = self.pipe.recv()
-            exit_code(self.process)
-            return record
-        except (EOFError, OSError):
-            return _expired(self.trial, exit_code(self.process), self.log)
+            code = exit_code(self.process) if self.ended else None
+            if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
+                return self.said
+            end = _expired(self.trial, code, self.log) if self.ended else _late(self.trial, self.log)
+            if self.said is None or code == 0:
+                return self.said or end
+            return replace(self.said, warnings=(*self.said.warnings, f"rough cost: none: {end.reason}"))
         finally:
             self.stop()
 
@@ -101,7 +112,9 @@ class _Child:
 
 
 def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
-    pipe.send(isolated_trial(trial, folder, log))
+    for record in isolated_trial(trial, folder, log):
+        pipe.send(record)
+    pipe.close()
 
 
 def _start(trial: Trial, folder: Path, logs: Path, foreseen: int) -> _Child:
@@ -133,7 +146,7 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
             soonest = min(child.until for child in running) - time.monotonic()
             wait([child.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
             stop_if_asked()
-            for child in [child for child in running if child.done]:
+            for child in [child for child in running if child.listen()]:
                 running.remove(child)
                 record = child.record()
                 _trim(child.log, record)

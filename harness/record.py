@@ -108,7 +108,8 @@ class Record:
         track: 'default', 'tuned', or the name of a variant of the study.
         warnings: what the engine said. detail: trace or tail of standard error, for people.
         rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
-        of a sweep, or of an ensemble: where a sweep looks next is decided by it, and tables of limits show it as rough.
+        of a sweep, or of an ensemble, which tables of limits show as rough. rough_ratio: the same over that of the engine's
+        default track (tuned, where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
         clocks, workers, round, members, remedy, remedied: of the trial. alteration: JSON, of the scene; empty for none.
     """
@@ -143,6 +144,7 @@ class Record:
     cpu_per_unit_low: float | None = None
     cpu_per_unit_high: float | None = None
     rough_cost: float | None = None
+    rough_ratio: float | None = None
     clocks: str = "work"
     workers: int = 1
     round: int = 0

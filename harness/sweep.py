@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -83,6 +84,8 @@ def groups(trials: Sequence[Trial]) -> Iterator[list[Trial]]:
 def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Point]:
     """What of a group has a finite error and a cost."""
     found: list[Point] = []
+    told = [r.rough_cost / r.rough_ratio for t in group if (r := records.get(t.trial)) and r.rough_cost and r.rough_ratio]
+    yardstick = median(told) if told else 1.0
     if any(metric.better == "higher" for metric in case.metrics if metric.name == case.headline):
         return found
     for trial in group:
@@ -91,7 +94,8 @@ def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Poin
             continue
         error = next((abs(m.value) for m in record.measurements if m.metric == case.headline), float("nan")) / case.scale
         if error < float("inf"):
-            found.append(Point(trial, record, max(error, SMALLEST), record.rough_cost))
+            cost = record.rough_cost if record.rough_ratio is None else record.rough_ratio * yardstick
+            found.append(Point(trial, record, max(error, SMALLEST), cost))
     return _smoothed(found) if case.unit(group[0].parameters) == "step" else found
 
 
@@ -253,7 +257,7 @@ def _neighbours(here: Sequence[Point], live: Sequence[str], case: Case, adapter:
     for point in _front(here):
         settings = point.trial.settings
         near: list[tuple[Trial, Settings]] = []
-        for dt in (settings.dt / 2, settings.dt * 2):
+        for dt in (settings.dt * 2, settings.dt / 2):
             foreseen = point.cost * case.duration * settings.dt / dt
             if finest * (1 - 1e-9) <= dt <= coarsest * (1 + 1e-9) and foreseen < LONGEST:
                 near.append((point.trial, settings.with_dt(dt)))

@@ -6,6 +6,7 @@ import resource
 import signal
 import sys
 import traceback
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from multiprocessing.process import BaseProcess
@@ -15,14 +16,14 @@ import psutil
 
 from harness import discover
 from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
-from harness.bench import Bench, rough_cost
+from harness.bench import Bench, rough_costs
 from harness.case import Case
 from harness.endure import endure
 from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
 
-__all__ = ["confine", "exit_code", "isolated_trial"]
+__all__ = ["confine", "exit_code", "isolated_trial", "roughly_clocked"]
 
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
@@ -74,21 +75,40 @@ def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
     signal.setitimer(signal.ITIMER_REAL, trial.experiment.deadline)
 
 
-def isolated_trial(trial: Trial, folder: Path, log: Path) -> Record:
-    """The accuracy run of a trial, whatever its Python code raises; the process may still die under it."""
+def isolated_trial(trial: Trial, folder: Path, log: Path) -> Iterator[Record]:
+    """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
+
+    What a sweep goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
+    """
     confine(trial.experiment.memory, log)
     try:
         case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
-        if trial.members > 1:
-            return endure(trial, case, adapter, folder)
-        record = run_trial(trial, case, adapter, folder)
-        if trial.experiment.sweep and record.measurements:
-            record = replace(record, rough_cost=rough_cost(Bench(case, adapter, trial)))
-        return record
+        record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
     except MemoryError:
-        return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for")
+        record = outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for")
     except Exception as error:
         status: Status = "oom" if "bad_alloc" in str(error) else "crashed"
-        return outcome(trial, status, f"{type(error).__name__}: {error}"[:2000], traceback.format_exc()[-4000:])
+        record = outcome(trial, status, f"{type(error).__name__}: {error}"[:2000], traceback.format_exc()[-4000:])
+    yield record
+    if roughly_clocked(trial, record):
+        yield _with_rough_cost(record, trial, case, adapter)
+
+
+def roughly_clocked(trial: Trial, record: Record) -> bool:
+    """Is a rough cost wanted of what came of a trial?"""
+    return bool(trial.experiment.sweep) and trial.members == 1 and bool(record.measurements)
+
+
+def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:
+    """The record with its rough cost, and with that over the cost of the first track that runs at the case's own step."""
+    said: list[str] = []
+    for track, settings in adapter.tracks.items():
+        yardstick = trial.probing(case, track=track, settings=settings.with_dt(case.dt))
+        try:
+            cost, ratio = rough_costs(Bench(case, adapter, trial), Bench(case, adapter, yardstick))
+            return replace(record, rough_cost=cost, rough_ratio=ratio)
+        except Exception as error:
+            said.append(f"{track}: {type(error).__name__}: {error}")
+    return replace(record, warnings=(*record.warnings, f"rough cost: none, beside {'; '.join(said)}"))

@@ -105,3 +105,20 @@ def test_a_third_partys_engine_stands_in_the_listing_beside_the_built_in_ones(pl
     assert rows["sound"]["version"] == "1.0"
     assert not rows["absent"]["available"]
     assert "not installed" in rows["absent"]["unavailable"]
+
+
+@pytest.mark.parametrize(
+    ("engine", "reason"),
+    [("segfault_again", "killed by SIGSEGV"), ("hang_again", "deadline of 4 s passed"), ("raise_again", "the engine's own")],
+)
+def test_an_answer_outlives_the_rough_clock_of_a_sweep(engine: str, reason: str, tmp_path: Path, plumbline: Command) -> None:
+    """An engine that does not bear to be built twice in a process has its answers, no cost, and a warning that says why."""
+    (tmp_path / "faults.toml").write_text(STUDY + "sweep = 4\n")
+    done = plumbline("run", tmp_path / "faults.toml", "--engine", engine, "--out", tmp_path / "out", plugins=True)
+    assert done.returncode == 0, done.stderr
+    told = Store(tmp_path / "out").trials.set_index("track")
+    for track in ("default", "tuned"):
+        assert told.loc[track, "status"] == "passed"
+        assert pd.isna(told.loc[track, "rough_cost"])
+        assert "rough cost: none" in str(told.loc[track, "warnings"])
+        assert reason in str(told.loc[track, "warnings"])

@@ -8,7 +8,7 @@ import pytest
 
 from harness import discover
 from harness.adapter import Settings
-from harness.bench import TOGETHER, Bench, calibrate, caster
+from harness.bench import TOGETHER, Bench, calibrate, caster, rough_costs
 from harness.case import Clocks
 from harness.clock import summarise
 from harness.record import Sample
@@ -254,3 +254,22 @@ def test_rays_cast_into_arrays_made_beforehand_hit_what_other_rays_hit(engine: s
         assert first == second
     np.testing.assert_allclose(found, usual.distance, rtol=1e-12)
     simulation.close()
+
+
+def test_a_rough_ratio_holds_on_a_machine_that_slows_down_for_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A step of 3 us at 1/240 s beside one of 2 us at 1/120 s: three times the cost of a second, whatever the machine does."""
+    own, _ = bench(PILE, n=4)
+    beside, _ = bench(PILE, n=4)
+    beside.dt = 2 * own.dt
+    now = [0.0]
+
+    def clock(self: Bench, count: int) -> tuple[float, float]:
+        slow = 1.0 + 0.9 * (now[0] > 0.004)
+        spent = (3e-6 if self is own else 2e-6) * count * slow
+        now[0] += spent
+        return spent, spent
+
+    monkeypatch.setattr(Bench, "clock", clock)
+    cost, ratio = rough_costs(own, beside)
+    assert ratio == pytest.approx(3.0, rel=1e-12)
+    assert 3e-6 / own.dt <= cost * (1 + 1e-12) <= 1.9 * 3e-6 / own.dt

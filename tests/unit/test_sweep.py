@@ -166,6 +166,21 @@ def test_the_search_goes_the_same_way_whatever_the_noise_of_rough_costs(seed: in
     assert due_for_clock(*plain, {CASE.name: CASE}) == due_for_clock(*found, {CASE.name: CASE})
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_the_search_goes_by_ratios_where_there_are_some(seed: int) -> None:
+    """Costs told wrong by up to a half, as on a machine that slows down now and then, beside ratios that are right."""
+    noise = random.Random(seed)
+
+    def disturbed(trial: Trial) -> Record:
+        told = answer(trial)
+        assert told.rough_cost is not None
+        return replace(told, rough_cost=told.rough_cost * noise.uniform(0.67, 1.5), rough_ratio=told.rough_cost / 3e-4)
+
+    plain, found = unfolded(20), unfolded(20, answer=disturbed)
+    assert [trial.trial for trial in plain[0]] == [trial.trial for trial in found[0]]
+    assert due_for_clock(*plain, {CASE.name: CASE}) == due_for_clock(*found, {CASE.name: CASE})
+
+
 def test_labels_name_track_and_what_was_turned() -> None:
     """A reader finds the settings by the track's name."""
     trials, _ = unfolded(sweep=200)

@@ -87,15 +87,20 @@ class Falling:
         pass
 
 
+_built: set[str] = set()
+"""Engines that this process has built once already."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Faulty(Adapter):
-    """The falling engine with one fault."""
+    """The falling engine with one fault, or with one that a process meets when it builds it again."""
 
     title: str = "falling bodies"
     distribution: str = "faulty"
     features: Feature = Feature.NONE
     tracks: dict[str, Settings] = field(default_factory=lambda: {"default": Settings(), "tuned": Settings()})
     fault: str = ""
+    fault_again: str = ""
     compilation: float = 0.0
 
     def version(self) -> str:
@@ -107,7 +112,9 @@ class Faulty(Adapter):
         time.sleep(self.compilation)
 
     def build(self, scene: Scene, settings: Settings) -> Any:
-        return Falling(scene, settings, self.fault)
+        fault = self.fault_again if self.name in _built else self.fault
+        _built.add(self.name)
+        return Falling(scene, settings, fault)
 
 
 SOUND = Faulty(name="sound")
@@ -122,6 +129,9 @@ NAN = Faulty(name="nan", fault="nan")
 COMPILE = Faulty(name="compile", compilation=5.0, compile_allowance=60.0)
 COMPILE_HANG = Faulty(name="compile_hang", fault="hang", compilation=1.0, compile_allowance=60.0)
 ABSENT = Faulty(name="absent", fault="absent")
+SEGFAULT_AGAIN = Faulty(name="segfault_again", fault_again="segfault")
+HANG_AGAIN = Faulty(name="hang_again", fault_again="hang")
+RAISE_AGAIN = Faulty(name="raise_again", fault_again="raise")
 
 
 def _scene() -> Scene:

@@ -17,7 +17,7 @@ from typing import Any
 __all__ = ["WORTH_A_SERVER", "context", "start_loaded"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_PRELOAD = ("harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba")
+_PRELOAD = ("harness.cli", "harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba")
 
 WORTH_A_SERVER = 20
 """Processes of an engine from which on a server of its own, which takes some two seconds to start, saves more than it costs."""

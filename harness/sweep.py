@@ -2,11 +2,12 @@
 
 For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares is
 turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, means nothing here and is left
-alone. From then on each point of the front tries its neighbours: half and twice its time step, and the next value to both
+alone. From then on each point of the front tries its neighbours: twice and half its time step, and the next value to both
 sides of every knob that matters. That ends when a round brings nothing to the front and no exact answer on it is left to
 try at twice its step, or the experiment's number of points is spent; knobs that mean nothing here are not counted. Costs are
-those that the accuracy run noted in passing, and say nothing about differences of a few per cent; what they leave near the
-front is clocked properly afterwards.
+rough: each is clocked beside its accuracy run, in turns with a yardstick, the default track at the case's own step, and what
+is compared are the ratios. They say nothing about differences of a few per cent; what they leave near the front is clocked
+properly afterwards.
 """
 
 import math
@@ -28,9 +29,11 @@ __all__ = ["SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "tur
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
-TELLING = 1.1
-"""Rough costs tell two points apart where one is larger than the other by more than this; otherwise the earlier one counts."""
-PER_ROUND = 8
+TELLING = 1.2
+"""Rough costs tell two points apart where one is larger than the other by more than this; otherwise the earlier one counts.
+
+Each is off by some 4 %, so the ratio of two by 6 %: three times that."""
+PER_ROUND = 4
 """New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
 LONGEST = 4.0
 """A run that is foreseen to take more CPU seconds than this is not tried."""
@@ -38,13 +41,16 @@ BEYOND = 4.0
 """How far beyond both ends of a case's ladder the time step may go."""
 MARGIN = 1.5
 """A point is clocked unless another that errs no more seems cheaper by more than this."""
-CLOCKED = 8
+CLOCKED = 12
 """Points of an engine that are chosen for the clock at most; those of the front come first, spread over its errors."""
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A trial with its error as a share of the scale and its rough cost, in CPU seconds per simulated second or unit."""
+    """A trial with its error as a share of the scale and its rough cost, in CPU seconds per simulated second or unit.
+
+    Costs of a group are multiples of the same yardstick, wherever one could be clocked: of its middle cost.
+    """
 
     trial: Trial
     record: Record
@@ -102,7 +108,7 @@ def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Poin
 def _smoothed(found: Sequence[Point]) -> list[Point]:
     """The points, coarser steps first, with costs that fall as the step of the same settings grows.
 
-    A rough cost is a few milliseconds' work and was seen nearly twice too large. That a coarser step costs no more for a second
+    A rough cost is a few milliseconds' work. That a coarser step costs no more for a second
     of simulated time is known beforehand; what contradicts it is levelled.
 
     Source: R. E. Barlow, D. J. Bartholomew, J. M. Bremner, H. D. Brunk, Statistical Inference under Order Restrictions (1972).

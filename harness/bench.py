@@ -203,14 +203,14 @@ def rough_cost(bench: Bench, seconds: float = 2e-3) -> float:
     return taken if bench.unit != "step" else taken / bench.dt
 
 
-def rough_costs(bench: Bench, yardstick: Bench, seconds: float = 1e-3) -> tuple[float, float]:
-    """The rough cost of a bench, and how many times that of a yardstick it is: the median of nine samples, taken in turns.
+def rough_costs(bench: Bench, yardstick: Bench, seconds: float = 5e-4) -> tuple[float, float]:
+    """The rough cost of a bench, and how many times that of a yardstick it is: the median of five samples, taken in turns.
 
     What slows the machine for a while slows both: under a load that came and went every second or two, the ratio was off by
     4 % and a cost alone by 16 % (root mean square).
     """
     both = [(side, calibrate(side, seconds)) for side in (bench, yardstick)]
-    taken = [[side.clock(steps)[0] / (steps * side.units) for side, steps in both] for _ in range(9)]
+    taken = [[side.clock(steps)[0] / (steps * side.units) for side, steps in both] for _ in range(5)]
     for side, _ in both:
         side.stop()
     scales = [side.dt if side.unit == "step" else 1.0 for side, _ in both]

@@ -15,27 +15,28 @@ Nonsmooth Dynamical Systems, 2008, chapter 3 (the three laws); Stewart, SIAM Rev
 """
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Effect, Scene
-from harness.trajectory import Contacts, Floats, State, Trajectory
+from harness.trajectory import Contacts, Floats, Integers, Trajectory
 
 __all__ = ["CONE_RESIDUAL", "DISSIPATION_RESIDUAL", "METRIC", "SIGNORINI_RESIDUAL"]
 
 
 @dataclass(frozen=True, slots=True)
-class _Instant:
-    """The contacts of one sample.
+class _Recorded:
+    """The contacts of all samples, one after the other.
 
     Terms:
-        normal (k,) N; tangent (k, 3) N, on B; slip (k, 3) m/s, of B; open (k,) m: the gap beyond what the pair may close within
-        the step; static, kinetic (k,): coefficients of friction.
+        sample (k,): of which sample each is; normal (k,) N; tangent (k, 3) N, on B; slip (k, 3) m/s, of B; open (k,) m: the gap
+        beyond what the pair may close within the step; static, kinetic (k,): coefficients of friction.
     """
 
+    sample: Integers
     normal: Floats
     tangent: Floats
     slip: Floats
@@ -44,51 +45,60 @@ class _Instant:
     kinetic: Floats
 
 
-def _relative(state: State, contacts: Contacts) -> Floats:
-    """Velocity (k, 3) m/s of B against A at the points of contact, in W."""
-    a, b = contacts.body_A, contacts.body_B
-    at_A = state.v_WB[a] + np.cross(state.w_WB[a], contacts.point_W - state.p_WB[a])
-    at_B = state.v_WB[b] + np.cross(state.w_WB[b], contacts.point_W - state.p_WB[b])
-    found: Floats = at_B - at_A
-    return found
+def _relative(actual: Trajectory, sample: Integers, contacts: Contacts) -> Floats:
+    """Velocity (k, 3) m/s of B against A at the points of contact, in W, each at a sample of its own."""
+
+    def of(body: Integers) -> Floats:
+        arm = contacts.point_W - actual.p_WB[sample, body]
+        velocity: Floats = actual.v_WB[sample, body] + np.cross(actual.w_WB[sample, body], arm)
+        return velocity
+
+    return of(contacts.body_B) - of(contacts.body_A)
 
 
-def _instants(scene: Scene, actual: Trajectory) -> Iterator[_Instant]:
-    assert actual.contacts is not None
-    laws: dict[tuple[int, int], tuple[float, float]] = {}
+def _friction(scene: Scene, contacts: Contacts) -> Floats:
+    """Static and kinetic coefficients (k, 2) of the pairs."""
+    count = len(scene.bodies)
+    pairs, which = np.unique(contacts.body_A * count + contacts.body_B, return_inverse=True)
+    laws = [scene.surface(scene.bodies[pair // count], scene.bodies[pair % count]) for pair in pairs]
     rubs = Effect.FRICTION in scene.effects
-    g = float(np.linalg.norm(scene.gravity))
-    for k, contacts in enumerate(actual.contacts):
-        if len(contacts) == 0:
-            continue
-        for a, b in zip(contacts.body_A.tolist(), contacts.body_B.tolist(), strict=True):
-            if (a, b) not in laws:
-                law = scene.surface(scene.bodies[a], scene.bodies[b])
-                laws[a, b] = (law.static_friction, law.kinetic_friction) if rubs else (0.0, 0.0)
-        friction = np.array([laws[pair] for pair in zip(contacts.body_A.tolist(), contacts.body_B.tolist(), strict=True)])
-        n = contacts.normal_W
-        normal = np.sum(contacts.force_W * n, axis=1)
-        now = _relative(actual.state(k), contacts)
-        along = np.sum(now * n, axis=1)
-        # A gap is that of the step's start: what closes within the step may bear force at its end. Between two samples free
-        # fall adds at most g times their distance to the speed at which a pair comes closer.
-        before = _relative(actual.state(max(k - 1, 0)), contacts)
-        closing = np.maximum(np.abs(along), np.abs(np.sum(before * n, axis=1)))
-        closing += g * max(float(actual.time[k] - actual.time[max(k - 1, 0)]), actual.dt)
-        yield _Instant(
-            normal=normal,
-            tangent=contacts.force_W - normal[:, None] * n,
-            slip=now - along[:, None] * n,
-            open=np.maximum(contacts.gap - actual.dt * closing, 0.0),
-            static=friction[:, 0],
-            kinetic=friction[:, 1],
-        )
+    found = [(law.static_friction, law.kinetic_friction) if rubs else (0.0, 0.0) for law in laws]
+    return np.array(found, dtype=np.float64).reshape(-1, 2)[which]
 
 
-def _worst(law: Callable[[_Instant, float], Floats]) -> Callable[[Scene, Trajectory, Trajectory | None], float]:
+def _joined(contacts: Sequence[Contacts]) -> tuple[Integers, Contacts]:
+    """The contacts of all samples as one, and of which sample each is (k,)."""
+    sample = np.repeat(np.arange(len(contacts)), [len(one) for one in contacts])
+    return sample, Contacts(*(np.concatenate([getattr(one, f.name) for one in contacts]) for f in fields(Contacts)))
+
+
+def _recorded(scene: Scene, actual: Trajectory, sample: Integers, contacts: Contacts) -> _Recorded:
+    friction = _friction(scene, contacts)
+    n = contacts.normal_W
+    normal = np.sum(contacts.force_W * n, axis=1)
+    now = _relative(actual, sample, contacts)
+    along = np.sum(now * n, axis=1)
+    # A gap is that of the step's start: what closes within the step may bear force at its end. Between two samples free
+    # fall adds at most g times their distance to the speed at which a pair comes closer.
+    earlier = np.maximum(sample - 1, 0)
+    before = _relative(actual, earlier, contacts)
+    closing = np.maximum(np.abs(along), np.abs(np.sum(before * n, axis=1)))
+    closing += float(np.linalg.norm(scene.gravity)) * np.maximum(actual.time[sample] - actual.time[earlier], actual.dt)
+    return _Recorded(
+        sample=sample,
+        normal=normal,
+        tangent=contacts.force_W - normal[:, None] * n,
+        slip=now - along[:, None] * n,
+        open=np.maximum(contacts.gap - actual.dt * closing, 0.0),
+        static=friction[:, 0],
+        kinetic=friction[:, 1],
+    )
+
+
+def _worst(law: Callable[[_Recorded, float], Floats]) -> Callable[[Scene, Trajectory, Trajectory | None], float]:
     """A measure: the largest sum over the contacts of an instant of what breaks a law [N], over the weight.
 
-    Args: law: (instant, slowest slip that counts [m/s]) to (k,) N.
+    Args: law: (contacts, slowest slip that counts [m/s]) to (k,) N.
     """
 
     def measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -100,26 +110,28 @@ def _worst(law: Callable[[_Instant, float], Floats]) -> Callable[[Scene, Traject
         weight = g * sum(body.mass for body in scene.bodies if body.movable)
         if weight == 0:
             raise NotMeasurable("nothing has weight")
-        numbers = (array for c in actual.contacts for array in (c.force_W, c.normal_W, c.point_W, c.gap))
+        sample, contacts = _joined(actual.contacts)
+        numbers = (contacts.force_W, contacts.normal_W, contacts.point_W, contacts.gap)
         if not actual.finite or not all(np.isfinite(array).all() for array in numbers):
             return math.nan
-        found = [float(np.sum(law(instant, g * actual.dt))) for instant in _instants(scene, actual)]
-        return max(found, default=0.0) / weight
+        recorded = _recorded(scene, actual, sample, contacts)
+        sums = np.bincount(recorded.sample, weights=law(recorded, g * actual.dt))
+        return float(sums.max(initial=0.0)) / weight
 
     return measure
 
 
-def _signorini(at: _Instant, slow: float) -> Floats:
+def _signorini(at: _Recorded, slow: float) -> Floats:
     found: Floats = np.maximum(-at.normal, 0.0) + np.where(at.open > 0.0, np.maximum(at.normal, 0.0), 0.0)
     return found
 
 
-def _cone(at: _Instant, slow: float) -> Floats:
+def _cone(at: _Recorded, slow: float) -> Floats:
     found: Floats = np.maximum(np.linalg.norm(at.tangent, axis=1) - at.static * np.maximum(at.normal, 0.0), 0.0)
     return found
 
 
-def _dissipation(at: _Instant, slow: float) -> Floats:
+def _dissipation(at: _Recorded, slow: float) -> Floats:
     speed = np.linalg.norm(at.slip, axis=1)
     # What friction and weight can stop within a step is sticking at the step's resolution: no direction is judged there.
     slips = (speed > slow) & (speed > 0.0)

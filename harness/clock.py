@@ -2,10 +2,10 @@
 
 Protocol: each engine of a group gets a process, with one thread, that serves all of its trials; it warms up, calibrates for
 each how many runs of the scene make one sample, and then waits, pinned to one core and without a garbage collector. Block by
-block, in a new random order each time, every trial takes one sample; then all begins anew in fresh processes. A trial of
-several workers has that many processes for itself, each pinned to a core of its own while there are enough: in its block all
-take the same number of steps, let go at once. What is clocked, and what is not, stands in `harness.bench`; the processes in
-`harness.team`.
+block, in a new random order each time, every trial takes one sample; then all begins anew in fresh processes, off another fork
+server and so laid out otherwise in memory. A trial of several workers has that many processes for itself, each pinned to a
+core of its own while there are enough: in its block all take the same number of steps, let go at once. What is clocked, and
+what is not, stands in `harness.bench`; the processes in `harness.team`.
 """
 
 import random
@@ -83,13 +83,13 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
     for number in range(experiment.processes):
         teams: dict[str, Team] = {}
         try:
-            teams = ready_teams([trial for trial in trials if trial.trial not in notes], folder)
+            teams = ready_teams([trial for trial in trials if trial.trial not in notes], folder, number)
             for block in range(experiment.samples):
                 stop_if_asked()
                 for name in shuffle.sample(sorted(teams), len(teams)):
                     if teams[name].lost:
                         lost = [team for team in teams.values() if team.lost]
-                        teams |= ready_teams([team.trial for team in lost], folder)
+                        teams |= ready_teams([team.trial for team in lost], folder, number)
                         for team in lost:
                             team.stop()
                     team = teams[name]

@@ -10,10 +10,11 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from harness import discover
+from harness.alteration import ALONE
 from harness.interrupt import stop_if_asked
 from harness.record import Record
 from harness.run import outcome
-from harness.servers import context, start_loaded
+from harness.servers import context, start_apart, start_loaded
 from harness.study import Trial
 from harness.worker import exit_code, isolated_trial, roughly_clocked
 
@@ -125,8 +126,11 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int) -> _Child:
     ours, theirs = forkserver.Pipe(duplex=False)
     process = forkserver.Process(target=_answer, args=(theirs, trial, folder, log), daemon=True)
     adapter = discover.adapter(trial.engine)
-    # Whether another process answers the same is asked of processes that share nothing, not even where things lie in memory.
-    start_loaded(process, () if trial.experiment.determinism else adapter.loads, foreseen)
+    if trial.experiment.determinism:
+        # Whether another process answers the same is asked of one that does not even have things at the same place in memory.
+        start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0)
+    else:
+        start_loaded(process, adapter.loads, foreseen)
     theirs.close()
     patience = trial.experiment.deadline + adapter.compile_allowance
     return _Child(trial, process, ours, log, time.monotonic() + patience)

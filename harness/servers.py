@@ -1,8 +1,12 @@
-"""Fork servers: one that has the numeric libraries and no engine, and for each engine that takes long to load one that has it.
+"""Fork servers: some that have the numeric libraries and no engine, and one that has it for each engine that loads slowly.
 
 Off such a server a process starts in milliseconds, where loading an engine takes up to two tenths of a second. An engine is in
 its own server alone: a library may set the mode of floating-point arithmetic, or take signals, when it is loaded, and no other
 engine is to feel that.
+
+What comes off one server has everything at the same place in memory, in another run of the study at another. An engine's speed
+feels that: over eight servers it was spread by 1 to 2 %, over eight processes of one by half as much or less. What is to show
+such chance, clocks and repetitions, therefore asks for processes off several servers.
 """
 
 import multiprocessing
@@ -14,7 +18,7 @@ from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-__all__ = ["WORTH_A_SERVER", "context", "start_loaded"]
+__all__ = ["WORTH_A_SERVER", "context", "start_apart", "start_loaded"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PRELOAD = ("harness.cli", "harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba")
@@ -52,8 +56,18 @@ def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) 
     process.start()
 
 
+def start_apart(process: BaseProcess, number: int) -> None:
+    """Start a process of `context` off the server of this number, which knows no engine: another number, another layout."""
+    if number not in _apart:
+        _apart[number] = _new_server(())
+    with _through(_apart[number]):
+        process.start()
+
+
 _servers: dict[tuple[str, ...], Any] = {}
 """By modules; None for those that kill a server."""
+_apart: dict[int, Any] = {}
+"""Those that know no engine, by number."""
 
 
 def _new_server(modules: tuple[str, ...]) -> Any:

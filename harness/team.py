@@ -21,7 +21,7 @@ import numpy as np
 from harness import discover
 from harness.bench import Bench, calibrate
 from harness.record import Sample
-from harness.servers import context
+from harness.servers import context, start_apart
 from harness.study import Trial
 from harness.worker import confine, exit_code
 
@@ -203,7 +203,7 @@ def _cores() -> list[int | None]:
     return [*sorted(os.sched_getaffinity(0), reverse=True)]
 
 
-def _start(trials: Sequence[Trial], folder: Path) -> Iterator[Team]:
+def _start(trials: Sequence[Trial], folder: Path, server: int) -> Iterator[Team]:
     """The teams of these trials: one child for all of an engine's with one worker, own children for each of the others."""
     forkserver, cores = context(), _cores()
     alone = [[trial] for trial in trials if trial.workers > 1]
@@ -218,18 +218,21 @@ def _start(trials: Sequence[Trial], folder: Path) -> Iterator[Team]:
             ours, theirs = forkserver.Pipe()
             place = Place(cores[worker % len(cores)], worker == 0, gate)
             process = forkserver.Process(target=_child, args=(theirs, served, place, log), daemon=True)
-            process.start()
+            start_apart(process, server)
             theirs.close()
             children.append(Clocked(process, ours))
         yield from (Team(trial, children, number, gate) for number, trial in enumerate(served))
 
 
-def ready_teams(trials: Sequence[Trial], folder: Path) -> dict[str, Team]:
-    """A team for each trial, by the trial's name, ready or in trouble; whose process died of another trial got a new one."""
+def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0) -> dict[str, Team]:
+    """A team for each trial, by the trial's name, ready or in trouble; whose process died of another trial got a new one.
+
+    Terms: server: the number of the fork server that all come from.
+    """
     ready: dict[str, Team] = {}
     waiting = list(trials)
     while waiting:
-        started = list(_start(waiting, folder))
+        started = list(_start(waiting, folder, server))
         for team in started:
             if not team.lost:
                 team.calibrated(team.trial.experiment.deadline)

@@ -235,7 +235,7 @@ def births(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
     """What was started, time after time: a child dies of the trial 'bad' when it should be ready for it."""
     started: list[list[str]] = []
 
-    def start(trials: list[Trial], folder: Path) -> Iterator[Team]:
+    def start(trials: list[Trial], folder: Path, server: int) -> Iterator[Team]:
         started.append([trial.trial for trial in trials])
         child = Mortal([])
         for number, trial in enumerate(trials):
@@ -272,7 +272,7 @@ def test_a_death_in_a_sample_costs_its_own_trial_alone(monkeypatch: pytest.Monke
             asked.append(self.served[number])
             self.answers.append("death" if self.served[number] == "bad" else dataclasses.replace(SAMPLE, block=block))
 
-    def start(trials: list[Trial], folder: Path) -> Iterator[Team]:
+    def start(trials: list[Trial], folder: Path, server: int) -> Iterator[Team]:
         child = Host([40] * len(trials))
         child.served = [trial.trial for trial in trials]
         yield from [Team(trial, [child], number) for number, trial in enumerate(trials)]

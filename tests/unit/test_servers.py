@@ -1,12 +1,13 @@
-"""Fork servers: what is loaded in which, and what happens where loading kills one."""
+"""Fork servers: what is loaded in which, where things lie in memory, and what happens where loading kills one."""
 
+import ctypes
 import sys
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
-from harness.servers import WORTH_A_SERVER, context, start_loaded
+from harness.servers import WORTH_A_SERVER, context, start_apart, start_loaded
 
 SELDOM = ("xml.dom.pulldom",)
 """What nobody else here loads."""
@@ -55,3 +56,29 @@ def test_a_module_that_kills_its_server_does_not_keep_processes_from_starting(
     monkeypatch.syspath_prepend(str(tmp_path))
     for foreseen in (WORTH_A_SERVER, 1):
         assert not loaded("deadly_to_load", ("deadly_to_load",), foreseen)
+
+
+def show_place(pipe: Connection) -> None:
+    pipe.send(ctypes.cast(ctypes.pythonapi.Py_GetVersion, ctypes.c_void_p).value)
+
+
+def place(number: int) -> int:
+    """Where the interpreter's own code lies in a process off this server."""
+    plain = context()
+    ours, theirs = plain.Pipe(duplex=False)
+    process = plain.Process(target=show_place, args=(theirs,), daemon=True)
+    start_apart(process, number)
+    theirs.close()
+    assert ours.poll(WAIT)
+    found: int = ours.recv()
+    process.join(WAIT)
+    return found
+
+
+def test_processes_of_one_server_are_laid_out_alike_and_those_of_two_are_not() -> None:
+    """The chance that the speed of an engine is left to; the second half of it where the system places programs at random."""
+    randomised = Path("/proc/sys/kernel/randomize_va_space")
+    assert place(0) == place(0)
+    if not randomised.is_file() or randomised.read_text().strip() == "0":
+        pytest.skip("the system loads programs at the same place each time")
+    assert len({place(number) for number in range(3)}) > 1

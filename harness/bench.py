@@ -72,10 +72,11 @@ class Bench:
     Terms:
         whole: clocked steps of a full run, without end for casts and empty calls. units: what one step or cast counts for.
         steady: may a run go on over samples? unit: what is counted. dt [s].
-        starting: CPU seconds that it last took to build and to go to where the clock starts.
+        starting: CPU seconds that it last took to build and to go to where the clock starts. settled: does the clock of a
+        steady case wait until the case is steady?
     """
 
-    def __init__(self, case: Case, adapter: Adapter, trial: Trial) -> None:
+    def __init__(self, case: Case, adapter: Adapter, trial: Trial, *, settled: bool = True) -> None:
         self._adapter, self._trial = adapter, trial
         self._scene = trial.scene(case)
         self._rays = None if case.rays is None else case.rays(**trial.parameters)
@@ -87,7 +88,7 @@ class Bench:
         endless = self._rays is not None or trial.clocks == "call"
         self.steady = case.steady is not None or endless
         dt = trial.settings.dt
-        self._before = 0 if case.steady is None else round(case.steady / dt)
+        self._before = round(case.steady / dt) if case.steady is not None and settled else 0
         self.whole = sys.maxsize if endless else max(1, round(case.duration / dt) - self._before)
         if trial.clocks == "sensing":
             self.whole = max(1, self.whole // steps_of_interval(self._scene, dt))

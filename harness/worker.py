@@ -106,8 +106,9 @@ def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter)
     said: list[str] = []
     for track, settings in adapter.tracks.items():
         yardstick = trial.probing(case, track=track, settings=settings.with_dt(case.dt))
+        own, beside = (Bench(case, adapter, one, settled=False) for one in (trial, yardstick))
         try:
-            cost, ratio = rough_costs(Bench(case, adapter, trial), Bench(case, adapter, yardstick))
+            cost, ratio = rough_costs(own, beside)
             return replace(record, rough_cost=cost, rough_ratio=ratio)
         except Exception as error:
             said.append(f"{track}: {type(error).__name__}: {error}")

@@ -89,6 +89,12 @@ def test_a_steady_case_is_clocked_from_its_steady_time_and_goes_on_with_one_run(
     made.clock(50)  # the run ends after 20 of them
     assert steps(maker.told)[3:] == [whole - 100, before, 150 - whole]
     assert [what for what, _ in maker.told].count("build") == 2
+    trial = made._trial
+    unsettled = Bench(PILE, maker, trial, settled=False)  # type: ignore[arg-type]
+    maker.told.clear()
+    unsettled.clock(50)
+    assert steps(maker.told) == [50]
+    assert unsettled.whole == before + whole
 
 
 def test_another_case_is_clocked_from_its_start_in_whole_runs() -> None:

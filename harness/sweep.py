@@ -32,7 +32,7 @@ SMALLEST = 1e-8
 TELLING = 1.2
 """Rough costs tell two points apart where one is larger than the other by more than this; otherwise the earlier one counts.
 
-Each is off by some 4 %, so the ratio of two by 6 %: three times that."""
+Each was off by some 5 % between two runs, one of them under load, so the ratio of two by 7 %: nearly three times that."""
 PER_ROUND = 4
 """New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
 LONGEST = 4.0

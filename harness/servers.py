@@ -5,7 +5,7 @@ its own server alone: a library may set the mode of floating-point arithmetic, o
 engine is to feel that.
 
 What comes off one server has everything at the same place in memory, in another run of the study at another. An engine's speed
-can feel that: MuJoCo's and DART's steps of a pendulum were spread by 2 % over eight interpreters and by less than 1 % over eight
+can feel that: MuJoCo's and DART's steps of a pendulum were spread by 2 % over eight interpreters and under 1 % over eight
 forks of one. What is to show such chance, clocks and repetitions, therefore asks for processes off several servers.
 """
 

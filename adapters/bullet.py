@@ -322,17 +322,18 @@ def _levers(values: Mapping[tuple[_Kind, _Kind], float], friction: Mapping[_Kind
 
 def _law(scene: Scene) -> dict[_Kind, _Coefficients]:
     """The coefficients of each kind of body. Raises: Unsupported."""
-    if Effect.CONTACT not in scene.effects:
+    effects = scene.effects
+    if Effect.CONTACT not in effects:
         return {}
     pairs = _pairs(scene)
 
     def values(effect: Effect, name: str) -> dict[tuple[_Kind, _Kind], float]:
-        return {pair: getattr(law, name) if effect in scene.effects else 0.0 for pair, law in pairs.items()}
+        return {pair: getattr(law, name) if effect in effects else 0.0 for pair, law in pairs.items()}
 
     kinetic = values(Effect.FRICTION, "kinetic_friction")
     for (a, b), law in pairs.items():
         where = f"surface {a[0]}/{b[0]}"
-        if Effect.FRICTION in scene.effects and law.static_friction > law.kinetic_friction:
+        if Effect.FRICTION in effects and law.static_friction > law.kinetic_friction:
             raise Unsupported(where, "Bullet has one coefficient of friction; static and kinetic differ")
         if kinetic[a, b] > GREATEST_FRICTION:
             raise Unsupported(where, f"Bullet clamps friction to {GREATEST_FRICTION:g}")
@@ -1087,6 +1088,8 @@ class _Builder:
         self.notices: list[str] = []
         self.swept = Effect.CONTINUOUS_COLLISION in self.effects and self.options["coordinates"] == "maximal"
         self.loose: list[int] = []
+        # Pictures are drawn in a twin of this world. Told nothing, pybullet would make one of each collision shape.
+        self.unseen = _unseen(port)
 
     def build(self) -> _Simulation:
         """Everything in order; the initial state is read back at the end."""
@@ -1200,6 +1203,7 @@ class _Builder:
             "createMultiBody",
             baseMass=0.0,
             baseCollisionShapeIndex=shape,
+            baseVisualShapeIndex=self.unseen,
             basePosition=self.scene.bodies[place].p_WB,
             baseOrientation=_xyzw(self._q_WI(place)),
             useMaximalCoordinates=int(maximal),
@@ -1239,6 +1243,7 @@ class _Builder:
             "createMultiBody",
             baseMass=self._mass(place),
             baseCollisionShapeIndex=_collision_shape(self.port, self._placed(place, (0.0, 0.0, 0.0))),
+            baseVisualShapeIndex=self.unseen,
             basePosition=body.p_WB,
             baseOrientation=_xyzw(self._q_WI(place)),
             useMaximalCoordinates=int(maximal),
@@ -1340,7 +1345,7 @@ class _Builder:
             row = (
                 body.mass,
                 _collision_shape(self.port, self._placed(link.place, p_LI)),
-                -1,
+                self.unseen,
                 rotate(_conjugate(q_WP), _minus(p_WL, p_WP)),
                 _xyzw(multiply(_conjugate(q_WP), q_WI)),
                 p_LI,
@@ -1356,6 +1361,7 @@ class _Builder:
             "createMultiBody",
             baseMass=0.0 if tree.base is None else self._mass(tree.base),
             baseCollisionShapeIndex=_collision_shape(self.port, shapes),
+            baseVisualShapeIndex=self.unseen,
             basePosition=base[0],
             baseOrientation=_xyzw(base[1]),
             flags=bullet.URDF_USE_SELF_COLLISION | bullet.URDF_USE_SELF_COLLISION_INCLUDE_PARENT,

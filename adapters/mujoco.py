@@ -36,6 +36,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from itertools import pairwise
 from typing import Any, assert_never
 
@@ -577,6 +578,7 @@ def _rebound(z: Floats | float, steps: int, fine: int) -> float:
     return float(np.where(flying, v, 0.0).mean())
 
 
+@cache
 def _elastic(e: float, h: float, steps: int, fine: int) -> tuple[float, float]:
     """solref in its direct form (-stiffness, -damping) per unit mass whose mean rebound is e, by bisection over z.
 

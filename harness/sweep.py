@@ -36,7 +36,8 @@ Each was off by some 5 % between two runs, one of them under load, so the ratio 
 PER_ROUND = 4
 """New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
 LONGEST = 4.0
-"""A run that is foreseen to take more CPU seconds than this is not tried."""
+"""A run that is foreseen to take more CPU seconds than this is not tried; one whose knob is turned is foreseen to take as long
+as before."""
 BEYOND = 4.0
 """How far beyond both ends of a case's ladder the time step may go."""
 MARGIN = 1.5
@@ -261,13 +262,13 @@ def _neighbours(here: Sequence[Point], live: Sequence[str], case: Case, adapter:
     coarsest, finest = BEYOND * max(case.ladder), min(case.ladder) / BEYOND
     moves: list[list[tuple[Trial, Settings]]] = []
     for point in _front(here):
-        settings = point.trial.settings
+        settings, taken = point.trial.settings, point.cost * case.duration
         near: list[tuple[Trial, Settings]] = []
         for dt in (settings.dt * 2, settings.dt / 2):
-            foreseen = point.cost * case.duration * settings.dt / dt
-            if finest * (1 - 1e-9) <= dt <= coarsest * (1 + 1e-9) and foreseen < LONGEST:
+            if finest * (1 - 1e-9) <= dt <= coarsest * (1 + 1e-9) and taken * settings.dt / dt < LONGEST:
                 near.append((point.trial, settings.with_dt(dt)))
-        near += [(point.trial, turned(settings, knob, value)) for knob in live for value in _beside(point, knob, adapter)]
+        if taken < LONGEST:
+            near += [(point.trial, turned(settings, knob, value)) for knob in live for value in _beside(point, knob, adapter)]
         moves.append(near)
     for turn in range(max((len(near) for near in moves), default=0)):
         yield from (near[turn] for near in moves if turn < len(near))

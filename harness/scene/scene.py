@@ -156,7 +156,8 @@ class Scene:
         movable = [b for b in self.bodies if b.movable]
         if any(self.gravity) and movable:
             called |= Effect.GRAVITY
-        touching = [s for s in self.surfaces if any(s.pair == frozenset(pair) for pair in self._material_pairs())]
+        pairs = {frozenset(pair) for pair in self._material_pairs()}
+        touching = [s for s in self.surfaces if s.pair in pairs]
         if touching:
             called |= Effect.CONTACT
             for effect, field in (

@@ -29,7 +29,7 @@ __all__ = ["Clocked", "Team", "joined", "ready_teams"]
 
 
 def _canary() -> float:
-    """CPU seconds for a fixed kernel that depends on nothing under test: the middle of three, as the first finds cold caches."""
+    """CPU seconds of a fixed kernel that depends on nothing under test: the middle of three, as the first finds cold caches."""
     a = np.full((96, 96), 1.0 / 96.0)
     taken = []
     for _ in range(3):

@@ -109,6 +109,19 @@ def settings_of(trials: Iterable[Trial]) -> set[str]:
     return {repr(replace(trial.settings, source="").plain()) for trial in trials}
 
 
+def test_what_takes_long_is_neither_refined_nor_turned() -> None:
+    """A million times dearer, every run takes more than four seconds; its screening stays, since nothing is known before."""
+
+    def dear(trial: Trial) -> Record:
+        told = answer(trial)
+        assert told.rough_cost is not None
+        return replace(told, rough_cost=1e6 * told.rough_cost)
+
+    assert max(trial.round for trial in unfolded(40)[0]) > 1
+    assert max(trial.round for trial in unfolded(40, answer=dear)[0]) == 1
+
+
+
 def test_it_finds_the_better_knob_and_the_finer_step() -> None:
     """The best integrator at the finest step allowed, a quarter of the ladder's, is reached from neighbours alone."""
     trials, known = unfolded(sweep=200)

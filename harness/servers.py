@@ -57,7 +57,13 @@ def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) 
 
 
 def start_apart(process: BaseProcess, number: int) -> None:
-    """Start a process of `context` off the server of this number, which knows no engine: another number, another layout."""
+    """Start a process of `context` off the server of this number, which knows no engine: another number, another layout.
+
+    Args: number: 0 for the one that `context` has anyway.
+    """
+    if number == 0:
+        process.start()
+        return
     if number not in _apart:
         _apart[number] = _new_server(())
     with _through(_apart[number]):
@@ -67,7 +73,7 @@ def start_apart(process: BaseProcess, number: int) -> None:
 _servers: dict[tuple[str, ...], Any] = {}
 """By modules; None for those that kill a server."""
 _apart: dict[int, Any] = {}
-"""Those that know no engine, by number."""
+"""Those beside the plain one that know no engine, by number."""
 
 
 def _new_server(modules: tuple[str, ...]) -> Any:

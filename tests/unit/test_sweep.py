@@ -121,7 +121,6 @@ def test_what_takes_long_is_neither_refined_nor_turned() -> None:
     assert max(trial.round for trial in unfolded(40, answer=dear)[0]) == 1
 
 
-
 def test_it_finds_the_better_knob_and_the_finer_step() -> None:
     """The best integrator at the finest step allowed, a quarter of the ladder's, is reached from neighbours alone."""
     trials, known = unfolded(sweep=200)

@@ -27,9 +27,7 @@ Told = tuple[str, str, str, float, float, float | None]
 class Priced(Store):
     """A store whose trials are told in a line each; every case has the same scale, and its truth may be off by as much."""
 
-    def __init__(
-        self, told: list[Told], unit: str = "step", rough: float = 1.0, scale: float = 1.0, off: float = 0.0
-    ) -> None:
+    def __init__(self, told: list[Told], unit: str = "step", rough: float = 1.0, scale: float = 1.0, off: float = 0.0) -> None:
         self.folder = Path("run")
         trials, measured, samples = [], [], []
         for case, engine, track, dt, error, cost in told:

@@ -52,9 +52,9 @@ def _expected(time: Floats, speed: float = SPEED, spin: float = SPIN, friction: 
     return truth
 
 
-def _speed(dt: float) -> float:
+def _speed(dt: float, friction: float = FRICTION) -> float:
     """The first step may pass before there is a contact to rub, and the step in which slip ends may go on rubbing."""
-    return 2 * FRICTION * G * dt
+    return 2 * friction * G * dt
 
 
 CASE = Case(
@@ -74,7 +74,7 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
         Check(
             metric=VELOCITY_FINAL,
-            at_most=lambda dt: _speed(dt) / 2,
+            at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / 2,
             because="friction exchanges speed and spin at a fixed rate, so that the final speed does not hang on when it acts; "
             "the step in which slip ends may rub on for all of its length, mu g dt",
         ),
@@ -85,12 +85,12 @@ CASE = Case(
         ),
         Check(
             metric=POSITION_MAX,
-            at_most=lambda dt: _speed(dt) * DURATION + SPEED * dt,
+            at_most=lambda dt, speed=SPEED, friction=FRICTION: _speed(dt, friction) * DURATION + speed * dt,
             because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
             metric=ANGULAR_VELOCITY_FINAL,
-            at_most=lambda dt: _speed(dt) / (SOLID * RADIUS),
+            at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / (SOLID * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
     ),

@@ -75,7 +75,7 @@ CASE = Case(
         ),
         Check(
             metric=POSITION_MAX,
-            at_most=lambda dt: 2 * G * math.sin(math.radians(ANGLE)) * dt**2 + 1e-3,
+            at_most=lambda dt, angle=ANGLE: 2 * G * math.sin(math.radians(angle)) * dt**2 + 1e-3,
             because=f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
         ),
     ),

@@ -69,6 +69,11 @@ def expected(time: Floats, directions: int = DIRECTIONS, friction: float = FRICT
     return truth
 
 
+def _step(dt: float, friction: float = FRICTION, speed: float = SPEED) -> float:
+    """One step's way v0 dt as a share of the whole one, v0^2/(2 mu g)."""
+    return speed * dt / (speed**2 / (2 * friction * G))
+
+
 CASE = Case(
     name="friction_isotropy",
     title="Friction in every direction",
@@ -82,19 +87,19 @@ CASE = Case(
     checks=(
         Check(
             metric=POLAR_SPREAD,
-            at_most=lambda dt: SPEED * dt / (SPEED**2 / (2 * FRICTION * G)),
+            at_most=_step,
             because="each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
             "relative to v0^2/(2 mu g)",
         ),
         Check(
             metric=HEADING_ERROR,
-            at_most=lambda dt: SPEED * dt / (SPEED**2 / (2 * FRICTION * G)),
+            at_most=_step,
             because="friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
             "would end v0 dt aside",
         ),
         Check(
             metric=STOP_DISTANCE_ERROR,
-            at_most=lambda dt: 1.5 * SPEED * dt / (SPEED**2 / (2 * FRICTION * G)),
+            at_most=lambda dt, friction=FRICTION, speed=SPEED: 1.5 * _step(dt, friction, speed),
             because="half a step's way by a staggered scheme, one step's way before there is a contact to rub",
         ),
     ),

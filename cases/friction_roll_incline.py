@@ -62,9 +62,9 @@ def _expected(time: Floats, angle: float = ANGLE, friction: float = FRICTION, fa
     return truth
 
 
-def _speed(dt: float) -> float:
+def _speed(dt: float, angle: float = ANGLE) -> float:
     """The first step may pass before there is a contact: then the body slides freely for it, and grips in the next."""
-    return 2 * G * math.sin(math.radians(ANGLE)) * dt
+    return 2 * G * math.sin(math.radians(angle)) * dt
 
 
 CASE = Case(
@@ -88,12 +88,12 @@ CASE = Case(
         ),
         Check(
             metric=POSITION_MAX,
-            at_most=lambda dt: _speed(dt) * DURATION,
+            at_most=lambda dt, angle=ANGLE: _speed(dt, angle) * DURATION,
             because="the error of the speed all the way; half a step of way is less than that",
         ),
         Check(
             metric=ANGULAR_VELOCITY_MAX,
-            at_most=lambda dt: _speed(dt) / (min(FACTORS) * RADIUS),
+            at_most=lambda dt, angle=ANGLE, factors=FACTORS: _speed(dt, angle) / (min(factors) * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
     ),

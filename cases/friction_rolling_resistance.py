@@ -72,9 +72,9 @@ def _expected(time: Floats, speed: float = SPEED, coefficients: Sequence[float] 
     return truth
 
 
-def _speed(dt: float) -> float:
+def _speed(dt: float, coefficients: Sequence[float] = COEFFICIENTS) -> float:
     """A first step without a contact, and a last one that would have stopped the ball before its end."""
-    return 2 * deceleration(max(COEFFICIENTS)) * dt
+    return 2 * deceleration(max(coefficients)) * dt
 
 
 CASE = Case(
@@ -99,7 +99,7 @@ CASE = Case(
         ),
         Check(
             metric=POSITION_MAX,
-            at_most=lambda dt: _speed(dt) * DURATION + SPEED * dt,
+            at_most=lambda dt, speed=SPEED, coefficients=COEFFICIENTS: _speed(dt, coefficients) * DURATION + speed * dt,
             because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(

@@ -58,9 +58,9 @@ def _expected(time: Floats, speed: float = SPEED, friction: float = FRICTION, fa
     return truth
 
 
-def _speed(dt: float) -> float:
+def _speed(dt: float, friction: float = FRICTION) -> float:
     """The first step may pass before there is a contact to rub, and the step in which slip ends may go on rubbing."""
-    return 2 * FRICTION * G * dt
+    return 2 * friction * G * dt
 
 
 CASE = Case(
@@ -80,7 +80,7 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
         Check(
             metric=VELOCITY_FINAL,
-            at_most=lambda dt: _speed(dt) / 2,
+            at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / 2,
             because="what friction takes from the speed it gives to the spin, so that v0/(1 + k) comes out whenever it acts; "
             "the step in which slip ends may rub on for all of its length, mu g dt",
         ),
@@ -91,12 +91,12 @@ CASE = Case(
         ),
         Check(
             metric=POSITION_MAX,
-            at_most=lambda dt: _speed(dt) * DURATION + SPEED * dt,
+            at_most=lambda dt, speed=SPEED, friction=FRICTION: _speed(dt, friction) * DURATION + speed * dt,
             because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
             metric=ANGULAR_VELOCITY_FINAL,
-            at_most=lambda dt: _speed(dt) / (min(FACTORS) * RADIUS),
+            at_most=lambda dt, friction=FRICTION, factors=FACTORS: _speed(dt, friction) / (min(factors) * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
     ),

@@ -62,9 +62,9 @@ def _expected(time: Floats, spin: float = SPIN, friction: float = FRICTION) -> T
     return truth
 
 
-def _rate(dt: float) -> float:
+def _rate(dt: float, friction: float = FRICTION) -> float:
     """A first step without a contact, and a last one rubbed through to its end."""
-    return 2 * deceleration() * dt
+    return 2 * deceleration(friction) * dt
 
 
 CASE = Case(
@@ -90,7 +90,7 @@ CASE = Case(
         ),
         Check(
             metric=ATTITUDE_MAX,
-            at_most=lambda dt: _rate(dt) * DURATION + SPIN * dt,
+            at_most=lambda dt, spin=SPIN, friction=FRICTION: _rate(dt, friction) * DURATION + abs(spin) * dt,
             because="the error of the spin all the way, and a staggered scheme's half step of turning, taken twice",
         ),
         Check(
@@ -101,7 +101,7 @@ CASE = Case(
         ),
         Check(
             metric=ANGULAR_VELOCITY_FINAL,
-            at_most=lambda dt: deceleration() * dt,
+            at_most=lambda dt, friction=FRICTION: deceleration(friction) * dt,
             because="at rest friction takes any spin that is less than it can take in a step",
         ),
     ),

@@ -105,16 +105,28 @@ def _expected(
     return truth
 
 
-W = math.sqrt(STIFFNESS / MASS)
-FASTEST = DRAWN + math.hypot((STATIC - KINETIC) * G / W, DRAWN)
-"""Speed of the block in a slip, at most [m/s]."""
-SLIPS = 2
-"""Slips within the duration: from t = 1.47 and from 3.35 s on."""
+def _slips(static: float, kinetic: float, stiffness: float, drawn: float) -> int:
+    """How many slips begin within the duration: at the first break-away, and a period after each other."""
+    w, y = math.sqrt(stiffness / MASS), (static - kinetic) * G
+    first = static * MASS * G / (stiffness * drawn)
+    period = 2 * y / (w**2 * drawn) + 2 / w * (math.pi - math.atan(y / (w * drawn)))
+    return 0 if first > DURATION else 1 + int((DURATION - first) / period)
 
 
-def _late(dt: float) -> float:
-    """Break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step besides."""
-    return 3 * SLIPS * dt
+def _way(
+    dt: float, static: float = STATIC, kinetic: float = KINETIC, stiffness: float = STIFFNESS, drawn: float = DRAWN
+) -> float:
+    """The way [m] in a slip, at its fastest, over the time by which slips are late: break-away and sticking are noticed up to a
+    step late each, and a first-order swing errs by half a step besides."""
+    fastest = drawn + math.hypot((static - kinetic) * G / math.sqrt(stiffness / MASS), drawn)
+    return fastest * 3 * _slips(static, kinetic, stiffness, drawn) * dt
+
+
+def _speed(
+    dt: float, static: float = STATIC, kinetic: float = KINETIC, stiffness: float = STIFFNESS, drawn: float = DRAWN
+) -> float:
+    """The swing's acceleration over the time by which it is late, and one step of friction at its end."""
+    return _way(dt, static, kinetic, stiffness, drawn) * math.sqrt(stiffness / MASS) + static * G * dt
 
 
 CASE = Case(
@@ -133,13 +145,13 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="friction and a spring keep the block within reach"),
         Check(
             metric=POSITION_MAX,
-            at_most=lambda dt: FASTEST * _late(dt) + 1e-3,
+            at_most=lambda dt, **block: _way(dt, **block) + 1e-3,
             because="break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step: "
             "three steps of way a slip, and a millimetre for contacts that give way before they hold",
         ),
         Check(
             metric=VELOCITY_MAX,
-            at_most=lambda dt: FASTEST * W * _late(dt) + STATIC * G * dt,
+            at_most=_speed,
             because="the swing's acceleration over the time by which it is late, and one step of friction at its end",
         ),
     ),

@@ -71,13 +71,16 @@ def _expected(time: Floats, rate: float = RATE, start: float = START) -> Traject
     return truth
 
 
-TURN = SHARE * RATE
-"""Rate of the circle [rad/s]."""
-
-
-def _position(dt: float) -> float:
+def _position(dt: float, rate: float = RATE, start: float = START) -> float:
     """First-order methods turn the velocity at the start or the end of a step: the circle widens by W' dt/2 each radian."""
-    return 2 * START * TURN * dt * (1 + TURN * DURATION)
+    turn = SHARE * rate
+    return 2 * start * turn * dt * (1 + turn * DURATION)
+
+
+def _velocity(dt: float, rate: float = RATE, start: float = START) -> float:
+    """The speed on a circle that much off, and half a step of turning, taken twice."""
+    turn = SHARE * rate
+    return turn * _position(dt, rate, start) + SHARE * rate * start * turn * dt
 
 
 CASE = Case(
@@ -103,7 +106,7 @@ CASE = Case(
         ),
         Check(
             metric=VELOCITY_MAX,
-            at_most=lambda dt: TURN * _position(dt) + SHARE * RATE * START * TURN * dt,
+            at_most=_velocity,
             because="the speed on a circle that much off, and half a step of turning, taken twice",
         ),
     ),

@@ -64,13 +64,13 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="blows without restitution take energy away"),
         Check(
             metric=INSCRIBED_OVERLAP,
-            at_most=lambda dt: 2 * (SPEED + np.sqrt(3) * HALF * SPIN) * dt,
+            at_most=lambda dt, speed=SPEED, spin=SPIN: 2 * (speed + np.sqrt(3) * HALF * spin) * dt,
             because="cubes do not pass through each other; one step's way at the greatest speed of closing, that of two "
             "corners, may lie between the touch and its discovery. Without this, bodies that never touch would pass",
         ),
         Check(
             metric=MOMENTUM_MAX,
-            at_most=1e-6 * 8 * MASS * SPEED,
+            at_most=lambda _dt, speed=SPEED: 1e-6 * 8 * MASS * speed,
             because="a blow gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(

@@ -102,28 +102,43 @@ def expected(
     return truth
 
 
-def _caught_off_the_plane(dt: float) -> tuple[float, float]:
+def _caught_off_the_plane(
+    dt: float,
+    velocities: Sequence[Sequence[float]] = VELOCITIES,
+    spins: Sequence[Sequence[float]] = SPINS,
+    approach: float = APPROACH,
+    friction: float = FRICTION,
+    restitution: float = RESTITUTION,
+) -> tuple[float, float]:
     """By how much v [m/s] and w [rad/s] after the impact change when the arm is off by one step's way, the worst ball."""
-    moment, way = sphere_inertia(MASS, RADIUS)[0][0], APPROACH * dt
+    moment, way = sphere_inertia(MASS, RADIUS)[0][0], approach * dt
     worst = np.zeros(2)
-    for v_W, w_W in _motions(VELOCITIES, SPINS, APPROACH):
-        right = coulomb_impact(v_W, w_W, MASS, moment, RADIUS, RESTITUTION, FRICTION)
+    for v_W, w_W in _motions(velocities, spins, approach):
+        right = coulomb_impact(v_W, w_W, MASS, moment, RADIUS, restitution, friction)
         for arm in (RADIUS - way, RADIUS + way):
-            found = coulomb_impact(v_W, w_W, MASS, moment, arm, RESTITUTION, FRICTION)
+            found = coulomb_impact(v_W, w_W, MASS, moment, arm, restitution, friction)
             worst = np.maximum(worst, [np.linalg.norm(a - b) for a, b in zip(found, right, strict=True)])
     return float(worst[0]), float(worst[1])
 
 
-def _bound(column: int) -> Callable[[float], float]:
+def _bound(column: int) -> Callable[..., float]:
     """The bound over dt of v (0) or w (1), with single precision of the fastest ball beside it."""
-    return lambda dt: _caught_off_the_plane(dt)[column] + 1e-5
+    return lambda dt, **blow: _caught_off_the_plane(dt, **blow)[column] + 1e-5
 
 
-def _way(dt: float) -> float:
+def _way(
+    dt: float,
+    velocities: Sequence[Sequence[float]] = VELOCITIES,
+    spins: Sequence[Sequence[float]] = SPINS,
+    approach: float = APPROACH,
+    friction: float = FRICTION,
+    restitution: float = RESTITUTION,
+) -> float:
     """The bound [m] over dt of the final place."""
-    fastest = max(float(np.linalg.norm(velocity)) for velocity in VELOCITIES)
-    change = (1 + RESTITUTION) * APPROACH * (1 + FRICTION) + fastest
-    return change * dt + _bound(0)(dt) * (DURATION - HEIGHT / APPROACH) + 1e-5
+    fastest = max(float(np.linalg.norm(velocity)) for velocity in velocities)
+    change = (1 + restitution) * approach * (1 + friction) + fastest
+    speed = _caught_off_the_plane(dt, velocities, spins, approach, friction, restitution)[0] + 1e-5
+    return change * dt + speed * max(0.0, DURATION - HEIGHT / approach) + 1e-5
 
 
 DURATION = 0.5

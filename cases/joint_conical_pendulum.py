@@ -58,22 +58,21 @@ def _scene(tilt: float = TILT, length: float = LENGTH) -> Scene:
     return Scene(bodies=(bob,), joints=(Ball(name="pivot", parent=WORLD, child="bob", anchor_W=(0.0, 0.0, 0.0)),))
 
 
-SPEED = rate() * LENGTH * float(np.sin(np.radians(TILT)))
-
-
-def _gap(dt: float) -> float:
+def _gap(dt: float, tilt: float = TILT, length: float = LENGTH) -> float:
     """A step along the tangent leaves the sphere by (v dt)^2/(2 l); a solver that takes back a fifth a step keeps five."""
-    return 5 * (SPEED * dt) ** 2 / (2 * LENGTH) + 1e-6
+    speed = rate(tilt, length) * length * float(np.sin(np.radians(tilt)))
+    return 5 * (speed * dt) ** 2 / (2 * length) + 1e-6
 
 
-def _radius(dt: float) -> float:
+def _radius(dt: float, tilt: float = TILT, length: float = LENGTH) -> float:
     """Twice w dt for half a step's offset, as it swings about the circle, and the gap."""
-    return rate() * dt * 2 + _gap(dt) / (LENGTH * float(np.sin(np.radians(TILT))))
+    return rate(tilt, length) * dt * 2 + _gap(dt, tilt, length) / (length * float(np.sin(np.radians(tilt))))
 
 
-def _position(dt: float) -> float:
+def _position(dt: float, tilt: float = TILT, length: float = LENGTH) -> float:
     """The radius' error, and what it does to the rate all the way: a share that of tan^2 of the tilt, at most one."""
-    return LENGTH * float(np.sin(np.radians(TILT))) * _radius(dt) * (1 + rate() * DURATION)
+    out = length * float(np.sin(np.radians(tilt)))
+    return out * _radius(dt, tilt, length) * (1 + rate(tilt, length) * DURATION)
 
 
 CASE = Case(

@@ -1,7 +1,5 @@
 """A rod that swings into the stop of its hinge: does the stop hold it, where it should and when it should?"""
 
-from functools import lru_cache
-
 import numpy as np
 from scipy.special import ellipj, ellipk, ellipkinc
 
@@ -79,15 +77,15 @@ def _expected(time: Floats, amplitude: float = AMPLITUDE, stop: float = STOP) ->
     return truth
 
 
-@lru_cache(maxsize=1)
-def _strike() -> float:
-    """Angular speed [rad/s] at the stop."""
-    return float(np.sqrt(2 * RATE**2 * (np.cos(np.radians(STOP)) - np.cos(np.radians(AMPLITUDE)))))
+def _way(dt: float, amplitude: float = AMPLITUDE, stop: float = STOP) -> float:
+    """The rod's angle [rad] in one step before the stop: w^2 = 2 w0^2 (cos(stop) - cos(amplitude))."""
+    return float(np.sqrt(2 * RATE**2 * (np.cos(np.radians(stop)) - np.cos(np.radians(amplitude))))) * dt
 
 
-def _way(dt: float) -> float:
-    """The rod's angle [rad] in one step before the stop."""
-    return _strike() * dt
+def _gap(dt: float, amplitude: float = AMPLITUDE, stop: float = STOP) -> float:
+    """Five steps' departure along the tangent, and one step's way at the blow."""
+    way = _way(dt, amplitude, stop)
+    return 5 * (way * D) ** 2 / (2 * D) + D * way + 1e-6
 
 
 CASE = Case(
@@ -119,7 +117,7 @@ CASE = Case(
         ),
         Check(
             metric=POSITION_MAX,
-            at_most=lambda dt: D * 3 * _way(dt) + 2e-3,
+            at_most=lambda dt, **stop: D * 3 * _way(dt, **stop) + 2e-3,
             because="the swing errs by half a step's way and by the period's error, the blow comes up to a step late and "
             "passes the stop by one more: three steps' way, and what a stop may give way",
         ),
@@ -131,7 +129,7 @@ CASE = Case(
         ),
         Check(
             metric=JOINT_GAP_MAX,
-            at_most=lambda dt: 5 * (_strike() * D * dt) ** 2 / (2 * D) + D * _way(dt) + 1e-6,
+            at_most=_gap,
             because="five steps' departure along the tangent, (v dt)^2/(2 d) each, and one step's way at the blow, whose "
             "impulse the hinge bears",
         ),

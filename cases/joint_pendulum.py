@@ -1,7 +1,7 @@
 """A pendulum on a hinge, released from rest: does it keep its period, its energy and its hinge?"""
 
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from scipy.special import ellipj, ellipk
@@ -101,35 +101,37 @@ def _expected(
     return truth
 
 
-@lru_cache(maxsize=1)
-def _default() -> tuple[float, float, float]:
-    """w0 [rad/s], d [m] and the largest theta' = 2 k w0 [rad/s] of the default pendulum."""
-    rate, distance = _small_rate("rod", LENGTH, MASS)
-    return rate, distance, float(2.0 * np.sin(np.radians(AMPLITUDE) / 2) * rate)
+@lru_cache(maxsize=8)
+def _swing(
+    amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS
+) -> tuple[float, float, float, float]:
+    """w0 [rad/s], d [m], the largest theta' = 2 k w0 [rad/s] and the height 1 - cos(theta0) [d]."""
+    rate, distance = _small_rate(kind, length, mass)
+    return rate, distance, float(2.0 * np.sin(np.radians(amplitude) / 2) * rate), float(1 - np.cos(np.radians(amplitude)))
 
 
-def _gap(dt: float) -> float:
+def _gap(dt: float, **pendulum: Any) -> float:
     """A step along the tangent leaves the circle by (v dt)^2/(2 d); a solver that takes back a fifth a step keeps five."""
-    _, distance, fastest = _default()
+    _, distance, fastest, _ = _swing(**pendulum)
     return 5 * (fastest * distance * dt) ** 2 / (2 * distance) + 1e-6
 
 
-def _energy(dt: float) -> float:
+def _energy(dt: float, **pendulum: Any) -> float:
     """Twice (w0/2) dt for half a step between position and velocity, and the gap's height, over the energy in play."""
-    rate, distance, _ = _default()
-    return float(rate * dt + _gap(dt) / (distance * (1 - np.cos(np.radians(AMPLITUDE)))))
+    rate, distance, _, height = _swing(**pendulum)
+    return rate * dt + _gap(dt, **pendulum) / (distance * height)
 
 
-def _period_error(dt: float) -> float:
+def _period_error(dt: float, **pendulum: Any) -> float:
     """Twice the leapfrog's (w0 dt)^2/24 in small swings, a rod longer by the gap, and 1e-6 for interpolation."""
-    rate, distance, _ = _default()
-    return (rate * dt) ** 2 / 12 + _gap(dt) / (2 * distance) + 1e-6
+    rate, distance, _, _ = _swing(**pendulum)
+    return (rate * dt) ** 2 / 12 + _gap(dt, **pendulum) / (2 * distance) + 1e-6
 
 
-def _position(dt: float) -> float:
+def _position(dt: float, **pendulum: Any) -> float:
     """Twice the largest speed times half a step, the period's error up to the end, and the gap."""
-    _, distance, fastest = _default()
-    return distance * fastest * (dt + _period_error(dt) * DURATION) + _gap(dt)
+    _, distance, fastest, _ = _swing(**pendulum)
+    return distance * fastest * (dt + _period_error(dt, **pendulum) * DURATION) + _gap(dt, **pendulum)
 
 
 CASE = Case(

@@ -26,16 +26,15 @@ def _scene(across: float = ACROSS, along: float = ALONG) -> Scene:
     return Scene(bodies=(top,), sensors=(imu,), gravity=(0.0, 0.0, 0.0))
 
 
-ROUND = (POLE - EQUATOR) / EQUATOR * ALONG
-"""How fast the rate goes round the axis in B [rad/s]: |w'| = ROUND * ACROSS and |w''| = ROUND^2 * ACROSS."""
-RATE_SIZE = (ACROSS**2 + ALONG**2) ** 0.5
+def _angle(dt: float, across: float = ACROSS, along: float = ALONG) -> float:
+    """[rad]: see the check's derivation, a twentieth granted for the change of the rate itself.
 
-
-def _angle(dt: float) -> float:
-    """[rad]: see the check's derivation, a twentieth granted for the change of the rate itself."""
-    first = ROUND * ACROSS * dt / 2
-    second = RATE_SIZE**3 * dt**2 / 12
-    integral = ROUND**2 * ACROSS / RATE**2 / 12
+    The rate goes round the axis in B at W = (C - A)/A w3: |w'| = W w1 and |w''| = W^2 w1.
+    """
+    turning, size = (POLE - EQUATOR) / EQUATOR * along, (across**2 + along**2) ** 0.5
+    first = turning * across * dt / 2
+    second = size**3 * dt**2 / 12
+    integral = turning**2 * across / RATE**2 / 12
     return float(1.05 * (first + second + integral) * DURATION + 64 * SINGLE)
 
 

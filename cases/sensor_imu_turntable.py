@@ -69,15 +69,13 @@ def _expected(time: Floats, spin_up: float = SPIN_UP, lever: float = LEVER) -> T
     return replace(truth, streams=streams)
 
 
-FASTEST = SPIN_UP * DURATION
-
-
-def _acceleration(dt: float) -> float:
+def _acceleration(dt: float, spin_up: float = SPIN_UP, lever: float = LEVER) -> float:
     """[m/s2]: an interval's angle is wrong by a T dt/2 where a step takes the rate of its start or end, and by (w dt)^2/12 of
     itself where it takes 2 atan(w dt/2); rounding of w r and of g in single precision."""
-    early = FASTEST * LEVER * SPIN_UP * dt / 2
-    second = FASTEST**2 * LEVER * (FASTEST * dt) ** 2 / 12
-    return 1.05 * (early + second) + 8 * SINGLE * (FASTEST * LEVER * RATE + G)
+    fastest = spin_up * DURATION
+    early = fastest * lever * spin_up * dt / 2
+    second = fastest**2 * lever * (fastest * dt) ** 2 / 12
+    return 1.05 * (early + second) + 8 * SINGLE * (fastest * lever * RATE + G)
 
 
 CASE = Case(
@@ -102,7 +100,7 @@ CASE = Case(
         ),
         Check(
             metric=GYROSCOPE_ERROR,
-            at_most=64 * SINGLE * FASTEST,
+            at_most=lambda _dt, spin_up=SPIN_UP: 64 * SINGLE * spin_up * DURATION,
             because="a steady torque is integrated exactly by every integrator; what is left is the rounding of its sum, in "
             "single precision",
         ),

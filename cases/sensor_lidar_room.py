@@ -122,13 +122,13 @@ def _expected(time: Floats, turning: float = TURNING) -> Trajectory:
 LONGEST = 2.0 * float(np.linalg.norm(HALF))
 
 
-def _turned(dt: float) -> float:
+def _turned(dt: float, turning: float = TURNING) -> float:
     """How far the attitude may be off at the end [rad]: 2 atan(w dt/2) a step, and rounding in single precision."""
-    return TURNING**3 * dt**2 / 12 * DURATION + 64 * SINGLE
+    return turning**3 * dt**2 / 12 * DURATION + 64 * SINGLE
 
 
-def _range(dt: float) -> float:
-    return LONGEST * _turned(dt) / GRAZING
+def _range(dt: float, turning: float = TURNING) -> float:
+    return LONGEST * _turned(dt, turning) / GRAZING
 
 
 CASE = Case(

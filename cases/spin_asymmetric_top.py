@@ -44,9 +44,9 @@ def _expected(time: Floats, moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) ->
     return truth
 
 
-def _first_order(column: int) -> Callable[[float], float]:
+def _first_order(column: int) -> Callable[..., float]:
     """The bound over dt of attitude (0), angular momentum (1) or energy (2)."""
-    return lambda dt: 2 * first_order_errors(MOMENTS, SPIN, DURATION)[column] * dt
+    return lambda dt, moments=MOMENTS, spin=SPIN: 2 * first_order_errors(moments, spin, DURATION)[column] * dt
 
 
 CASE = Case(

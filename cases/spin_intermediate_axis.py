@@ -55,19 +55,20 @@ def flip_period(square: float, twice_energy: float, moments: Vector3 = MOMENTS) 
 
 
 @lru_cache(maxsize=64)
-def _period(dt: float) -> float:
+def _period(dt: float, moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> float:
     """The largest change of the period when the energy is off by twice a first-order method's error, at most a whole period.
 
     Beyond the separatrix the period falls again; on it there is none.
     """
-    i, w = np.array(MOMENTS), np.array(SPIN)
+    i, w = np.array(moments), np.array(spin)
     square, twice_energy = float(np.sum((i * w) ** 2)), float(np.sum(i * w**2))
-    off = 2 * first_order_errors(MOMENTS, SPIN, DURATION)[2] * dt
-    if abs(square / (twice_energy * MOMENTS[1]) - 1) <= off:
+    off = 2 * first_order_errors(moments, spin, DURATION)[2] * dt
+    if abs(square / (twice_energy * moments[1]) - 1) <= off:
         return 1.0
     # The momentum errs as well, and what counts is the distance of the two from the separatrix.
-    shifted = [flip_period(square, twice_energy * (1 + sign * off)) for sign in (-1, 1)]
-    return min(1.0, max(abs(period / flip_period(square, twice_energy) - 1) for period in shifted))
+    period = flip_period(square, twice_energy, moments)
+    shifted = [flip_period(square, twice_energy * (1 + sign * off), moments) for sign in (-1, 1)]
+    return min(1.0, max(abs(other / period - 1) for other in shifted))
 
 
 CASE = Case(
@@ -99,7 +100,7 @@ CASE = Case(
         ),
         Check(
             metric=ANGULAR_MOMENTUM_MAX,
-            at_most=lambda dt: 2 * first_order_errors(MOMENTS, SPIN, DURATION)[1] * dt,
+            at_most=lambda dt, moments=MOMENTS, spin=SPIN: 2 * first_order_errors(moments, spin, DURATION)[1] * dt,
             because=FIRST_ORDER,
         ),
     ),

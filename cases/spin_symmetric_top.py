@@ -55,9 +55,13 @@ def _expected(time: Floats, across: float = ACROSS, along: float = ALONG, spin: 
     return truth
 
 
-def _first_order(column: int) -> Callable[[float], float]:
+def _first_order(column: int) -> Callable[..., float]:
     """The bound over dt of attitude (0), angular momentum (1) or energy (2)."""
-    return lambda dt: 2 * first_order_errors((ACROSS, ACROSS, ALONG), SPIN, DURATION)[column] * dt
+
+    def bound(dt: float, across: float = ACROSS, along: float = ALONG, spin: Vector3 = SPIN) -> float:
+        return 2 * first_order_errors((across, across, along), spin, DURATION)[column] * dt
+
+    return bound
 
 
 CASE = Case(

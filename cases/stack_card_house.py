@@ -74,7 +74,7 @@ CASE = Case(
     checks=(
         Check(
             metric=FRAME_FRICTION_ERROR,
-            at_most=MARGIN / 2,
+            at_most=lambda _dt, margin=MARGIN: margin / 2,
             because="the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
             "critical one, and if not, it lies more than half of it off",
         ),

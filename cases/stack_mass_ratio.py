@@ -60,7 +60,7 @@ CASE = Case(
         stands(DURATION, "the stack stands"),
         Check(
             metric=STACK_HEIGHT_ERROR,
-            at_most=lambda dt: 2 * G * dt**2 / (3 * HALF) * (1 + SOFTNESS * RATIO),
+            at_most=lambda dt, ratio=RATIO: 2 * G * dt**2 / (3 * HALF) * (1 + SOFTNESS * ratio),
             because="before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
             "the top would sink by this share of the height of its centre, whatever the ratio; 1e-5 times the ratio more for a "
             "solver that keeps its matrix regular by such a share (ODE User Guide, Constraint Force Mixing)",

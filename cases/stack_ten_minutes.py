@@ -56,7 +56,7 @@ CASE = Case(
         stands(DURATION, "the tower stands"),
         Check(
             metric=STACK_HEIGHT_ERROR,
-            at_most=lambda dt: G * dt**2 * BOXES * (BOXES + 1) / 2 / ((2 * BOXES - 1) * HALF),
+            at_most=lambda dt, n=BOXES: G * dt**2 * n * (n + 1) / 2 / ((2 * n - 1) * HALF),
             because="boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
             "support after k steps, in which it falls k (k + 1)/2 g dt^2, over the height of its centre; that does not grow "
             "in ten minutes",

@@ -57,7 +57,7 @@ CASE = Case(
         Check(metric=STANDING_HEIGHT, at_most=0.5, because="the definition of a collapse: the top below half its height"),
         Check(
             metric=STACK_HEIGHT_ERROR,
-            at_most=lambda dt: G * dt**2 * BOXES * (BOXES + 1) / 2 / ((2 * BOXES - 1) * HALF),
+            at_most=lambda dt, n=BOXES: G * dt**2 * n * (n + 1) / 2 / ((2 * n - 1) * HALF),
             because="boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
             "so that the ground shows first and box k sees its support only after k steps, in which it falls "
             "k (k + 1)/2 g dt^2; the top, k = n, over the height of its centre",

@@ -39,7 +39,7 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
         Check(
             metric=POSITION_DIFFERENCE["moved"],
-            at_most=lambda dt: float(np.sqrt(3) * SUBSTEPS * (DURATION / dt + 1) * np.spacing(ORIGIN) / 2),
+            at_most=lambda dt, origin=ORIGIN: float(np.sqrt(3) * SUBSTEPS * (DURATION / dt + 1) * np.spacing(origin) / 2),
             because="a sub-step rounds each coordinate by at most half the spacing of the numbers there, 1.2e-10 m at 1e6 m: "
             "all roundings the same way, three coordinates, sixteen sub-steps a step. Velocities are of the size of the stage "
             "and lose nothing; a gap that is wrong by a rounding is righted by as much",

@@ -94,7 +94,7 @@ CASE = Case(
         ),
         Check(
             metric=MOMENTUM_MAX,
-            at_most=1e-6 * 2 * PHASES * MASS * SPEED,
+            at_most=lambda _dt, phases=PHASES, speed=SPEED: 1e-6 * 2 * phases * MASS * speed,
             because="a stop that is not an impulse on both makes momentum; 1e-6 of all there is, single precision",
         ),
     ),

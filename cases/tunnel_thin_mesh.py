@@ -171,7 +171,7 @@ CASE = Case(
         ),
         Check(
             metric=LATERAL_KICK,
-            at_most=1e-6 * math.hypot(SPEED, SLIDE),
+            at_most=lambda _dt, speed=SPEED, slide=SLIDE: 1e-6 * math.hypot(speed, slide),
             because="level ground without friction has no force along it, inner edge or not; 1e-6 of the speed for single "
             "precision",
         ),

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from harness.retelling import Retelling, nudged, reordered, restored
 from harness.scene import Effect, Scene
 
-__all__ = ["ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "Alteration", "departures"]
+__all__ = ["ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "FINEST", "REFINED", "Alteration", "departures"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,8 +126,10 @@ AS_IT_IS = Alteration()
 
 ALONE = "alone"
 """Name: the run has the machine for itself, while all others run side by side."""
-EVERYTHING, FINER = "everything on", "half the step"
-"""Names: every other effect of the engine faintly present; the scene as it is, at half the time step."""
+EVERYTHING, FINER, FINEST = "everything on", "half the step", "a quarter of the step"
+"""Names: every other effect of the engine faintly present; the scene as it is, at half the time step and at half of that."""
+REFINED = {FINER: 2, FINEST: 4}
+"""By how much the time step is divided, by name."""
 _ALWAYS = Effect.GRAVITY | Effect.FRICTION | Effect.GYROSCOPIC
 """What every engine has; the rest stands by the same name among an engine's features."""
 _TOUCHING = _ALWAYS | Effect.ROLLING_FRICTION | Effect.TORSIONAL_FRICTION

@@ -15,7 +15,7 @@ import tomli_w
 
 from harness import effects, limits, sweep
 from harness.adapter import Adapter
-from harness.alteration import ALONE, FINER
+from harness.alteration import ALONE, REFINED
 from harness.case import Case
 from harness.catalogue import describe_case, describe_engine
 from harness.clock import clock_group
@@ -86,7 +86,7 @@ def _timing(
         trial
         for trial in trials
         if trial.experiment.timing
-        and trial.alteration.name != FINER
+        and trial.alteration.name not in REFINED
         and (not trial.experiment.sweep or trial.trial in near)
         and trial.trial not in journal.timings
         and trial.trial in records

@@ -2,6 +2,9 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from inspect import Parameter, signature
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -22,30 +25,52 @@ Clocks = Literal["work", "reading", "call", "casting", "sensing"]
 range finders, or its steps with all that its sensors read."""
 
 
+OWN: Mapping[str, Any] = MappingProxyType({})
+"""In place of parameters: the case's own."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
     """A bound on a metric, derived in words.
 
     Terms:
         at_most: the bound in the metric's unit (at least, where higher is better); either a number or a function of the time
-        step [s], for errors that shrink with it. because: the derivation. start, end [s]: the part of the run that is judged.
+        step [s], for errors that shrink with it, and of those parameters of the case, by name, that it is derived from; their
+        defaults are the case's own. because: the derivation. start, end [s]: the part of the run that is judged.
     """
 
     metric: Metric
-    at_most: float | Callable[[float], float]
+    at_most: float | Callable[..., float]
     because: str
     start: float = 0.0
     end: float | None = None
 
-    def bound(self, dt: float) -> float:
-        """The bound at a time step dt [s]."""
-        return float(self.at_most(dt)) if callable(self.at_most) else float(self.at_most)
+    def bound(self, dt: float, parameters: Mapping[str, Any] = OWN) -> float:
+        """The bound at a time step dt [s] and a case's parameters, its own where they are left out."""
+        if not callable(self.at_most):
+            return float(self.at_most)
+        wanted = _named(self.at_most)
+        told = parameters if wanted is None else {name: parameters[name] for name in wanted if name in parameters}
+        return float(self.at_most(dt, **{name: _frozen(value) for name, value in told.items()}))
 
-    def passes(self, value: float, dt: float) -> bool:
+    def passes(self, value: float, dt: float, parameters: Mapping[str, Any] = OWN) -> bool:
         """Is the value finite and on the right side of the bound?"""
         if not np.isfinite(value):
             return False
-        return value <= self.bound(dt) if self.metric.better == "lower" else value >= self.bound(dt)
+        bound = self.bound(dt, parameters)
+        return value <= bound if self.metric.better == "lower" else value >= bound
+
+
+@cache
+def _named(law: Callable[..., float]) -> tuple[str, ...] | None:
+    """The parameters that a bound takes beside the time step; None where it takes all."""
+    taken = list(signature(law).parameters.values())[1:]
+    return None if any(one.kind == Parameter.VAR_KEYWORD for one in taken) else tuple(one.name for one in taken)
+
+
+def _frozen(value: Any) -> Any:
+    """What came through JSON as lists, as the tuples that it was: bounds that take long are kept by their arguments."""
+    return tuple(_frozen(part) for part in value) if isinstance(value, list | tuple) else value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,6 +177,13 @@ class Case:
     def __post_init__(self) -> None:
         if self.coarsest is not None and self.expected is not None:
             raise ValueError(f"case '{self.name}': has both a truth and a coarsest step to make one from, expected one of them")
+        for check in self.checks:
+            unknown = set(_named(check.at_most) or () if callable(check.at_most) else ()) - set(self.parameters)
+            if unknown:
+                raise ValueError(
+                    f"case '{self.name}': the bound of {check.metric.name} names the parameter '{min(unknown)}', expected some "
+                    f"of: {', '.join(self.parameters) or 'none'}"
+                )
 
     @property
     def family(self) -> str:

@@ -43,7 +43,7 @@ def describe_case(case: Case) -> dict[str, Any]:
                 "metric": check.metric.name,
                 "unit": check.metric.unit,
                 "better": check.metric.better,
-                "at_most": check.bound(case.dt),
+                "at_most": check.bound(case.dt, case.parameters),
                 "because": check.because,
                 "start": check.start,
                 "end": check.end,

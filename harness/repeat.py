@@ -5,13 +5,13 @@ import json
 from harness.adapter import Settings
 from harness.alteration import Alteration
 from harness.store import Store, StoreError
-from harness.study import Experiment, Trial
+from harness.study import Experiment, Trial, experiment_from
 
 __all__ = ["trial_of"]
 
 
 def trial_of(store: Store, name: str) -> Trial:
-    """The trial whose name starts with `name`, with the settings that were requested then.
+    """The trial whose name starts with `name`, with the settings that were requested and the limits that were set then.
 
     Raises:
         StoreError: where no trial, or more than one, has that name.
@@ -23,7 +23,7 @@ def trial_of(store: Store, name: str) -> Trial:
     return Trial(
         trial=row["trial"],
         study=row["study"],
-        experiment=Experiment(name=row["experiment"], timing=False),
+        experiment=_limited(store, row["experiment"], row["case"]),
         case=row["case"],
         parameters=json.loads(row["parameters"]),
         engine=row["engine"],
@@ -34,3 +34,13 @@ def trial_of(store: Store, name: str) -> Trial:
         alteration=Alteration.from_plain(json.loads(row["alteration"])),
         members=int(row["members"]),
     )
+
+
+def _limited(store: Store, name: str, case: str) -> Experiment:
+    """An experiment that allows as much time and memory as the study of a store did, and clocks nothing.
+
+    A store that does not hold its study, or another one, leaves the limits as they are where nobody sets them.
+    """
+    asked = [experiment_from(part) for part in store.study.get("experiments", ()) if part.get("name") == name]
+    told = next((one for one in asked if one.asks(case)), Experiment(name=name))
+    return Experiment(name=name, timing=False, deadline=told.deadline, memory=told.memory)

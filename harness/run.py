@@ -219,7 +219,9 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
     except (NotMeasurable, Unsupported) as error:
         truth, warnings = None, (*warnings, f"no truth: {error}")
     expected = None if truth is None else truth.trajectory
-    measurements = () if broke is not None else judge(bounded(case, trial.settings.dt, folder), scene, actual, truth)
+    measurements: tuple[Measurement, ...] = ()
+    if broke is None:
+        measurements = judge(bounded(case, trial.settings.dt, trial.parameters, folder), scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     return replace(
         outcome(trial, status, reason),

@@ -13,7 +13,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as validated
 
 from harness.adapter import Adapter, Settings
-from harness.alteration import ALONE, AS_IT_IS, FINER, Alteration, departures
+from harness.alteration import ALONE, AS_IT_IS, REFINED, Alteration, departures
 from harness.case import Axis, Case, Clocks
 from harness.control import wrench_after
 from harness.record import digest
@@ -105,7 +105,7 @@ class Experiment:
         clocks: what runs under the clock, each a trial of its own. workers: how many processes step the scene side by side,
         each number a trial of its own.
         effects: run each cell as it is, with every effect that the engine has, without each one that the scene calls for, and
-        at half the time step; see `harness.effects`.
+        at half and a quarter of the time step; see `harness.effects`.
         determinism: run each cell again, alone, beside others, restored, reordered, nudged by a bit and on more threads; see
         `harness.tables.determinism`.
         limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
@@ -234,10 +234,11 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
 
 
 def _altered(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
-    """The trial's scene with its effects switched, and the trial at half its time step."""
+    """The trial's scene with its effects switched, and the trial at half its time step and at half of that."""
     for told in departures(case.scene(**trial.parameters), engine.features.names):
         yield trial.probing(case, alteration=told)
-    yield trial.probing(case, alteration=Alteration(name=FINER), settings=trial.settings.with_dt(trial.settings.dt / 2))
+    for name, parts in REFINED.items():
+        yield trial.probing(case, alteration=Alteration(name=name), settings=trial.settings.with_dt(trial.settings.dt / parts))
 
 
 AGAIN = ("again", ALONE, "restored", "reordered", "nudged")

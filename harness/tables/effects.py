@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from harness.alteration import EVERYTHING, FINER
-from harness.effects import Consequence, matters, told_apart, weighed
+from harness.alteration import EVERYTHING, REFINED
+from harness.effects import Consequence, matters, scale_in, told_apart, weighed
 from harness.ratio import Ratio, ratio
 from harness.store import Store
 
@@ -31,7 +31,8 @@ __all__ = [
 ]
 
 JUDGE = "reference"
-"""The engine that can leave every effect out: what is needed is decided on it, where it was asked."""
+"""The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
+NOT_JUDGED = "not judged"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,8 +45,10 @@ class Verdict:
         compared. matters: on this engine. cost, low, high: CPU time of a step with it over that without it (everything on over
         as it is), with the 95 % interval of the median over blocks; None where one of both was not clocked. cpu_as_it_is: CPU
         seconds of a simulated second of the scene as it is; None where that was not clocked. verdict: 'needed
-        and on', 'needed but missing', 'paid for without need', 'insisted on', 'cannot be switched off', 'left out', 'everything
-        on', or the status of a run that gave no answer. reason: what the engine says to it. trial: of the departure.
+        and on', 'needed but missing', 'missing without need', 'paid for without need', 'insisted on', 'cannot be switched off',
+        'left out', 'everything on', 'left out together', 'needed together'; NOT_JUDGED where nothing could be compared or who
+        judges has not converged in this scene; or the status of a run that gave no answer. reason: what the engine says to it,
+        or why it is not judged. trial: of the departure.
     """
 
     case: str
@@ -115,17 +118,25 @@ def _runs(group: pd.DataFrame) -> dict[str, Any]:
     return {row.departure: row for row in group.itertuples()}
 
 
-def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, bool]:
+@dataclass(frozen=True, slots=True)
+class _Need:
+    """Whether an effect matters, None where that is not known, and why it is not."""
+
+    matters: bool | None
+    doubt: str = ""
+
+
+def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
     """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
     runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
     declared = store.catalogue["cases"][scenes["case"].iloc[0]]["effects"]
-    found = {}
+    scale, found = scale_in(store, runs), {}
     for name, run in runs.items():
         effects = told_apart(name)
-        one = matters(store, runs.get(""), run, runs.get(FINER)) if len(effects) == 1 else None
+        one = matters(store, runs.get(""), run, scale) if len(effects) == 1 else None
         one = weighed(name, one, runs.get(""), run, declared)
-        if one is not None:
-            found[effects[0]] = one.matters
+        if one is not None and scale is not None:
+            found[effects[0]] = _Need(one.matters, f"{JUDGE}: {scale.doubt}" if one.matters is None else "")
     return found
 
 
@@ -135,7 +146,7 @@ def _of_side(
     track: str,
     where: str,
     group: pd.DataFrame,
-    needed: Mapping[str, bool],
+    needed: Mapping[str, _Need],
     samples: Sampled,
 ) -> Iterator[Verdict]:
     runs = _runs(group)
@@ -144,6 +155,8 @@ def _of_side(
         return
     told = store.catalogue["cases"][plain.case]
     declared, insists = set(told["effects"]), told.get("insists", {})
+    scale = scale_in(store, runs)
+    doubt = "" if scale is None else f"{engine}: {scale.doubt}"
     said = [str(text) for text in json.loads(plain.warnings)]
 
     def row(effect: str, run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = "") -> Verdict:
@@ -173,34 +186,35 @@ def _of_side(
     surplus = {one: text for text in said if text.startswith("surplus") for one in _named(text)}
     missing = {one: text for text in said if text.startswith("missing") for one in _named(text)}
     for name, run in runs.items():
-        if name in ("", FINER) or (name.startswith("with ") and told_apart(name)[0] in surplus):
+        if name in ("", *REFINED) or (name.startswith("with ") and told_apart(name)[0] in surplus):
             continue  # what cannot be switched off is told by its notice, below
         if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
             yield row(", ".join(told_apart(name)) or name, run, None, run.status, None, run.reason)
             continue
-        found = weighed(name, matters(store, plain, run, runs.get(FINER)), plain, run, declared)
+        found = weighed(name, matters(store, plain, run, scale), plain, run, declared)
         if name == EVERYTHING:
             yield row(name, run, found, name, _price(run, plain, samples))
             continue
         taken_in = name.startswith("with ")
         price = _price(run, plain, samples) if taken_in else _price(plain, run, samples)
         effects = told_apart(name)
+        own = _Need(None) if found is None else _Need(found.matters, doubt if found.matters is None else "")
         if len(effects) > 1:
-            verdict = "left out together" if found is not None and not found.matters else "needed together"
-            yield row(", ".join(effects), run, found, verdict, price)
+            verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"
+            yield row(", ".join(effects), run, found, verdict, price, own.doubt)
             continue
         (effect,) = effects
-        need = needed.get(effect, None if found is None else found.matters)
-        if effect in missing:
-            verdict, reason = ("needed but missing" if need else "missing without need"), missing[effect]
-        elif taken_in:
-            verdict, reason = ("needed but missing" if need else "left out"), ""
-        elif effect in insists:
+        need = needed.get(effect, own)
+        if effect in insists and not taken_in and effect not in missing:
             verdict, reason = "insisted on", str(insists[effect])
+        elif need.matters is None:
+            verdict, reason = NOT_JUDGED, need.doubt
+        elif effect in missing:
+            verdict, reason = ("needed but missing" if need.matters else "missing without need"), missing[effect]
+        elif taken_in:
+            verdict, reason = ("needed but missing" if need.matters else "left out"), ""
         else:
-            verdict, reason = ("needed and on" if need else "paid for without need"), ""
-        if need is None:
-            verdict = "not judged"
+            verdict, reason = ("needed and on" if need.matters else "paid for without need"), ""
         yield row(effect, run, found, verdict, price, reason)
     for effect, text in surplus.items():
         if effect not in declared:
@@ -229,32 +243,48 @@ class Audit:
     """Whether each scene calls for exactly what it needs.
 
     Terms:
-        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows. failed:
-        those of them that are against the scene: an effect that does not matter is on, or one that matters is off.
+        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows that say
+        something. failed: those of them that are against the scene: an effect that does not matter is on, or one that matters
+        is off. open: its rows that say nothing, since it gave no answer or has not converged: for these nothing is proposed.
     """
 
     judge: str
     judged: tuple[Mapping[str, Any], ...]
     failed: tuple[Mapping[str, Any], ...]
+    open: tuple[Mapping[str, Any], ...] = ()
 
     @property
     def scenes(self) -> int:
-        """How many were judged."""
-        return len(_scenes(self.judged))
+        """How many were judged, each of their effects."""
+        return len(_scenes(self.judged).keys() - _scenes(self.open).keys())
+
+    @property
+    def clean(self) -> int:
+        """How many of these have nothing against them."""
+        return len(_scenes(self.judged).keys() - _scenes(self.open).keys() - _scenes(self.failed).keys())
 
     @property
     def sentences(self) -> list[str]:
         """What is against the scenes, a sentence each."""
         return [_accusation(row) for row in self.failed]
 
+    @property
+    def doubts(self) -> list[str]:
+        """What could not be judged and why, a sentence for each scene and reason."""
+        effects: dict[tuple[str, str], list[str]] = {}
+        for row in self.open:
+            effects.setdefault((_named_scene(row), row["reason"] or "no answer to compare"), []).append(row["effect"])
+        return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
+
 
 def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
     """Of flat rows with COLUMNS; where the judge was not asked, the first engine that was stands in for it."""
     asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
     judge = JUDGE if JUDGE in asked else next(iter(asked), "")
-    judged = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
+    asked_of = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
+    judged = tuple(row for row in asked_of if row["verdict"] != NOT_JUDGED)
     failed = tuple(row for row in judged if row["verdict"] in ("paid for without need", "needed but missing"))
-    return Audit(judge, judged, failed)
+    return Audit(judge, judged, failed, tuple(row for row in asked_of if row["verdict"] == NOT_JUDGED))
 
 
 def _scenes(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
@@ -262,8 +292,12 @@ def _scenes(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
     return dict.fromkeys((row["case"], row["where"]) for row in rows)
 
 
+def _named_scene(row: Mapping[str, Any]) -> str:
+    return f"{row['case']} {row['where']}".strip()
+
+
 def _accusation(row: Mapping[str, Any]) -> str:
-    name = f"{row['case']} {row['where']}".strip()
+    name = _named_scene(row)
     if row["verdict"] == "needed but missing":
         return f"{name}: leaves out {row['effect']}, which matters: with it a body is moved by {_metres(row['moved'])}"
     return (
@@ -288,7 +322,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     """A flat row in short words under BRIEF."""
     cost = "" if row["cost"] is None else f"x {row['cost']:.3g} ({row['low']:.3g}..{row['high']:.3g})"
     return [
-        f"{row['case']} {row['where']}".strip(),
+        _named_scene(row),
         f"{row['engine']}/{row['track']}",
         row["effect"],
         cost,
@@ -343,14 +377,13 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         )
     told = audit(rows)
     if told.scenes:
-        clean = told.scenes - len(_scenes(told.failed))
-        found.append(f"Audit: {clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}.")
-    found += [f"Audit: {sentence}." for sentence in told.sentences]
+        found.append(f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}.")
+    found += [f"Audit: {sentence}." for sentence in (*told.sentences, *told.doubts)]
     return found + [proposal for scene in _scenes(told.failed) if (proposal := proposed(scene, told.judged))]
 
 
 def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is too much."""
+    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
     mine = [row for row in rows if (row["case"], row["where"]) == scene]
     together = [row["effect"].split(", ") for row in mine if row["verdict"] == "left out together"]
     single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]

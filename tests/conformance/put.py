@@ -12,7 +12,7 @@ from harness.run import judge
 from harness.scene import Scene
 from harness.simulate import simulate
 from harness.trajectory import Trajectory
-from harness.truth_keeper import truth_of
+from harness.truth_keeper import bounded, truth_of
 
 __all__ = ["Answer", "put"]
 
@@ -68,4 +68,5 @@ def put(
     if broke is not None:
         return Answer(scene, actual, (), broke)
     actual = spoil(actual)
-    return Answer(scene, actual, judge(case, scene, actual, truth_of(case, scene, actual.time, chosen, None)), None)
+    at, truth = bounded(case, settings.dt, chosen, None), truth_of(case, scene, actual.time, chosen, None)
+    return Answer(scene, actual, judge(at, scene, actual, truth), None)

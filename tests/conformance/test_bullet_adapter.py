@@ -453,6 +453,21 @@ def test_products_of_numbers_give_each_pair_its_value_or_the_pair_is_named() -> 
         ADAPTER.build(Scene(bodies=(GROUND, a), surfaces=(law(20.0),)), TUNED)
 
 
+def test_friction_that_no_product_gives_is_refused_with_the_pair() -> None:
+    """Six pairs of four materials for four numbers: mu of ground and a, b, c is x_g x_i, so mu_ab mu_gc = mu_ac mu_gb."""
+    names = ("a", "b", "c")
+    balls = tuple(replace(ball(name=n, p_WB=(0.5 * k, 0.0, 0.1)), material=n) for k, n in enumerate(names))
+    pairs = dict.fromkeys([("ground", n) for n in names], 0.5) | {("a", "b"): 0.4, ("a", "c"): 0.4, ("b", "c"): 0.4}
+
+    def scene(**changed: float) -> Scene:
+        told = pairs | {(k[0], k[1]): mu for k, mu in changed.items()}
+        return Scene(bodies=(GROUND, *balls), surfaces=tuple(law(mu, pair=pair) for pair, mu in told.items()))
+
+    ADAPTER.build(scene(), TUNED).close()
+    with pytest.raises(Unsupported, match=r"surface .*: Bullet multiplies the friction of the two bodies; no numbers give"):
+        ADAPTER.build(scene(ab=0.8), TUNED)
+
+
 def test_rolling_and_torsional_friction_are_lengths() -> None:
     rolling = ball(p_WB=(0.0, 0.0, 0.1), v_WB=(1.0, 0.0, 0.0), w_WB=(0.0, 10.0, 0.0))
     scene = Scene(bodies=(GROUND, rolling), surfaces=(law(0.5, rolling_friction=0.005),))

@@ -56,6 +56,12 @@ def test_the_interval_covers_the_median() -> None:
     assert timing.unstable_timing is False
 
 
+def test_the_interval_of_a_price_is_that_of_the_median_of_its_samples() -> None:
+    """Of 17 samples redrawn, the median is at most the fourth with a chance of .008, the fifth .036, the sixth .104."""
+    timing = summarise(TRIAL, [dataclasses.replace(SAMPLE, cpu=float(k)) for k in range(1, 18)])
+    assert (timing.cpu_per_sim_s, timing.cpu_low, timing.cpu_high) == (9.0, 5.0, 13.0)
+
+
 def test_a_wide_interval_a_restless_canary_and_too_few_samples_are_each_marked_unstable() -> None:
     wide = [dataclasses.replace(SAMPLE, cpu=cpu) for cpu in (0.3, 0.5, 0.7, 0.4, 0.6)]
     restless = [dataclasses.replace(SAMPLE, canary=canary) for canary in (0.001, 0.002, 0.001, 0.002, 0.003)]
@@ -75,6 +81,9 @@ def test_a_price_that_differs_between_two_processes_is_marked_unstable() -> None
     # Half of 1.3 - 1 is 13 % of their middle, half of 1.1 - 1 is 5 %; a tenth is the line.
     assert dearer(1.3).unstable_timing is True
     assert dearer(1.1).unstable_timing is False
+    # The whole of 1.15 - 1 would be over a tenth of 1.075, its half is not; half of 1.25 - 1 over 1.125 is 11 %.
+    assert dearer(1.15).unstable_timing is False
+    assert dearer(1.25).unstable_timing is True
 
 
 def test_a_canary_that_moved_between_two_processes_marks_a_price_that_did_not() -> None:

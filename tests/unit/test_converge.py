@@ -112,6 +112,22 @@ def test_a_smooth_first_order_error_is_extrapolated_and_an_erratic_one_is_not() 
     assert h[3] <= wild.error <= 20 * h[3]
 
 
+def test_the_bar_is_roaches_factor_times_what_the_differences_say() -> None:
+    """1.25 of the larger difference of extrapolants where the first order shows, 3 of the largest one of runs elsewhere.
+
+    Of f = 1 + h + h^2 the extrapolants are 1 - h_i h_(i+1) by hand; of f = 1 -+ h differences are h_i + h_(i+1), and each is
+    brought to the finest step by h_4 / h_(i+1).
+    """
+    counts = ladder(16)
+    h = [1 / n for n in counts]
+    made = [1 - h[k] * h[k + 1] for k in range(3)]
+    left = max(abs(made[2] - made[1]), abs(made[1] - made[0]) * (h[2] / h[1]) ** 2)
+    smooth = extrapolate([np.array([1 + x + x * x]) for x in h], counts, 1e-12)
+    assert smooth.error == pytest.approx(1.25 * left + 3e-12, rel=1e-9)
+    wild = extrapolate([np.array([1 + s * x]) for s, x in zip((1, -1, 1, -1), h, strict=True)], counts, 1e-12)
+    assert wild.error == pytest.approx(3 * max((h[k] + h[k + 1]) * h[3] / h[k + 1] for k in range(3)) + 1e-12, rel=1e-9)
+
+
 def test_samples_that_are_not_evenly_spaced_are_refused() -> None:
     with pytest.raises(NotMeasurable, match="not evenly spaced"):
         converged(KNOWN["projectile"][0](1.0), np.array([0.0, 0.1, 0.15]), ADAPTER, 1 / 240)
@@ -198,10 +214,10 @@ def test_slow_bounds_are_worked_out_once_for_a_folder_and_a_step(tmp_path: Path)
         return dt / 3.0
 
     case = replace(_case(0.0), checks=(Check(metric=POSITION_MAX, at_most=slow, because="test"), *_case(0.0).checks[1:]))
-    first, again = bounded(case, 0.1, tmp_path), bounded(case, 0.1, tmp_path)
+    first, again = bounded(case, 0.1, {}, tmp_path), bounded(case, 0.1, {}, tmp_path)
     assert first.checks[0].at_most == again.checks[0].at_most == 0.1 / 3.0
     assert calls == [0.1]
     assert [check.metric for check in again.checks] == [check.metric for check in case.checks]
-    bounded(case, 0.2, tmp_path)
-    bounded(case, 0.1, None)
+    bounded(case, 0.2, {}, tmp_path)
+    bounded(case, 0.1, {}, None)
     assert calls == [0.1, 0.2, 0.1]

@@ -8,16 +8,21 @@ import numpy as np
 import pytest
 
 from harness import discover
-from harness.alteration import EVERYTHING, FINER
+from harness.adapter import Adapter, Settings, Simulation
+from harness.alteration import EVERYTHING, FINER, FINEST
 from harness.campaign import carry_out
 from harness.case import Case, Check
-from harness.effects import FLOOR, compared, told_apart
+from harness.conformance.faults import Wrapped, plant
+from harness.effects import FLOOR, Consequence, Scale, compared, scale_of, told_apart
 from harness.metrics.divergence import DIVERGENCE
 from harness.record import Record
 from harness.run import run_trial
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from harness.store import Store
 from harness.study import Experiment, Study, Trial
-from harness.tables.effects import Verdict, audit, savings, verdicts
+from harness.tables.effects import NOT_JUDGED, Verdict, audit, rows, savings, sentences, verdicts
+from harness.trajectory import State
+from reports.html import rendered
 
 HALF = (0.1, 0.15, 0.2)
 
@@ -58,16 +63,15 @@ def case_of(name: str, scene: Scene, **more: object) -> Case:
     )  # type: ignore[arg-type]
 
 
+Studied = Callable[[Case, Adapter], Store]
 Audited = Callable[[Case], list[Verdict]]
 
 
 @pytest.fixture
-def audited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Audited:
-    """A study of effects on a case made here, in this process."""
+def studied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Studied:
+    """A study of effects on a case and an engine made here, in this process."""
 
-    def of(case: Case) -> list[Verdict]:
-        adapter = discover.adapter("reference")
-
+    def of(case: Case, adapter: Adapter) -> Store:
         def here(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
             for trial in trials:
                 yield run_trial(trial, case, adapter, folder)
@@ -75,10 +79,16 @@ def audited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Audited:
         monkeypatch.setattr("harness.campaign.run_isolated", here)
         experiment = Experiment(name="effects", tracks=("tuned",), effects=True, timing=False)
         study = Study(name="effects", recordings=False, experiments=(experiment,))
-        folder = tmp_path / case.name
-        return verdicts(carry_out(study, folder, {case.name: case}, {"reference": adapter}, workers=1, resume=False))
+        folder = tmp_path / f"{case.name}-{adapter.name}"
+        return carry_out(study, folder, {case.name: case}, {adapter.name: adapter}, workers=1, resume=False)
 
     return of
+
+
+@pytest.fixture
+def audited(studied: Studied) -> Audited:
+    """What a study of effects says of a case made here, judged by our own engine."""
+    return lambda case: list(verdicts(studied(case, discover.adapter("reference"))))
 
 
 def against(found: Sequence[Verdict]) -> list[str]:
@@ -155,38 +165,127 @@ def run(p: list[float], time: list[float] | None = None) -> dict[str, object]:
     return {"time": np.arange(float(len(p))) if time is None else np.array(time), "p_WB": places, "q_WB": turned}
 
 
+def by(plain: dict[str, object], other: dict[str, object], finer: list[float], finest: list[float]) -> Consequence:
+    """The consequence where halving the step, and halving it again, puts the body at these places; effects move it by 1 m."""
+    return compared(plain, other, scale_of(plain, run(finer), run(finest), [run([one + 1.0 for one in finer])]))
+
+
 def test_what_is_lost_in_the_own_error_does_not_matter() -> None:
-    plain, finer = run([0.0, 1.0, 2.0]), run([0.0, 1.001, 2.003])
-    assert not compared(plain, run([0.0, 1.001, 2.005]), finer).matters
-    assert compared(plain, run([0.0, 1.001, 2.007]), finer).matters
-    assert not compared(plain, run([0.0, 1.0 + FLOOR / 2, 2.0]), None).matters
+    plain, finer, finest = run([0.0, 1.0, 2.0]), [0.0, 1.001, 2.003], [0.0, 1.0015, 2.0045]
+    assert by(plain, run([0.0, 1.001, 2.005]), finer, finest).matters is False
+    assert by(plain, run([0.0, 1.001, 2.007]), finer, finest).matters is True
+    exact = [0.0, 1.0, 2.0]
+    assert by(plain, run([0.0, 1.0 + FLOOR / 2, 2.0]), exact, exact).matters is False
 
 
 def test_an_early_difference_counts_though_chaos_drowns_it_later() -> None:
-    plain, finer = run([0.0, 1.0, 2.0]), run([0.0, 1.0, 7.0])
-    found = compared(plain, run([0.0, 1.1, 5.0]), finer)
-    assert found.matters
+    plain, finer, finest = run([0.0, 1.0, 2.0]), [0.0, 1.001, 7.0], [0.0, 1.0015, -3.0]
+    found = by(plain, run([0.0, 1.1, 5.0]), finer, finest)
+    assert found.matters is True
     assert found.moved == pytest.approx(0.1)
 
 
+def test_what_shows_only_once_the_engine_has_lost_its_way_is_not_judged() -> None:
+    """Three ways to be lost: a step halved again does as much, an error as large as what effects do, and no finer run."""
+    plain, later = run([0.0, 1.0, 2.0]), run([0.0, 1.0, 9.0])
+    assert by(plain, later, [0.0, 1.0, 2.01], [0.0, 1.0, 2.02]).matters is None
+    assert by(plain, later, [0.0, 1.0, 2.01], [0.0, 1.0, 2.015]).matters is True
+    assert by(plain, later, [0.0, 1.0, 2.3], [0.0, 1.0, 2.31]).matters is None
+    assert compared(plain, later, scale_of(plain, run([0.0, 1.0, 2.01]), None, [later])).matters is None
+    assert compared(plain, later, scale_of(plain, None, None, [later])).matters is None
+
+
+def test_a_lost_engine_does_not_know_what_does_not_matter() -> None:
+    plain = run([0.0, 1.0, 2.0])
+    assert by(plain, run([0.0, 1.0, 2.0]), [0.0, 1.0, 2.01], [0.0, 1.0, 2.015]).matters is False
+    assert by(plain, run([0.0, 1.0, 2.0]), [0.0, 1.0, 3.0], [0.0, 1.0, 9.0]).matters is None
+
+
 def test_a_run_that_ended_early_is_far_off() -> None:
-    assert compared(run([0.0, 1.0, 2.0]), run([0.0, 1.0]), None).matters
+    finer, finest = [0.0, 1.0, 2.001], [0.0, 1.0, 2.0015]
+    assert by(run([0.0, 1.0, 2.0]), run([0.0, 1.0]), finer, finest).matters is True
+
+
+def test_the_doubt_says_by_how_much_halving_the_step_moves_a_body() -> None:
+    doubtful = Scale(np.array([0.0, 0.5]), np.array([0.0, 0.6]), np.array([0.0, 2.0]))
+    assert doubtful.doubt == (
+        "has not converged: halving the step moves a body by 0.5 m or rad, halving it again by 0.6, any effect by 2 at most"
+    )
+    assert Scale(np.array([0.0, 0.1]), np.array([0.0, 0.05]), np.array([0.0, 2.0])).doubt == ""
+    assert "no answer" in Scale(np.array([0.0, 0.1]), np.full(2, np.nan), np.array([0.0, 2.0])).doubt
+
+
+class Wrong(Wrapped):
+    """An engine whose bodies drift aside at a speed [m/s] of its own, that depends on the time step and not on the scene."""
+
+    def __init__(self, inner: Simulation, scene: Scene, settings: Settings, aside: Callable[[float], float]) -> None:
+        super().__init__(inner, scene, settings)
+        self.speed, self.steps = aside(settings.dt), 0
+
+    def step(self, count: int = 1) -> None:
+        """As inside, counted."""
+        self.steps += count
+        super().step(count)
+
+    def state(self, out: State) -> None:
+        """Where bodies are inside, and the drift."""
+        super().state(out)
+        out.p_WB[1:, 1] += self.speed * self.steps * self.asked.dt
+
+
+def zigzag(dt: float) -> float:
+    """To the left at one step, to the right at half of it."""
+    return 4.0 * (-1.0) ** round(np.log2(dt * 240))
+
+
+def coarse(dt: float) -> float:
+    """At the case's own step alone: whatever is finer is right, as where a drive is unstable at one step, not at the next."""
+    return 4.0 if dt > 1 / 300 else 0.0
+
+
+@pytest.mark.parametrize("name", ["reference", "another"])
+@pytest.mark.parametrize("aside", [zigzag, coarse])
+def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
+    studied: Studied, aside: Callable[[float], float], name: str
+) -> None:
+    """Whether it is our engine or one that stands in for it; in .25 s its bodies drift by a metre, and friction does some 9 cm.
+
+    Gyroscopic terms of a ball do nothing at all: a sound judge proposes to leave them out.
+    """
+    sound = discover.adapter("reference")
+    wrong = replace(plant(sound, simulation=lambda inner, _, scene, asked: Wrong(inner, scene, asked, aside)), name=name)
+    store = studied(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)), wrong)
+    told = {row["effect"]: row for row in rows(store)}
+    assert told["friction"]["verdict"] == NOT_JUDGED
+    assert told["friction"]["reason"].startswith(f"{name}: has not converged: halving the step moves a body by ")
+    found = audit(list(told.values()))
+    assert found.failed == ()
+    assert {"friction", "gyroscopic"} <= {row["effect"] for row in found.open}
+    said = sentences(list(told.values()))
+    assert not any("Proposed" in one or "declares" in one for one in said)
+    (doubt,) = (one for one in said if "nothing is said of" in one)
+    assert "friction" in doubt
+    assert "has not converged" in doubt
+    page = rendered(store)["effects.html"]
+    assert doubt.removeprefix("Audit: ").removesuffix(".") in page
+    assert "Not judged, and nothing is proposed" in page
 
 
 def test_a_turn_is_seen_and_the_sign_of_a_quaternion_is_not() -> None:
     plain, other = run([0.0, 0.0]), run([0.0, 0.0])
+    still = Scale(np.zeros(2), np.zeros(2), np.zeros(2))
     other["q_WB"] = -np.array(other["q_WB"])
-    assert not compared(plain, other, None).matters
+    assert compared(plain, other, still).matters is False
     quarter = np.array(plain["q_WB"]).copy()
     quarter[1, 0] = [np.cos(0.1), np.sin(0.1), 0.0, 0.0]
     other["q_WB"] = quarter
-    assert compared(plain, other, None).moved == pytest.approx(0.2)
+    assert compared(plain, other, still).moved == pytest.approx(0.2)
 
 
 def test_names_say_which_effects_they_are_about() -> None:
     assert told_apart("without friction, gyroscopic") == ("friction", "gyroscopic")
     assert told_apart("with continuous_collision") == ("continuous_collision",)
-    assert told_apart(EVERYTHING) == told_apart(FINER) == told_apart("") == ()
+    assert told_apart(EVERYTHING) == told_apart(FINER) == told_apart(FINEST) == told_apart("") == ()
 
 
 def test_the_saving_is_a_mean_of_ratios_and_a_ratio_of_sums() -> None:

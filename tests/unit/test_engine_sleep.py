@@ -190,6 +190,18 @@ def test_a_change_of_load_wakes_and_the_same_load_does_not() -> None:
     assert world.state()[1, 7] == pytest.approx(6.0 - 0.5 * G, rel=0.01)
 
 
+def test_a_torque_alone_wakes() -> None:
+    """1 N m about z against mu m g r: friction of four corners .1 sqrt(2) m out holds .69 N m at most, so the box turns."""
+    world = _asleep([_box("box", p_WB=(0, 0, 0.1)), _box("other", p_WB=(1, 5, 0.1))])
+    torque, none = np.zeros((3, 3)), np.zeros((3, 3))
+    torque[1, 2] = 1.0
+    world.set_load(none, torque)
+    world.step(24)
+    assert world.asleep().tolist() == [False, False, True]
+    # (1 - .5 g .1 sqrt(2)) / (m (.2^2 + .2^2) / 12) = 46 rad/s2 over a tenth of a second.
+    assert world.state()[1, 12] == pytest.approx((1 - 0.5 * G * 0.1 * 2**0.5) / (0.08 / 12) * 0.1, rel=0.05)
+
+
 def test_a_sleeping_body_moved_by_hand_wakes() -> None:
     world = _asleep([_box("box", p_WB=(0, 0, 0.1))])
     world.state()[1, 2] = 1.0

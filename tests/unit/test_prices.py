@@ -10,12 +10,14 @@ import pandas as pd
 import pytest
 
 from harness.front import price
-from harness.prices import Prices, medians
+from harness.prices import Prices, interval, medians
+from harness.ratio import ratio
 from harness.store import Store
 from harness.sweep import spread
 from harness.tables.profile import FACTOR, hinges, profile, sentences, without
 from harness.tables.profile import rows as profile_rows
 from harness.tables.steps import largest_steps
+from reports.work_precision import drawn
 from tests.run_folder import row, untimed
 
 Told = tuple[str, str, str, float, float, float | None]
@@ -23,9 +25,9 @@ Told = tuple[str, str, str, float, float, float | None]
 
 
 class Priced(Store):
-    """A store whose trials are told in a line each; the scale of every case is 1."""
+    """A store whose trials are told in a line each; every case has the same scale, and its truth may be off by as much."""
 
-    def __init__(self, told: list[Told], unit: str = "step", rough: float = 1.0) -> None:
+    def __init__(self, told: list[Told], unit: str = "step", rough: float = 1.0, scale: float = 1.0, off: float = 0.0) -> None:
         self.folder = Path("run")
         trials, measured, samples = [], [], []
         for case, engine, track, dt, error, cost in told:
@@ -38,7 +40,7 @@ class Priced(Store):
             else:
                 trial |= {"cpu_per_unit": cost, "cpu_per_unit_low": cost, "cpu_per_unit_high": cost}
             trials.append(trial)
-            measured.append({"trial": name, "metric": "e", "value": error, "unit": "m", "at_most": 1.0, "truth_error": 0.0})
+            measured.append({"trial": name, "metric": "e", "value": error, "unit": "m", "at_most": 1.0, "truth_error": off})
             samples += [
                 {"trial": name, "process": 0, "block": k, "steps": 1, "units": 1, "cpu": cost} for k in range(3) if cost
             ]
@@ -47,7 +49,7 @@ class Priced(Store):
             "measurements": pd.DataFrame(measured).assign(passed=True, because=""),
             "samples": pd.DataFrame(samples, columns=["trial", "process", "block", "steps", "units", "cpu", "canary"]),
         }
-        cases = {case: {"title": case, "headline": "e", "scale": 1.0, "dt": 0.01, "parameters": {}} for case, *_ in told}
+        cases = {case: {"title": case, "headline": "e", "scale": scale, "dt": 0.01, "parameters": {}} for case, *_ in told}
         engines = {engine: {"title": engine, "ours": engine == "ours"} for _, engine, *_ in told}
         self.__dict__["catalogue"] = json.loads(json.dumps({"cases": cases, "engines": engines}))
         self.__dict__["machine"] = self.__dict__["study"] = {}
@@ -72,6 +74,53 @@ def test_an_error_that_jumps_costs_what_the_finer_step_does() -> None:
     error, cost = np.array([1e-1, 1e-3, 1e-9]), np.array([1.0, 4.0, 8.0])
     found = price(error, cost, np.array([1.0, 1e-2, 1e-3, 1e-4, 1e-8, 1e-10]))
     np.testing.assert_allclose(found, [1.0, 2.0, 4.0, 8.0, 8.0, math.nan])
+
+
+def test_an_error_and_what_the_truth_may_be_off_are_shares_of_the_scale() -> None:
+    """Errors of .5 dt^2 on a scale of 4 m, with a truth known to .0002 m: that is 5e-5 of the scale, to both sides."""
+    store = Priced(ladder("a", "dart", 1.0), scale=4.0, off=2e-4)
+    prices = Prices(store)
+    point = next(point for point in prices.points if point.dt == 3e-2)
+    assert (point.error, point.off) == pytest.approx((0.5 * 3e-2**2 / 4, 5e-5), rel=1e-12)
+    bar = drawn(store, point)
+    assert bar["most"] - point.error == pytest.approx(5e-5, rel=1e-9)
+    assert point.error - bar["least"] == pytest.approx(5e-5, rel=1e-9)
+    told = {round(-math.log10(p.target)): p.verdict for p in prices.prices}
+    # The finest step errs by 1.25e-7 of the scale: it reaches 1e-5 and 1e-6, where its truth cannot tell.
+    assert (told[4], told[5], told[6], told[7]) == ("priced", *["within the truth's error"] * 2, "never reached")
+
+
+def test_what_the_truth_may_be_off_widens_the_price_by_as_much_as_moves_the_error() -> None:
+    """All errors shift alike and evenly within the bar: the ends are the prices at .95 of it, to either side.
+
+    Of 400 even draws the fortieth from an end has a standard deviation of sqrt(.025 .975 / 400) = .8 % of their range, 1.6 % of
+    the bar to one side. The bar is a tenth of the finer error, whose square root the price goes by: three of them are .25 %.
+    """
+    error, cost, off = np.array([8e-2, 8e-4]), np.array([1.0, 10.0]), 8e-5
+    told: list[Told] = [("a", "dart", "tuned", 0.1 / c, 4 * e, c) for e, c in zip(error, cost, strict=True)]
+    (found,) = [p for p in Prices(Priced(told, scale=4.0, off=4 * off)).prices if p.target == 1e-3]
+    low, middle, high = (price(error + share * off, cost, np.array([1e-3]))[0] for share in (-0.95, 0.0, 0.95))
+    assert found.cost == pytest.approx(middle, rel=1e-9)
+    assert (found.low, found.high) == pytest.approx((low, high), rel=2.5e-3)
+
+
+def test_a_price_leans_on_the_cheapest_run_that_is_as_accurate() -> None:
+    rows = {round(-math.log10(p.target)): p for p in Prices(Priced(ladder("a", "dart", 1.0))).prices}
+    assert [rows[k].dt for k in (1, 2, 3, 4, 5)] == [1e-1, 1e-1, 3e-2, 1e-2, 1e-3]
+
+
+def test_an_interval_leaves_out_a_fortieth_on_either_side() -> None:
+    values = np.append(np.arange(1001.0), [math.nan] * 9)
+    assert interval(values) == (25.0, 975.0)
+
+
+def test_the_interval_of_a_ratio_is_that_of_the_median_of_its_blocks() -> None:
+    """Of 17 blocks redrawn, the median is at most the k-th with the chance that Bin(17, k / 17) >= 9.
+
+    That is .008 at the fourth, .036 at the fifth and .104 at the sixth: a fortieth lies at the fifth, a twentieth at the sixth.
+    """
+    found = ratio(np.arange(1.0, 18.0), np.ones(17))
+    assert (found.value, found.low, found.high) == (9.0, 5.0, 13.0)
 
 
 def test_medians_leave_out_what_is_missing() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.trend import falls_short, fit_order
+from harness.trend import Order, falls_short, fit_order
 
 LADDER = [1 / 60 / 2**k for k in range(8)]
 
@@ -115,6 +115,34 @@ def test_a_floor_breaks_no_promise_unless_next_to_nothing_was_gained() -> None:
     assert not _broken([max(dt, 3e-3) for dt in LADDER[:6]], 1)
     assert not _broken([max(dt**4, 1e-10) for dt in LADDER[:6]], 4)
     assert _broken([0.26, 0.21, 0.19, 0.18, 0.17, 0.17], 1)
+
+
+def _fitted(high: float, at_fine_end: float, left: float = 0.0) -> Order:
+    order = high - 0.1
+    return Order(
+        order=order, low=order - 0.1, high=high, used=6, floor=None, coarse=1.0, fine=0.1, at_fine_end=at_fine_end, left=left
+    )
+
+
+def test_a_promise_is_broken_by_the_whole_ladder_and_its_fine_end_together_or_by_what_is_left() -> None:
+    assert falls_short(_fitted(high=1.4, at_fine_end=1.4), 2)
+    assert not falls_short(_fitted(high=1.4, at_fine_end=1.6), 2)
+    assert not falls_short(_fitted(high=1.6, at_fine_end=1.4), 2)
+    assert falls_short(_fitted(high=2.1, at_fine_end=2.0, left=0.51), 2)
+    assert not falls_short(_fitted(high=2.1, at_fine_end=2.0, left=0.49), 2)
+
+
+def test_the_interval_of_an_order_is_students_by_hand() -> None:
+    """Four points askew about a line, off by d (+, -, -, +) in ln(error) at steps of ln 2: the slope stays.
+
+    Their residuals sum up to 4 d^2, over 2 degrees of freedom and sum (x - mean)^2 = 5 ln(2)^2: the error of the slope is
+    d sqrt(2 / 5) / ln 2, and half of the interval 4.302653 times that.
+    """
+    d = 0.01
+    fit = fit_order(LADDER[:4], [dt**2 * np.exp(s * d) for s, dt in zip((1, -1, -1, 1), LADDER, strict=False)])
+    assert fit is not None
+    half = 4.302653 * d * np.sqrt(2 / 5) / np.log(2)
+    assert (fit.low, fit.order, fit.high) == pytest.approx((2 - half, 2.0, 2 + half), rel=1e-6)
 
 
 def test_equal_errors_have_order_zero_with_an_interval_of_nothing() -> None:

@@ -53,8 +53,9 @@ def test_the_period_of_stick_and_slip_is_that_of_the_docstring() -> None:
     assert isinstance(truth, Trajectory)
     v = truth.v_WB[:, 1, 0]
     begins = time[1:][(v[:-1] <= 1e-9) & (v[1:] > 1e-9)]
-    stretch = (module.STATIC - module.KINETIC) * G / module.W**2
-    slip = 2 / module.W * (math.pi - math.atan(stretch * module.W / module.DRAWN))
+    w = math.sqrt(module.STIFFNESS / module.MASS)
+    stretch = (module.STATIC - module.KINETIC) * G / w**2
+    slip = 2 / w * (math.pi - math.atan(stretch * w / module.DRAWN))
     assert np.diff(begins) == pytest.approx(2 * stretch / module.DRAWN + slip, abs=2e-4)
 
 

@@ -1,0 +1,144 @@
+"""Bounds that are derived from parameters follow these: at every value that a study may give them, not at the case's alone."""
+
+import ast
+import inspect
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness import discover
+from harness.adapter import Settings
+from harness.case import Case, Check
+from harness.metrics.position import POSITION_MAX
+from harness.run import run_trial
+from harness.study import Experiment, Trial
+
+CASES = discover.cases()
+SCALED = {"joint_spring": {"RATE"}, "stand_hit": {"SPEED", "SPIN"}}
+"""Own values that a bound is scaled from on purpose: a motion worked out at one rate, a figure rounded up at one speed."""
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_defaults_of_a_bound_are_the_parameters_of_its_case(name: str) -> None:
+    """Told or not, and read back from the JSON of a record: the same number."""
+    case = CASES[name]
+    told = json.loads(json.dumps(dict(case.parameters)))
+    for check in case.checks:
+        bounds = [check.bound(case.dt), check.bound(case.dt, case.parameters), check.bound(case.dt, told)]
+        assert bounds[0] == bounds[1] == bounds[2], check.metric.name
+        assert np.isfinite(bounds[0])
+
+
+def _names(node: ast.AST) -> Iterator[str]:
+    """The names that an expression or a function reads, but for those that stand for defaults of its arguments."""
+    if isinstance(node, ast.arguments):
+        return
+    if isinstance(node, ast.Name):
+        yield node.id
+    for part in ast.iter_child_nodes(node):
+        yield from _names(part)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_no_bound_reads_a_constant_in_place_of_a_parameter(name: str) -> None:
+    """Constants that are the default of a parameter of the scene, read by a bound or by what it calls or is made from."""
+    module = ast.parse(inspect.getsource(inspect.getmodule(CASES[name].scene)))  # type: ignore[arg-type]
+    meaning: dict[str, ast.AST] = {}
+    for statement in module.body:
+        if isinstance(statement, ast.FunctionDef):
+            meaning[statement.name] = statement
+        elif isinstance(statement, ast.Assign) and all(isinstance(target, ast.Name) for target in statement.targets):
+            meaning[statement.targets[0].id] = statement.value  # type: ignore[attr-defined]
+    scene = meaning[CASES[name].scene.__name__]
+    assert isinstance(scene, ast.FunctionDef)
+    own = {default.id for default in scene.args.defaults if isinstance(default, ast.Name)}
+    ahead = [
+        read for node in ast.walk(module) if isinstance(node, ast.keyword) and node.arg == "at_most" for read in _names(node)
+    ]
+    read = set[str]()
+    while ahead:
+        one = ahead.pop()
+        if one in read or one == "CASE":
+            continue
+        read.add(one)
+        if one in meaning and meaning[one] is not scene:
+            ahead += _names(meaning[one])
+    assert read & own <= SCALED.get(name, set())
+
+
+FOLLOWS = [
+    ("impact_momentum", "momentum_drift_max", {"speed": 10.0}, 10.0),
+    ("impact_cradle", "momentum_drift_max", {"speed": 1.0, "gaps": (1e-3, 0.0, 0.0, 0.0)}, 4.0),
+    ("friction_slip_to_roll", "velocity_error_max", {"friction": 0.9}, 3.0),
+    ("friction_roll_incline", "velocity_error_max", {"angle": 90.0}, 2.0),
+    ("stack_card_house", "frame_friction_error", {"margin": 0.01}, 0.1),
+    ("stack_tower", "stack_height_error", {"n": 1}, 19 / 55),
+    ("spin_heavy_top", "precession_rate_error", {"spin": 1000.0}, 5.0),
+    ("tunnel_thin_mesh", "lateral_kick", {"speed": 40.0, "slide": 2.0}, 2.0),
+    ("stand_hit", "momentum_drift_max", {"speed": 6.0}, 2.0),
+    ("joint_limits", "limit_overshoot_max", {"amplitude": 179.0}, None),
+]
+"""Case, metric, changed parameters, and by hand how many times the bound at the case's own that at these is."""
+
+
+@pytest.mark.parametrize(("name", "metric", "changed", "times"), FOLLOWS)
+def test_a_bound_follows_the_parameters_that_it_is_derived_from(
+    name: str, metric: str, changed: dict[str, object], times: float | None
+) -> None:
+    case = CASES[name]
+    (check,) = (check for check in case.checks if check.metric.name == metric)
+    if times is None:  # w^2 ~ cos(stop) - cos(amplitude)
+        speeds = [np.sqrt(np.cos(np.radians(20.0)) - np.cos(np.radians(amplitude))) for amplitude in (80.0, 179.0)]
+        times = float(speeds[1] / speeds[0])
+    told = dict(case.parameters) | changed
+    assert check.bound(case.dt, told) == pytest.approx(times * check.bound(case.dt), rel=1e-12)
+
+
+def test_a_spring_of_any_rate_errs_by_as_much_in_its_own_time() -> None:
+    """x(t) = X(w t): an error per step of X is that of x over w, and the largest one comes at the same w t."""
+    case = CASES["joint_spring"]
+    (check,) = (check for check in case.checks if check.metric.name == "position_error_max")
+    fast = dict(case.parameters) | {"rate": 6e4}
+    assert check.bound(1e-8, fast) == pytest.approx(check.bound(1e-4), rel=1e-6)
+
+
+def test_where_a_motion_has_no_truth_its_bound_is_no_number() -> None:
+    """A number there could let pass what nothing was compared with; beyond mu = 4/3 Painleve's rod has no motion."""
+    case = CASES["friction_painleve"]
+    (check,) = (check for check in case.checks if check.metric.name == "position_error_max")
+    assert np.isfinite(check.bound(1e-3, dict(case.parameters) | {"friction": 0.5}))
+    assert np.isnan(check.bound(1e-3, dict(case.parameters) | {"friction": 2.0}))
+    assert not check.passes(0.0, 1e-3, dict(case.parameters) | {"friction": 2.0})
+
+
+def test_a_trial_is_judged_by_the_bound_at_its_own_parameters() -> None:
+    case, adapter = CASES["flight_box"], discover.adapter("reference")
+    trial = Trial(
+        study="s",
+        experiment=Experiment(name="e"),
+        case=case.name,
+        parameters={"speed": 90.19, "spin": 2.0},
+        engine="reference",
+        engine_version="1",
+        track="tuned",
+        settings=Settings(dt=case.dt),
+        seed=0,
+    ).named()
+    found = {one.metric: one for one in run_trial(trial, case, adapter, None).measurements}
+    # Half a unit in the last place of single precision of speed + g T = 100 m/s, in each of 240 steps.
+    assert found["velocity_error_max"].at_most == pytest.approx(2.0**-24 * 100.0 * 240, rel=1e-12)
+
+
+def _case(check: Check) -> Case:
+    return replace(CASES["flight_box"], checks=(check,))
+
+
+def test_a_bound_that_names_no_parameter_of_its_case_is_refused() -> None:
+    check = Check(metric=POSITION_MAX, at_most=lambda dt, mass=1.0: mass * dt, because="test")
+    with pytest.raises(
+        ValueError, match="bound of position_error_max names the parameter 'mass', expected some of: speed, spin"
+    ):
+        _case(check)

@@ -45,6 +45,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
+from harness.boundary import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
     WORLD,
     Ball,
@@ -804,6 +805,7 @@ class _Simulation:
             raise Diverged("Bullet: a velocity stopped being finite")
 
     def state(self, out: State) -> None:
+        check_state(len(self._scene.bodies), out)
         p, client = self._port.bullet, self._port.client
         pose, twist = p.getBasePositionAndOrientation, p.getBaseVelocity
         rows: list[tuple[float, ...]] = []
@@ -859,10 +861,12 @@ class _Simulation:
         return self._twin
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        check_rays(origins, directions, max_range)
         return self._sensed().cast(origins, directions, max_range)
 
     def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], object]:
         """A function that casts these rays again into the shapes as they lie now."""
+        check_rays(origins, directions, max_range)
         return self._sensed().caster(origins, directions, max_range)
 
     def render(self, camera: Camera, colour: bool = True) -> Image:
@@ -871,12 +875,13 @@ class _Simulation:
         return self._sensed().render(camera, self._scene, colour)
 
     def command(self, targets: Mapping[str, float]) -> None:
+        check_targets(self._scene, targets)
         for name, target in targets.items():
-            if name not in self._drives:
-                raise KeyError(f"joint '{name}': has no drive in this simulation, expected one of {sorted(self._drives)}")
-            self._drives[name].target = float(target)
+            if name in self._drives:
+                self._drives[name].target = float(target)
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        check_wrench(len(self._scene.bodies), f_B_W, tau_B_W)
         self._pushed = tuple(
             (number, link, f_B_W[place].tolist(), tau_B_W[place].tolist())
             for (number, link), place in self._made.address.items()

@@ -58,6 +58,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
+from harness.boundary import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
     Ball,
     Body,
@@ -315,6 +316,7 @@ class DartSimulation(Simulation):
 
     def state(self, out: State) -> None:
         """Write the present state into the arrays of `out`."""
+        check_state(len(self._open.scene.bodies), out)
         built, last = self._open, self._last
         if built.free:
             # A FreeJoint's coordinates are (rotation vector, p_WB) and (w_WB, v_WB): two reads instead of four.
@@ -370,8 +372,9 @@ class DartSimulation(Simulation):
         """First hit of each ray within max_range [m], by DART's own detector."""
         built = self._open
         collision = built.dart.collision
-        if not 0 < max_range <= LONGEST_RAY:
-            raise ValueError(f"cast: max_range {max_range} m, expected above 0 and at most {LONGEST_RAY:g}")
+        check_rays(origins, directions, max_range)
+        if max_range > LONGEST_RAY:
+            raise ValueError(f"cast: max_range {max_range} m, expected at most {LONGEST_RAY:g}")
         if self._rays is None:
             self._rays = collision.DARTCollisionDetector().createCollisionGroup()
             for node in built.shapes:
@@ -396,12 +399,8 @@ class DartSimulation(Simulation):
     def command(self, targets: Mapping[str, float]) -> None:
         """Set the targets [rad or m] of drives by the names of their joints."""
         motors, scene = self._open.motors, self._open.scene
-        driven = {joint.name for joint in scene.joints if getattr(joint, "drive", None) is not None}
+        check_targets(scene, targets)
         for name, target in targets.items():
-            if name not in driven:
-                raise KeyError(f"command: joint '{name}' has no drive")
-            if not math.isfinite(target):
-                raise ValueError(f"command: target {target} of joint '{name}' is not finite")
             if name not in motors or Effect.DRIVES not in scene.effects:
                 continue
             motor = motors[name]
@@ -411,11 +410,8 @@ class DartSimulation(Simulation):
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Apply f_B_W (n, 3) N and tau_B_W (n, 3) N m in every step from now on; fixed and kinematic bodies take no notice."""
-        n = len(self._open.scene.bodies)
-        f, tau = np.array(f_B_W, dtype=np.float64), np.array(tau_B_W, dtype=np.float64)
-        # DART drops a force that is not finite and says so on the console only.
-        if f.shape != (n, 3) or tau.shape != (n, 3) or not (np.isfinite(f).all() and np.isfinite(tau).all()):
-            raise ValueError(f"wrench: shapes {f.shape} and {tau.shape}, expected two of ({n}, 3), all finite")
+        check_wrench(len(self._open.scene.bodies), f_B_W, tau_B_W)
+        f, tau = f_B_W.copy(), tau_B_W.copy()
         self._wrench = (f, tau) if f.any() or tau.any() else None
 
     def warnings(self) -> tuple[str, ...]:

@@ -43,6 +43,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Unavailable, Unsupported
+from harness.boundary import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
     WORLD,
     Ball,
@@ -271,6 +272,7 @@ class MujocoSimulation:
 
     def state(self, out: State) -> None:
         """Write p_WB, q_WB, v_WB and w_WB."""
+        check_state(len(self._places.body), out)
         self._pose()
         d, body = self._d, self._places.body
         out.p_WB[:] = d.xpos[body]
@@ -309,6 +311,7 @@ class MujocoSimulation:
 
     def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], tuple[Any, Floats, Floats]]:
         """A function that casts these rays and gives geoms (r,), distances (r,) m, -1 for none, and normals (r, 3)."""
+        check_rays(origins, directions, max_range)
         mj, m, d = self._mj, self._m, self._d
         start = np.ascontiguousarray(origins, dtype=np.float64)
         ray = np.ascontiguousarray(directions, dtype=np.float64)
@@ -466,17 +469,14 @@ class MujocoSimulation:
 
     def command(self, targets: Mapping[str, float]) -> None:
         """Set the targets of drives [rad or m]."""
+        check_targets(self._scene, targets)
         for name, target in targets.items():
-            if name not in self._places.drives:
-                raise ValueError(
-                    f"command: joint '{name}' has no drive, expected one of {', '.join(self._places.drives) or 'none'}"
-                )
-            if not math.isfinite(target):
-                raise ValueError(f"command: target {target} of joint '{name}', expected a finite number")
-            self._d.ctrl[self._places.drives[name]] = target
+            if name in self._places.drives:
+                self._d.ctrl[self._places.drives[name]] = target
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Force [N] at the centre of mass and torque [N m] in W on every movable body, in every step from now on."""
+        check_wrench(len(self._places.body), f_B_W, tau_B_W)
         rows = self._places.body[self._movable]
         self._d.xfrc_applied[rows, :3] = f_B_W[self._movable]
         self._d.xfrc_applied[rows, 3:] = tau_B_W[self._movable]

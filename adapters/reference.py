@@ -33,14 +33,16 @@ Deviations:
       have weight (some 20 times the cost of a soft step), sequential impulses where bodies start inside each other.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, assert_never, cast
 
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unsupported
 from harness.batch import Batch
+from harness.boundary import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
     WORLD,
     Ball,
@@ -411,6 +413,7 @@ class _Simulation:
 
     def state(self, out: State) -> None:
         table = self._world.state()
+        check_state(len(table), out)
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
 
     def contacts(self) -> Contacts:
@@ -418,9 +421,15 @@ class _Simulation:
         return Contacts.of(found.bodies[:, 0], found.bodies[:, 1], found.point, found.normal, found.gap, found.force)
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        check_rays(origins, directions, max_range)
         # One origin told r times over is told once.
         hits = self._world.cast(origins[:1] if origins.strides[0] == 0 else origins, directions, max_range)
         return Hits(distance=hits.distance, body=hits.body, normal_W=hits.normal)
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], object]:
+        """A function that casts these rays again and gives the engine's own hits."""
+        check_rays(origins, directions, max_range)
+        return partial(self._world.cast, origins[:1] if origins.strides[0] == 0 else origins, directions, max_range)
 
     def render(self, camera: Camera, colour: bool = True) -> Image:
         import engine
@@ -458,12 +467,13 @@ class _Simulation:
         )
 
     def command(self, targets: Mapping[str, float]) -> None:
+        check_targets(self._scene, targets)
         for name, target in targets.items():
-            if name not in self._drives:
-                raise KeyError(f"joint '{name}': has no drive in this simulation, expected one of {sorted(self._drives)}")
-            self._world.command(name, float(target))
+            if name in self._drives:
+                self._world.command(name, float(target))
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        check_wrench(len(self._scene.bodies), f_B_W, tau_B_W)
         self._world.set_load(f_B_W, tau_B_W)
 
     def warnings(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from harness.conformance import (
     contact,
     contract,
+    door,
     dynamics,
     effects,
     features,
@@ -20,6 +21,7 @@ __all__ = ["CHECKS"]
 
 _ASKED: tuple[ConformanceCheck, ...] = (
     *contract.CHECKS,
+    *door.CHECKS,
     *features.CHECKS,
     *frames.CHECKS,
     *dynamics.CHECKS,

@@ -79,6 +79,11 @@ INTEGRATORS = ("euler", "rk4", "implicit", "implicitfast", "discrete")
 SOLVERS = ("pgs", "cg", "newton")
 VENDOR_TIME_CONSTANT = 0.02
 """The time constant of MuJoCo's constraints [s] (solref[0])."""
+LEAST_STEPS = 2.0
+"""Time constants below this number of steps are raised to it by the engine, unless its integrator is the discrete one.
+
+Source: MuJoCo, "Modeling", solver parameters (mjDSBL_REFSAFE); the exception is measured.
+"""
 REBOUND_IMPEDANCE = 0.9999
 """Impedance of a contact that rebounds: its reference acceleration is taken as it is, with next to nothing of gravity."""
 REBOUND_FRICTION_STEPS = 5
@@ -88,7 +93,19 @@ OPEN = 1e10
 KINEMATIC_ARMATURE = 1e12
 """Inertia of a kinematic body over that of all movable ones: a force then changes its velocity by rounding."""
 RESOLVED_RATE = 0.1
-"""Largest rate times step of a spring or damper that an explicit integrator is given: about 20 steps a period."""
+"""Largest rate times step of a spring or damper that Euler is given in a scene with contacts: about 60 steps a period."""
+RK4_RATE = 2.0
+"""Largest rate |lambda| h of springs, dampers and drives that RK4 is given.
+
+For a damper, z = -lambda h: RK4 multiplies by R(-z) = 1 - z + z^2/2 - z^3/6 + z^4/24, the implicit rule by 1/(1 + z), the truth
+by e^-z; RK4 is the nearer one up to z = 2, where both say 1/3. For a spring RK4 is the nearer one wherever it is stable. The half
+disc |z| <= 2.6 of decaying motion lies in RK4's region of stability (2.785 on the real axis, 2.828 on the imaginary one), so that
+at 2 rates may be off by 1.3.
+"""
+EXACT_ROWS = 200
+"""Springs and dampers up to which their fastest mode is found exactly rather than bounded."""
+RATE_SAMPLES = 16
+"""Configurations at which the rates are read off besides the first one: joint-space inertia changes with the configuration."""
 FAULTY_SPARSE = "4.0.0"
 """The version whose sparse factor of the Newton solver its makers call wrong (change log of 4.0.1)."""
 DENSE_LIMIT = 1200
@@ -109,9 +126,11 @@ class _Options:
         by_scene: choose integrator and Jacobian by the scene where the settings leave them open.
         cone: 'pyramidal' or 'elliptic'. impratio: friction over normal stiffness. jacobian: 'dense', 'sparse', 'auto'.
         noslip_iterations, ls_iterations: of the slip correction and the line search.
-        contact_steps: time constant of contacts without restitution in steps, at most the vendor's .02 s.
-        contact_damping_ratio, contact_impedance: of the same; limits follow the first two.
-        loop_steps, loop_impedance: time constant in steps (at most .02 s) and impedance of loop joints and rods.
+        contact_steps: time constant of contacts without restitution in steps.
+        contact_damping_ratio, contact_impedance: of the same.
+        limit_steps, limit_damping_ratio, limit_impedance: of the limits of joints and rods.
+        loop_steps, loop_impedance: time constant in steps and impedance of loop joints and rods.
+        slowest: what no time constant told in steps exceeds [s]; `resolved` says the time constants that are used.
         rebound_steps: duration of an elastic impact in steps.
         multiccd, nativeccd, island, warmstart, diagexact: flags of the engine. speculative: None follows the scene.
     """
@@ -125,8 +144,12 @@ class _Options:
     contact_steps: float | None = None
     contact_damping_ratio: float | None = None
     contact_impedance: float | None = None
+    limit_steps: float | None = None
+    limit_damping_ratio: float | None = None
+    limit_impedance: float | None = None
     loop_steps: float | None = None
     loop_impedance: float | None = None
+    slowest: float | None = None
     rebound_steps: int = 10
     multiccd: bool | None = None
     nativeccd: bool | None = None
@@ -158,8 +181,12 @@ _BOUNDS: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "contact_steps": _number(2, 1e6),
     "contact_damping_ratio": _number(1e-3, 1e3),
     "contact_impedance": _number(0.001, 0.9999),
+    "limit_steps": _number(2, 1e6),
+    "limit_damping_ratio": _number(1e-3, 1e3),
+    "limit_impedance": _number(0.001, 0.9999),
     "loop_steps": _number(2, 1e6),
     "loop_impedance": _number(0.001, 0.9999),
+    "slowest": _number(1e-9, 1e6),
     "rebound_steps": _integer(4, 1000),
 }
 
@@ -618,7 +645,7 @@ def _law(surface: Surface, effects: Effect, options: _Options, h: float, integra
         # Friction must stop the slip within the impact, whatever the rebound: it has a reference of its own.
         firm = (REBOUND_FRICTION_STEPS * h, 1.0) if condim > 1 else None
         return _Law(condim, (slide, torsion, roll), solref, _impedance(REBOUND_IMPEDANCE), firm)
-    constant = _time_constant(options.contact_steps, h)
+    constant = _time_constant(options.contact_steps, h, options.slowest)
     impedance = None if options.contact_impedance is None else _impedance(options.contact_impedance)
     return _Law(condim, (slide, torsion, roll), (constant, options.contact_damping_ratio or 1.0), impedance)
 
@@ -628,8 +655,9 @@ def _impedance(d: float) -> tuple[float, ...]:
     return (d, d, 0.001, 0.5, 2.0)
 
 
-def _time_constant(steps: float | None, h: float) -> float:
-    return VENDOR_TIME_CONSTANT if steps is None else min(VENDOR_TIME_CONSTANT, steps * h)
+def _time_constant(steps: float | None, h: float, slowest: float | None) -> float:
+    """The time constant [s] that is asked for: told in steps and bounded by `slowest`, or the vendor's."""
+    return VENDOR_TIME_CONSTANT if steps is None else min(steps * h, math.inf if slowest is None else slowest)
 
 
 def _touching(scene: Scene) -> dict[frozenset[str], Surface]:
@@ -885,7 +913,7 @@ class _Builder:
         bounds = _range(joint)
         if bounds is not None:
             made.limited, made.range = mj.mjtLimited.mjLIMITED_TRUE, bounds
-            made.solref_limit = self._landing()
+            self._stop(made)
         if joint.spring is not None:
             made.stiffness, made.damping = [joint.spring.stiffness, 0, 0], [joint.spring.damping, 0, 0]
             made.springref = joint.spring.rest
@@ -1051,13 +1079,16 @@ class _Builder:
 
     def _hold(self, constraint: Any) -> None:
         """How stiffly a loop or a rod is held."""
-        constraint.solref = [_time_constant(self.options.loop_steps, self.h), 1.0]
+        constraint.solref = [_time_constant(self.options.loop_steps, self.h, self.options.slowest), 1.0]
         if self.options.loop_impedance is not None:
             constraint.solimp = _impedance(self.options.loop_impedance)
 
-    def _landing(self) -> list[float]:
-        """solref of what a coordinate runs into, as for a contact without restitution."""
-        return [_time_constant(self.options.contact_steps, self.h), self.options.contact_damping_ratio or 1.0]
+    def _stop(self, limited: Any) -> None:
+        """How a coordinate or a tendon is stopped at its limits."""
+        choice = self.options
+        limited.solref_limit = [_time_constant(choice.limit_steps, self.h, choice.slowest), choice.limit_damping_ratio or 1.0]
+        if choice.limit_impedance is not None:
+            limited.solimp_limit = _impedance(choice.limit_impedance)
 
     def _distance(self, joint: Distance) -> None:
         """A tendon between two sites: limited, sprung, or held at its length."""
@@ -1076,7 +1107,7 @@ class _Builder:
         bounds = _range(joint)
         if bounds is not None:
             tendon.limited, tendon.range = self.mj.mjtLimited.mjLIMITED_TRUE, bounds
-            tendon.solref_limit = self._landing()
+            self._stop(tendon)
         elif joint.spring is None:
             held = self.spec.add_equality(type=self.mj.mjtEq.mjEQ_TENDON, name1=f"t.{joint.name}")
             held.objtype, held.data = self.mj.mjtObj.mjOBJ_TENDON, [0.0] * 12
@@ -1117,10 +1148,9 @@ class _Builder:
         if not self.options.by_scene:
             return
         if self.settings.integrator is None:
-            stiff = self._fastest(model) > RESOLVED_RATE
             if Effect.CONTACT not in self.effects:
-                name = "IMPLICITFAST" if stiff else "RK4"
-            elif stiff:
+                name = "RK4" if self._stiffest(model) <= RK4_RATE else "IMPLICITFAST"
+            elif self._fastest(model) > RESOLVED_RATE:
                 # The discrete map damps a rebound away; the implicit one jitters in contact, but bears both.
                 name = "IMPLICITFAST" if self.rebounds else "DISCRETE"
             else:
@@ -1129,21 +1159,77 @@ class _Builder:
         if self.options.jacobian is None and mj.__version__ == FAULTY_SPARSE and model.nv <= DENSE_LIMIT:
             option.jacobian = _flag(mj, "mjtJacobian", "mjJAC_DENSE")
 
+    def _resisted(self, model: Any) -> tuple[Floats, Floats, Integers]:
+        """Stiffness and damping (nv,) of coordinates, of springs, dampers and drives together; joints' places of coordinates."""
+        stiffness, damping, dof = np.zeros(model.nv), np.array(model.dof_damping), np.array(model.jnt_dofadr)
+        stiffness[dof] += model.jnt_stiffness
+        for place in self.drives.values():
+            adr = dof[model.actuator_trnid[place, 0]]
+            stiffness[adr] -= model.actuator_biasprm[place, 1]
+            damping[adr] -= model.actuator_biasprm[place, 2]
+        return stiffness, damping, dof
+
     def _fastest(self, model: Any) -> float:
         """The largest rate times step of springs, dampers and drives: sqrt(k/m) h or c/m h."""
         h, rate = self.h, 0.0
-        dof = model.jnt_dofadr
-        weight = model.dof_invweight0[dof] if model.njnt else np.zeros(0)
-        stiffness, damping = np.array(model.jnt_stiffness), np.array(model.dof_damping[dof] if model.njnt else weight)
-        for place in self.drives.values():
-            joint = model.actuator_trnid[place, 0]
-            stiffness[joint] -= model.actuator_biasprm[place, 1]
-            damping[joint] -= model.actuator_biasprm[place, 2]
-        lines = model.tendon_invweight0
-        for k, c, w in ((stiffness, damping, weight), (model.tendon_stiffness, model.tendon_damping, lines)):
+        stiffness, damping, dof = self._resisted(model)
+        groups = (
+            (stiffness[dof], damping[dof], model.dof_invweight0[dof]),
+            (model.tendon_stiffness, model.tendon_damping, model.tendon_invweight0),
+        )
+        for k, c, w in groups:
             if len(w):
                 rate = max(rate, h * float(np.sqrt(k * w).max()), h * float((c * w).max()))
         return rate
+
+    def _stiffest(self, model: Any) -> float:
+        """A bound of |lambda| h over the modes of springs, dampers and drives, on joint-space inertia, over configurations.
+
+        Equation: a mode x of M q'' + C q' + K q = 0 has lambda^2 x'Mx + lambda x'Cx + x'Kx = 0, thus with c and k the largest
+        eigenvalues of M^-1 C and M^-1 K, |lambda|^2 <= c |lambda| + k. Source: Tisseur, Meerbergen, SIAM Review 43 (2001).
+        """
+        mj = self.mj
+        stiffness, damping, _ = self._resisted(model)
+        if not (stiffness.any() or damping.any() or model.tendon_stiffness.any() or model.tendon_damping.any()):
+            return 0.0
+        d, random = mj.MjData(model), np.random.default_rng(0)
+        rigid = bool((model.jnt_type == _flag(mj, "mjtJoint", "mjJNT_FREE")).all())
+        worst = 0.0
+        for sample in range(1 if rigid else 1 + RATE_SAMPLES):
+            if sample:
+                self._scatter(model, d, random)
+            mj.mj_fwdPosition(model, d)
+            lines = np.zeros((model.ntendon, model.nv))
+            if model.ntendon:
+                mj.mju_sparse2dense(lines, d.ten_J, model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind)
+            c = self._largest(model, d, damping, model.tendon_damping, lines)
+            k = self._largest(model, d, stiffness, model.tendon_stiffness, lines)
+            worst = max(worst, (c + math.sqrt(c * c + 4 * k)) / 2)
+        return worst * self.h
+
+    def _largest(self, model: Any, d: Any, own: Floats, along: Floats, lines: Floats) -> float:
+        """The largest eigenvalue of M^-1 (diag(own) + lines' diag(along) lines); of many rows a bound, the largest row sum."""
+        rows = np.vstack((np.diag(np.sqrt(own))[own > 0], np.sqrt(along)[:, None] * lines))
+        if not rows.any():
+            return 0.0
+        moved = np.empty_like(rows)
+        self.mj.mj_solveM(model, d, moved, np.ascontiguousarray(rows))
+        product = rows @ moved.T
+        return float(np.linalg.eigvalsh(product)[-1] if len(rows) <= EXACT_ROWS else np.abs(product).sum(axis=1).max())
+
+    def _scatter(self, model: Any, d: Any, random: np.random.Generator) -> None:
+        """Turn every hinge and ball by chance, within limits; what flies or slides freely stays."""
+        kinds = self.mj.mjtJoint
+        for joint in range(model.njnt):
+            adr, kind = model.jnt_qposadr[joint], model.jnt_type[joint]
+            limited = bool(model.jnt_limited[joint])
+            if kind == int(kinds.mjJNT_BALL):
+                q = random.normal(size=4)
+                d.qpos[adr : adr + 4] = q / np.linalg.norm(q)
+            elif kind == int(kinds.mjJNT_HINGE) or (kind == int(kinds.mjJNT_SLIDE) and limited):
+                low, high = model.jnt_range[joint] if limited else (-math.pi, math.pi)
+                start = float(model.qpos0[adr])
+                d.qpos[adr] = random.uniform(max(low, start - 2 * math.pi), min(high, start + 2 * math.pi))
 
     def _dampen(self, model: Any) -> None:
         """Q = -c J^T (m v, I w) as damping of coordinates, where a diagonal of coefficients can say it. Raises: Unsupported."""
@@ -1253,7 +1339,8 @@ class _Builder:
 
     def _resolved(self, model: Any) -> Settings:
         mj, option = self.mj, model.opt
-        substeps = self.settings.substeps or 1
+        substeps, choice = self.settings.substeps or 1, self.options
+        least = 0.0 if option.integrator == _flag(mj, "mjtIntegrator", "mjINT_DISCRETE") else LEAST_STEPS * self.h
         flags = {
             "disabled": ("mjtDisableBit", "mjDSBL_", option.disableflags),
             "enabled": ("mjtEnableBit", "mjENBL_", option.enableflags),
@@ -1265,10 +1352,13 @@ class _Builder:
             "noslip_iterations": int(option.noslip_iterations),
             "ls_iterations": int(option.ls_iterations),
             "rebound_steps": self.options.rebound_steps,
-            "contact_time_constant": _time_constant(self.options.contact_steps, self.h),
+            "contact_time_constant": max(least, _time_constant(choice.contact_steps, self.h, choice.slowest)),
             "contact_damping_ratio": self.options.contact_damping_ratio or 1.0,
             "contact_impedance": self.options.contact_impedance or "0.9..0.95",
-            "loop_time_constant": _time_constant(self.options.loop_steps, self.h),
+            "limit_time_constant": max(least, _time_constant(choice.limit_steps, self.h, choice.slowest)),
+            "limit_damping_ratio": self.options.limit_damping_ratio or 1.0,
+            "limit_impedance": self.options.limit_impedance or "0.9..0.95",
+            "loop_time_constant": max(least, _time_constant(choice.loop_steps, self.h, choice.slowest)),
             "loop_impedance": self.options.loop_impedance or "0.9..0.95",
             "by_scene": self.options.by_scene,
         }
@@ -1391,6 +1481,10 @@ ADAPTER = MujocoAdapter(
                 "contact_steps": 20.0,
                 "contact_damping_ratio": 1.2,
                 "contact_impedance": 0.999,
+                "limit_steps": 2.0,
+                "limit_damping_ratio": 2.0,
+                "limit_impedance": 0.999,
+                "slowest": VENDOR_TIME_CONSTANT,
                 "loop_steps": 2.0,
                 "loop_impedance": 0.999,
             },

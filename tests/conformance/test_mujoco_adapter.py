@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from adapters.mujoco import ADAPTER, MujocoSimulation
 from harness.adapter import Diverged, Settings, SettingsError, Unsupported
@@ -603,16 +604,155 @@ def test_only_the_effects_called_for_are_on_and_the_rest_is_named() -> None:
 
 def test_by_scene_the_integrator_follows_contacts_and_stiffness() -> None:
     body = Body(name="b", inertia=principal_inertia(0.1, 0.1, 0.1))
-    stiff = Scene(bodies=(body,), joints=(_hinge("j", WORLD, "b", (0, 0, 0), drive=Drive(stiffness=1e5)),))
+    # sqrt(k/I) dt is 1.0 and 3.2; RK4 is stable up to 2.8.
+    firm, stiff = (
+        Scene(bodies=(body,), joints=(_hinge("j", WORLD, "b", (0, 0, 0), drive=Drive(stiffness=k)),)) for k in (1e5, 1e6)
+    )
     box = _shaped("b", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.1))
     for e, name in ((0.0, "discrete"), (0.5, "implicitfast")):
         assert _build(replace(_on_ground(box, e=e), joints=stiff.joints), TUNED).resolved.integrator == name
     assert _build(Scene(bodies=(body,)), TUNED).resolved.integrator == "rk4"
     assert _build(_stack(1), TUNED).resolved.integrator == "euler"
+    assert _build(firm, TUNED).resolved.integrator == "rk4"
     assert _build(stiff, TUNED).resolved.integrator == "implicitfast"
     assert _build(stiff, DEFAULT).resolved.integrator == "euler"
     with pytest.raises(Unsupported, match="discrete integrator"):
         _build(_on_ground(box, e=0.5), replace(TUNED, integrator="discrete"))
+
+
+ARM_LENGTHS, ARM_MASSES, ARM_TARGETS = np.array([0.4, 0.35, 0.25]), np.array([3.0, 2.0, 1.0]), np.array([0.5, -0.8, 0.6])
+
+
+def _arm(stiffness: float, damping: float) -> Scene:
+    """Three rods in a row along x, held out over the ground by drives of their hinges; angles count from x upwards."""
+    bodies, joints, x = [], [], 0.0
+    for k, (length, mass, target) in enumerate(zip(ARM_LENGTHS, ARM_MASSES, ARM_TARGETS, strict=True)):
+        turning = mass * length**2 / 12
+        bodies.append(
+            Body(name=f"l{k}", mass=mass, inertia=principal_inertia(1e-3, turning, turning), p_WB=(x + length / 2, 0.0, 0.0))
+        )
+        drive = Drive(stiffness=stiffness, damping=damping, target=target)
+        parent = WORLD if k == 0 else f"l{k - 1}"
+        joints.append(
+            Revolute(name=f"j{k}", parent=parent, child=f"l{k}", anchor_W=(x, 0.0, 0.0), axis_W=(0.0, -1.0, 0.0), drive=drive)
+        )
+        x += length
+    return Scene(bodies=tuple(bodies), joints=tuple(joints))
+
+
+def _arm_truth(time: float, stiffness: float, damping: float) -> Floats:
+    """Angles from x (3,) [rad] after `time` [s], by Lagrange's equations in absolute angles and an integrator of order 8.
+
+    M_ij = a_ij cos(th_i - th_j), with a_ii = m_i l_i^2/3 + l_i^2 (masses further out), a_ij = l_i l_j (m_j/2 + masses beyond j).
+    """
+    out = np.array([ARM_MASSES[k + 1 :].sum() for k in range(3)])
+    lever = ARM_LENGTHS * (ARM_MASSES / 2 + out)
+    a = np.outer(ARM_LENGTHS, lever)
+    a = np.triu(a, 1) + np.triu(a, 1).T + np.diag(ARM_LENGTHS**2 * (ARM_MASSES / 3 + out))
+
+    def rate(_: float, y: Floats) -> Floats:
+        angle, speed = y[:3], y[3:]
+        apart = angle[:, None] - angle[None, :]
+        torque = stiffness * (ARM_TARGETS - np.diff(angle, prepend=0.0)) - damping * np.diff(speed, prepend=0.0)
+        load = torque - np.append(torque[1:], 0.0) - G * lever * np.cos(angle) - (a * np.sin(apart)) @ speed**2
+        return np.concatenate([speed, np.linalg.solve(a * np.cos(apart), load)])
+
+    return np.asarray(solve_ivp(rate, (0.0, time), np.zeros(6), method="DOP853", rtol=1e-11, atol=1e-13).y[:3, -1])
+
+
+@pytest.mark.parametrize(("damping", "dt", "name"), [(2.0, 1 / 240, "rk4"), (20.0, 1e-4, "rk4"), (20.0, 1e-3, "implicitfast")])
+def test_a_driven_arm_takes_the_integrator_that_is_nearer_to_an_independent_one(damping: float, dt: float, name: str) -> None:
+    """The outer link's inertia is 40 times what it is to the joint: only joint-space inertia tells what RK4 can carry."""
+    scene, truth, errors = _arm(200.0, damping), _arm_truth(0.25, 200.0, damping), {}
+    assert _build(scene, TUNED, dt).resolved.integrator == name
+    for integrator in ("rk4", "implicitfast"):
+        simulation = _build(scene, replace(TUNED, integrator=integrator), dt)
+        try:
+            simulation.step(round(0.25 / dt))
+        except Diverged:
+            errors[integrator] = math.inf
+            continue
+        q = _state(simulation, scene).q_WB
+        errors[integrator] = float(np.abs(-2 * np.arctan2(q[:, 2], q[:, 0]) - truth).max())
+    other = "rk4" if name == "implicitfast" else "implicitfast"
+    # A method of fourth order that resolves the fastest mode errs by far less than one of the first; one that does not, diverges.
+    assert errors[name] < errors[other] / 10
+    assert errors[name] < 2e-3
+
+
+@pytest.mark.parametrize("z", [0.05, 0.5, 1.0, 1.9, 2.1, 2.7])
+def test_a_damper_takes_the_rule_that_decays_nearest_to_the_closed_form(z: float) -> None:
+    """w = w0 e^(-c t/I): RK4 up to c h/I = 2, where its factor of 1/3 a step is that of the implicit rule, and not beyond."""
+    spin = Body(name="b", inertia=principal_inertia(1.0, 1.0, 1.0), w_WB=(0.0, 1.0, 0.0))
+    damper = _hinge("j", WORLD, "b", (0, 0, 0), spring=Spring(stiffness=0.0, damping=1e3 * z))
+    scene, errors = Scene(bodies=(spin,), joints=(damper,)), {}
+    for integrator in ("rk4", "implicitfast"):
+        simulation = _build(scene, replace(TUNED, integrator=integrator))
+        simulation.step(1)
+        errors[integrator] = abs(_state(simulation, scene).w_WB[0, 1] - math.exp(-z))
+    assert _build(scene, TUNED).resolved.integrator == min(errors, key=lambda name: errors[name])
+
+
+def test_a_light_slide_on_a_heavy_one_is_judged_by_the_inertia_that_its_damper_moves() -> None:
+    """Linear, so that the matrix exponential is the truth. A damper between 10 kg and 0.1 kg moves 10 x 0.1/10.1 kg."""
+    heavy, light = Body(name="heavy", mass=10.0), Body(name="light", mass=0.1, v_WB=(1.0, 0.0, 0.0))
+    c, k, dt = 50.0, 400.0, 1e-3
+    joints = tuple(
+        Prismatic(name=child, parent=parent, child=child, anchor_W=(0, 0, 0), axis_W=(1.0, 0.0, 0.0), spring=spring)
+        for parent, child, spring in (
+            (WORLD, "heavy", Spring(stiffness=k, damping=0.0)),
+            ("heavy", "light", Spring(stiffness=k, damping=c)),
+        )
+    )
+    scene = Scene(bodies=(heavy, light), joints=joints, gravity=(0.0, 0.0, 0.0))
+    K, C = np.array([[2 * k, -k], [-k, k]]), np.array([[c, -c], [-c, c]])
+    inverse = np.diag([1 / 10.0, 1 / 0.1])
+    motion = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ K, -inverse @ C]])
+    truth = expm(motion * 0.1) @ np.array([0.0, 0.0, 0.0, 1.0])
+    errors = {}
+    for integrator in (None, "implicitfast"):
+        simulation = _build(scene, replace(TUNED, integrator=integrator), dt)
+        simulation.step(100)
+        errors[integrator] = float(np.abs(_state(simulation, scene).p_WB[:, 0] - truth[:2]).max())
+    # c h/m is .505: |R(-z) - e^-z| is z^5/120 = 2.7e-4 of the first step's decay; the implicit rule errs by z^2/2 = 13 %.
+    assert errors[None] < errors["implicitfast"] / 100
+
+
+def test_time_constants_are_what_resolved_says_and_bounded_only_by_a_bound_that_is_set() -> None:
+    """A ball that falls on steps of 1/60 s: the engine's own way with a constant of two steps, and with what is asked."""
+    ball = _on_ground(_shaped("ball", Sphere(radius=0.1), (0.0, 0.0, 0.3)))
+
+    def landed(options: dict[str, object], dt: float) -> tuple[float, float]:
+        simulation = _build(ball, Settings(options=options), dt)
+        simulation.step(round(0.4 / dt))
+        return simulation.resolved.options["contact_time_constant"], float(_state(simulation, ball).p_WB[1, 2])
+
+    asked, sunk = landed({"contact_steps": 20.0}, 1 / 240)
+    assert asked == pytest.approx(20 / 240)
+    bounded, shallow = landed({"contact_steps": 20.0, "slowest": 0.02}, 1 / 240)
+    assert bounded == pytest.approx(0.02)
+    assert shallow > sunk
+    # mjDSBL_REFSAFE: at 1/60 s both ask for less than two steps, and get two.
+    vendor, two = landed({}, 1 / 60), landed({"contact_steps": 2.0}, 1 / 60)
+    assert vendor == two
+    assert vendor[0] == pytest.approx(2 / 60)
+    assert _build(ball, TUNED, 1 / 240).resolved.options["contact_time_constant"] == pytest.approx(0.02)
+
+
+def test_a_stop_is_passed_by_less_than_a_step_and_the_limit_is_no_softer_than_its_own_settings_say() -> None:
+    """A rod swings down into a stop: by its own `limit_steps`, whatever contacts are told."""
+    inertia = principal_inertia(1 / 12, 1 / 12, 1e-3)
+    rod = Body(name="rod", inertia=inertia, p_WB=(0.0, 0.0, -0.5), w_WB=(0.0, 4.0, 0.0), v_WB=(-2.0, 0.0, 0.0))
+    scene = Scene(bodies=(rod,), joints=(_hinge("j", WORLD, "rod", (0, 0, 0), limits=Limits(upper=0.3)),))
+    for dt in (1 / 240, 1e-3):
+        simulation, beyond = _build(scene, TUNED, dt), 0.0
+        for _ in range(round(0.4 / dt)):
+            simulation.step()
+            q = _state(simulation, scene).q_WB[0]
+            beyond = max(beyond, 2 * math.atan2(q[2], q[0]) - 0.3)
+        # Noticed once it is passed, it is passed by at most a step's way at 4 rad/s; the damping takes what is left of a step.
+        assert 0.0 < beyond < 1.25 * 4.0 * dt
+        assert simulation.resolved.options["limit_time_constant"] == pytest.approx(2 * dt)
 
 
 def test_settings_out_of_range_name_field_value_and_expectation() -> None:

@@ -17,10 +17,12 @@ Deviations:
       left alone), so a cut joint drifts and heals slowly.
     * Passive springs and dampers are DART's joint springs: implicit, (m + dt d + dt^2 k) v' = m v - dt k (x - rest). So are
       drives (option 'drives': 'spring', the default); with a limit it is the same implicit law, solved by the adapter for the
-      drives of a skeleton together and then cut off. Contacts of that very step are not foreseen: DART answers a contact with
-      the mass matrix that knows no spring, so that a machine in equilibrium on such drives sags and gains energy, in proportion
-      to dt. On 'tuned' ('auto'), drives of scenes with contact are therefore torques of the state at the start of the step
-      ('torque'), which keep an equilibrium, and are stable while dt^2 k and dt d are small against the inertia.
+      drives of a skeleton together and then cut off. DART answers contacts, limits and loops with the mass matrix that knows
+      no spring, so that a machine in equilibrium on such springs sags and gains energy, in proportion to dt (a quadruped of
+      0.4 m by more than a centimetre within a second at 1/240 s; a plain torque of the start of the step holds it, but
+      explodes where dt^2 k or dt d is not small against the inertia). On 'tuned' ('auto'), where something can hold them,
+      springs and drives are therefore torques of the velocity foreseen for the end of the step ('stable': stable PD control
+      with what bore in the last step): the same law, under which an equilibrium stays. An impact is foreseen one step late.
     * Damping of a joint-free body is DART's joint damping (implicit) where that is v' = -c v, w' = -c w exactly (no
       angular damping, or a spherical inertia); otherwise a force and a torque of the start of the step over (1 + c dt).
     * FCL, the vendor's default detector, has no capsule (it puts a ball of 0.1 m there), lets balls fall through meshes,
@@ -91,8 +93,8 @@ __all__ = ["ADAPTER"]
 INTEGRATOR = "semi_implicit_euler"
 DETECTORS = ("fcl", "ode", "dart", "bullet")
 SOLVERS = ("dantzig", "pgs", "nsgs", "fbf")
-DRIVES = ("spring", "torque")
-"""How a drive acts: as DART's joint spring, implicitly, or as a torque of the state at the start of the step."""
+DRIVES = ("spring", "stable")
+"""How springs and drives act: as DART's joint springs, or as torques of the velocity foreseen for the end of the step."""
 SMALLEST_COEFFICIENT = 1e-3
 """DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""
 MANY_BODIES = 16
@@ -112,8 +114,10 @@ FIRST_STEPS = 4
 """What rests from the start sleeps from the second step on, so that its contacts must be caught at once."""
 STILL = 1e-3
 """A body that has moved less [m] since its contacts were last seen still rests on them."""
-FARTHEST = 1e3
-"""So far in one step [rad or m] a driven joint moves only when its own torque throws it off; ODE would abort the process."""
+SLIDING = 0.999
+"""From this share of its greatest friction on a contact slides rather than sticks."""
+SHARED = 1e-10
+"""Of the mean mobility: what makes redundant contacts share a load, too little to give way."""
 LARGEST_SPEED = 1e100
 """Far above this [rad/s or m/s] the squares in the equations of motion overflow, and DART puts zero for accelerations."""
 LONGEST_RAY = 1e9
@@ -141,31 +145,45 @@ class _Motor:
     spring: Spring
     drive: Drive
     target: float
-    explicit: bool = False
+    stable: bool = False
     push: float = 0.0
 
     @property
     def limited(self) -> bool:
-        return self.drive.limit is not None and not self.explicit
+        return self.drive.limit is not None
 
     @property
-    def spring_bears(self) -> bool:
-        """Is the drive part of DART's joint spring?"""
-        return self.drive.limit is None and not self.explicit
+    def works(self) -> bool:
+        """Is there something to be worked out in every step?"""
+        return self.stable or self.limited or self.push != 0.0
 
-    def torque(self) -> float:
-        """The drive's force [N m or N] in the present state, cut off at its limit."""
-        x, v = self.joint.getPosition(0), self.joint.getVelocity(0)
-        f = self.drive.stiffness * (self.target - x) + self.drive.damping * (self.drive.target_velocity - v)
+    def forces(self, v: float, dt: float) -> tuple[float, float]:
+        """What spring and drive exert [N m or N], without a limit, where a step at the velocity v leads."""
+        x = self.joint.getPosition(0) + dt * v
+        spring, drive = self.spring, self.drive
+        return (
+            spring.stiffness * (spring.rest - x) - spring.damping * v,
+            drive.stiffness * (self.target - x) + drive.damping * (drive.target_velocity - v),
+        )
+
+    def inertia(self, dt: float, saturated: bool) -> float:
+        """What the joint's inertia seems to grow by [kg m2 or kg], as the forces fall while its velocity grows."""
+        drive = Drive() if saturated else self.drive
+        return dt * (self.spring.damping + drive.damping) + dt**2 * (self.spring.stiffness + drive.stiffness)
+
+    def cut(self, force: float) -> float:
+        """The drive's force within its limit."""
         limit = self.drive.limit if self.drive.limit is not None else math.inf
-        return float(min(max(f, -limit), limit))
+        return float(min(max(force, -limit), limit))
 
     def rest(self) -> None:
         """Let spring and unlimited drive share DART's joint spring; what its rest cannot hold becomes a constant push."""
+        if self.stable:
+            return
         spring, drive = self.spring, self.drive
-        k = spring.stiffness + (drive.stiffness if self.spring_bears else 0.0)
+        k = spring.stiffness + (0.0 if self.limited else drive.stiffness)
         force = spring.stiffness * spring.rest
-        if self.spring_bears:
+        if not self.limited:
             force += drive.stiffness * self.target + drive.damping * drive.target_velocity
         # DART refuses a rest position outside of the limits and says so on the console only.
         rest = min(max(force / k, self.joint.getPositionLowerLimit(0)), self.joint.getPositionUpperLimit(0)) if k > 0 else 0.0
@@ -173,8 +191,21 @@ class _Motor:
             self.joint.setSpringStiffness(0, k)
             self.joint.setRestPosition(0, rest)
             rest = float(self.joint.getRestPosition(0))
-        self.joint.setDampingCoefficient(0, spring.damping + (drive.damping if self.spring_bears else 0.0))
+        self.joint.setDampingCoefficient(0, spring.damping + (0.0 if self.limited else drive.damping))
         self.push = force - k * rest
+
+
+@dataclass(slots=True)
+class _Hold:
+    """What holds skeletons: for each of them, by its place, the rows (r, n) of its Jacobian; J v = 0 while it holds.
+
+    Terms:
+        one_sided: does the first row push only? pull: what else it is known to exert, impulses (n,) on each skeleton.
+    """
+
+    rows: dict[int, Floats]
+    one_sided: bool = False
+    pull: dict[int, Floats] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -199,6 +230,7 @@ class _Built:
     damped: list[tuple[int, float, float]] = field(default_factory=list)
     motors: dict[str, _Motor] = field(default_factory=dict)
     shapes: list[Any] = field(default_factory=list)
+    loops: list[tuple[tuple[int, Floats], ...]] = field(default_factory=list)
     friction_solver: Any = None
     notes: list[str] = field(default_factory=list)
 
@@ -213,10 +245,29 @@ class DartSimulation(Simulation):
         self._wrench: tuple[Floats, Floats] | None = None
         self._last = State.initial(built.scene)
         self._movable = [i for i in range(n) if built.scene.bodies[i].movable]
-        self._forced = bool(built.belts or built.damped or any(not m.spring_bears or m.push for m in built.motors.values()))
+        self._forced = bool(built.belts or built.damped or any(m.works for m in built.motors.values()))
+        self._driven: dict[int, dict[str, _Motor]] = {}
+        self._limits: list[tuple[int, Any]] = []
+        self._skeleton_of: list[int | None] = [None] * n
+        self._loose: list[Integers] = []
+        if built.resolved.options["drives"] == "stable":
+            self._survey(built)
         self._steps = 0
         self._crowded = False
         self._seen = (-math.inf, Contacts.none(), self._last.p_WB.copy())
+
+    def _survey(self, built: _Built) -> None:
+        """Whose drives are to be foreseen, and by what they can be held."""
+        numbers = {skeleton.getName(): k for k, skeleton in enumerate(built.skeletons)}
+        self._skeleton_of = [numbers.get(node.getSkeleton().getName()) for node in built.nodes]
+        for name, motor in built.motors.items():
+            self._driven.setdefault(numbers[motor.skeleton.getName()], {})[name] = motor
+        for k, skeleton in enumerate(built.skeletons):
+            joints = [skeleton.getJoint(i) for i in range(skeleton.getNumJoints())]
+            held = built.dart.dynamics.ActuatorType.VELOCITY
+            loose = [j.getIndexInSkeleton(i) for j in joints if j.getActuatorType() != held for i in range(j.getNumDofs())]
+            self._loose.append(np.array(loose, dtype=np.int64))
+            self._limits += [(k, j) for j in joints if j.getNumDofs() == 1 and j.areLimitsEnforced()]
 
     @property
     def _open(self) -> _Built:
@@ -261,16 +312,13 @@ class DartSimulation(Simulation):
             joint.setCommands(velocity)
         limited: dict[int, list[_Motor]] = {}
         for motor in built.motors.values():
-            if motor.limited:
+            motor.joint.setCommand(0, motor.push)
+            if motor.limited and not motor.stable:
                 limited.setdefault(id(motor.skeleton), []).append(motor)
-            if motor.explicit:
-                if not abs(motor.joint.getVelocity(0)) * dt < FARTHEST:
-                    raise Diverged(f"a drive's joint moves by {motor.joint.getVelocity(0) * dt:g} rad or m in a step")
-                motor.joint.setCommand(0, motor.push + motor.torque())
-            elif motor.push or motor.limited:
-                motor.joint.setCommand(0, motor.push)
         for motors in limited.values():
             self._drive(motors, dt)
+        if self._driven:
+            self._foresee(built, dt)
 
     def _drive(self, motors: list[_Motor], dt: float) -> None:
         """Limited drives: f = k (t - x') + c (u - v') with x' = x + dt v', v' = v + dt (a + M^-1 f), then cut off.
@@ -289,8 +337,115 @@ class DartSimulation(Simulation):
         gain = dt * (c + dt * k)
         f = np.linalg.solve(np.eye(len(motors)) + gain[:, None] * mobility, push)
         for motor, force in zip(motors, f, strict=True):
-            limit = motor.drive.limit if motor.drive.limit is not None else math.inf
-            motor.joint.setCommand(0, motor.push + float(min(max(force, -limit), limit)))
+            motor.joint.setCommand(0, motor.push + motor.cut(float(force)))
+
+    def _foresee(self, built: _Built, dt: float) -> None:
+        """Springs and drives as torques of the velocity v' that is foreseen for the end of the step (stable PD control).
+
+        M (v' - u) = dt f(v') + J^T p and J v' = 0: u is what the step brings without springs and drives, f are their forces
+        where v' leads, J the contacts, limits and loops that bore in the last step. DART finds p itself, under these torques.
+
+        Source: J. Tan, K. Liu, G. Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31(4), 2011.
+        """
+        holds = self._holds(built, dt)
+        reached, waiting = set[int](), list(self._driven)
+        while waiting:
+            if (one := waiting.pop()) not in reached:
+                reached.add(one)
+                waiting += [other for hold in holds if one in hold.rows for other in hold.rows]
+        first, size, u = {}, 0, list[Floats]()
+        for one in sorted(reached):
+            skeleton = built.skeletons[one]
+            skeleton.computeForwardDynamics()
+            first[one] = size
+            u.append(np.asarray(skeleton.getVelocities()) + dt * np.asarray(skeleton.getAccelerations()))
+            size += len(u[-1])
+        ahead = np.concatenate(u)
+        bearing = [hold for hold in holds if reached.issuperset(hold.rows)]
+        masses = {one: np.array(built.skeletons[one].getMassMatrix()) for one in reached}
+        saturated: dict[str, float] = {}
+        while True:
+            mobility, push = np.zeros((size, size)), np.zeros(size)
+            for one, mass in masses.items():
+                gain = np.zeros(len(mass))
+                for name, motor in self._driven.get(one, {}).items():
+                    k = motor.joint.getIndexInSkeleton(0)
+                    gain[k] = motor.inertia(dt, name in saturated)
+                    spring, drive = motor.forces(ahead[first[one] + k], dt)
+                    push[first[one] + k] = dt * (spring + saturated.get(name, drive))
+                loose = self._loose[one]
+                mobility[np.ix_(first[one] + loose, first[one] + loose)] = np.linalg.inv(
+                    (mass + np.diag(gain))[np.ix_(loose, loose)]
+                )
+            end = _held(ahead, mobility, push, bearing, first)
+            exceeded = False
+            for one, motors in self._driven.items():
+                for name, motor in motors.items():
+                    spring, drive = motor.forces(end[first[one] + motor.joint.getIndexInSkeleton(0)], dt)
+                    cut = saturated.get(name, motor.cut(drive))
+                    motor.joint.setCommand(0, spring + cut)
+                    if name not in saturated and cut != drive:
+                        saturated[name], exceeded = cut, True
+            if not exceeded:
+                return
+
+    def _holds(self, built: _Built, dt: float) -> list[_Hold]:
+        """The contacts, limits and loops that bore in the last step; before the first one, whatever touches."""
+        result = built.world.getLastCollisionResult()
+        if self._steps == 0:
+            solver = built.world.getConstraintSolver()
+            result = built.dart.collision.CollisionResult()
+            solver.getCollisionGroup().collide(solver.getCollisionOption(), result)
+        jacobians: dict[int, Floats] = {}
+        places: dict[int, Floats] = {}
+
+        def of_point(place: int, point: Floats, along: Floats) -> tuple[int, Floats] | None:
+            """Skeleton and rows of the velocities [m/s] of a point along directions (r, 3)."""
+            one = self._skeleton_of[place]
+            if one is None:
+                return None
+            node = built.nodes[place]
+            if place not in jacobians:
+                jacobians[place] = np.asarray(built.skeletons[one].getWorldJacobian(node))
+                places[place] = np.asarray(node.getWorldTransform().translation())
+            turn, way = jacobians[place][:3], jacobians[place][3:]
+            return one, along @ way + np.cross(point - places[place], along) @ turn
+
+        holds = []
+        for contact in result.getContacts():
+            force, normal = np.asarray(contact.force), np.asarray(contact.normal)
+            load = float(force @ normal)
+            if self._steps and load <= 0:
+                continue
+            objects = contact.collisionObject1, contact.collisionObject2
+            grip = min(o.getShapeFrame().getDynamicsAspect().getFrictionCoeff() for o in objects)
+            across = force - load * normal
+            slides = grip <= SMALLEST_COEFFICIENT or (self._steps and math.hypot(*across) >= SLIDING * grip * load)
+            along = normal[None] if slides else np.vstack((normal, _across(normal)))
+            hold = _Hold({}, one_sided=True)
+            for sign, object_ in zip((1.0, -1.0), objects, strict=True):
+                found = of_point(_owner(object_), np.asarray(contact.point), np.vstack((along, across)))
+                if found is not None:
+                    one, rows = found
+                    hold.rows[one] = hold.rows.get(one, 0.0) + sign * rows[:-1]
+                    hold.pull[one] = hold.pull.get(one, 0.0) + sign * dt * rows[-1] * bool(slides)
+            holds.append(hold)
+        for one, joint in self._limits:
+            impulse = joint.getConstraintImpulse(0)
+            if impulse != 0:
+                row = np.zeros((1, built.skeletons[one].getNumDofs()))
+                row[0, joint.getIndexInSkeleton(0)] = math.copysign(1.0, impulse)
+                holds.append(_Hold({one: row}, one_sided=True))
+        for loop in built.loops:
+            hold = _Hold({})
+            for sign, (place, point) in zip((1.0, -1.0), loop, strict=False):
+                X_WB = built.nodes[place].getWorldTransform()
+                found = of_point(place, X_WB.translation() + X_WB.rotation() @ point, np.eye(3))
+                if found is not None:
+                    one, rows = found
+                    hold.rows[one] = hold.rows.get(one, 0.0) + sign * rows
+            holds.append(hold)
+        return [hold for hold in holds if hold.rows]
 
     def _check(self, built: _Built) -> None:
         """DART replaces a pose that is not finite by the identity, but the velocities stay what they are: ask them."""
@@ -406,7 +561,7 @@ class DartSimulation(Simulation):
             motor = motors[name]
             motor.target = float(target)
             motor.rest()
-            self._forced = self._forced or not motor.spring_bears or motor.push != 0.0
+            self._forced = self._forced or motor.works
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Apply f_B_W (n, 3) N and tau_B_W (n, 3) N m in every step from now on; fixed and kinematic bodies take no notice."""
@@ -449,6 +604,40 @@ class DartSimulation(Simulation):
 def _owner(collision_object: Any) -> int:
     """The place in the scene of the body that a collision object belongs to; the name of its shape begins with it."""
     return int(collision_object.getShapeFrame().getName().split("/", 1)[0])
+
+
+def _held(ahead: Floats, mobility: Floats, push: Floats, holds: list[_Hold], first: Mapping[int, int]) -> Floats:
+    """Velocities (n,) after the impulses `push` and those by which holds bear; a one-sided hold that would pull lets go.
+
+    Terms:
+        ahead: velocities (n,) without impulses. mobility (n, n). first: the place of each skeleton's first coordinate.
+    """
+    push = push.copy()
+    for hold in holds:
+        for one, impulse in hold.pull.items():
+            push[first[one] : first[one] + len(impulse)] += impulse
+    free: Floats = ahead + mobility @ push
+    while holds:
+        starts = np.cumsum([0, *(len(next(iter(hold.rows.values()))) for hold in holds)])
+        jacobian = np.zeros((starts[-1], len(ahead)))
+        for hold, start in zip(holds, starts, strict=False):
+            for one, rows in hold.rows.items():
+                jacobian[start : start + len(rows), first[one] : first[one] + rows.shape[1]] = rows
+        given = jacobian @ mobility @ jacobian.T
+        given[np.diag_indices_from(given)] += SHARED * np.trace(given) / len(given) + np.finfo(np.float64).tiny
+        p = np.linalg.solve(given, -jacobian @ free)
+        kept = [hold for hold, start in zip(holds, starts, strict=False) if not (hold.one_sided and p[start] < 0)]
+        if len(kept) == len(holds):
+            return free + mobility @ jacobian.T @ p
+        holds = kept
+    return free
+
+
+def _across(normal: Floats) -> Floats:
+    """Two directions (2, 3) across a unit vector and each other."""
+    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    first /= np.linalg.norm(first)
+    return np.vstack((first, np.cross(normal, first)))
 
 
 def _quaternions(turn: Floats) -> Floats:
@@ -779,8 +968,6 @@ class _Builder:
         self.options = _validated(settings)
         self.effects = scene.effects
         self.touching = Effect.CONTACT in self.effects
-        asked = self.options["drives"] or "spring"
-        self.drives = ("torque" if self.touching else "spring") if asked == "auto" else asked
         self.joints = scene.joints if Effect.JOINTS in self.effects else ()
         self.coefficients = _coefficients(scene) if self.touching else {}
         self.notes: list[str] = []
@@ -798,6 +985,10 @@ class _Builder:
         for joint in self.joints:
             _check_velocities(scene, joint)
         edges, cut = _forest(scene, self.joints)
+        self.drives = self.options["drives"] or "spring"
+        if self.drives == "auto":
+            held = self.touching or cut or any(getattr(joint, "limits", None) for joint in self.joints)
+            self.drives = "stable" if held else "spring"
         heard: list[str] = []
         with _overheard(heard):
             world = self._world()
@@ -982,7 +1173,7 @@ class _Builder:
                 joint.spring or Spring(),
                 drive or Drive(),
                 (drive or Drive()).target,
-                explicit=drive is not None and self.drives == "torque",
+                stable=self.drives == "stable",
             )
             motor.rest()
             self.built.motors[joint.name] = motor
@@ -1075,19 +1266,28 @@ class _Builder:
         constraint, built = self.dart.constraint, self.built
         solver = built.world.getConstraintSolver()
         for joint in cut:
-            nodes = [built.nodes[i] for i in _ends(self.scene, joint) if i != WORLD_FRAME]
+            places = [i for i in _ends(self.scene, joint) if i != WORLD_FRAME]
+            nodes = [built.nodes[i] for i in places]
+            assert not isinstance(joint, Distance)
+            anchor = np.array(self.scene.bodies[places[0]].p_WB if isinstance(joint, Fixed) else joint.anchor_W)
+            lever = max(float(np.linalg.norm(np.asarray(node.getCOM()) - anchor)) for node in nodes) or 1.0
             match joint:
                 case Fixed():
                     solver.addConstraint(constraint.WeldJointConstraint(*nodes))
-                case Ball(anchor_W=anchor):
-                    solver.addConstraint(constraint.BallJointConstraint(*nodes, np.array(anchor)))
-                case Revolute(anchor_W=anchor, axis_W=axis):
-                    lever = max(float(np.linalg.norm(np.asarray(node.getCOM()) - np.array(anchor))) for node in nodes) or 1.0
-                    for way in (0.0, lever):
-                        point = np.array(anchor) + way * np.array(axis)
-                        solver.addConstraint(constraint.BallJointConstraint(*nodes, point))
+                    common = anchor + lever * np.eye(3)
+                case Ball():
+                    common = anchor[None]
+                case Revolute(axis_W=axis):
+                    common = anchor + np.outer((0.0, lever), axis)
                 case _:
                     raise AssertionError(f"joint '{joint.name}' cannot be cut")
+            for point in common:
+                if not isinstance(joint, Fixed):
+                    solver.addConstraint(constraint.BallJointConstraint(*nodes, point))
+                back = [node.getWorldTransform().inverse() for node in nodes]
+                built.loops.append(
+                    tuple((i, X.rotation() @ point + X.translation()) for i, X in zip(places, back, strict=True))
+                )
 
     def _filter(self) -> None:
         """Keep joined bodies, and materials that are apart, from colliding."""
@@ -1183,8 +1383,8 @@ ADAPTER = DartAdapter(
             solver="auto",
             options={"detector": "auto", "deactivation": False, "drives": "auto"},
             source="ODE detector: the default of Gazebo's DART plugin (gz-physics, dartsim); exact friction cone: DART 6.20, "
-            "NsgsFrictionSolver.hpp; Dantzig for bodies that lean on each other: the vendor's default; drives as joint torques "
-            "beside contact: DART's own examples of controllers, and measured here",
+            "NsgsFrictionSolver.hpp; Dantzig for bodies that lean on each other: the vendor's default; stable PD control of "
+            "what contacts hold (Tan, Liu, Turk 2011), as in DART's own examples of controllers",
         ),
     },
     known_failures={
@@ -1204,7 +1404,7 @@ ADAPTER = DartAdapter(
     deviations=(
         "a cut joint of a loop is a velocity constraint with slow error reduction: it drifts",
         "springs, dampers and drives are implicit and damp by themselves",
-        "beside contact implicit drives sag and gain energy, so that on 'tuned' drives are explicit torques there",
+        "beside contact implicit drives sag and gain energy, so that on 'tuned' they are stable PD control there",
         "scenes with capsules, hulls or meshes never use the vendor's default detector FCL, which has them wrong",
         "hulls and meshes lose digits beyond single precision",
         "restitution acts above an approach of 0.1 m/s and returns at most 100 m/s",

@@ -96,6 +96,8 @@ LIGHT_DISTANCE = 1e6
 """Of the light in images, in units of the direction to it."""
 LIFTED = 1e30
 """A velocity limit [m/s, rad/s] and a force limit [N] that nothing reaches."""
+REBOUND_LOSS = 1e-6
+"""What a rebound may lose [m/s] by the contact slop: Bullet takes slop/dt from it."""
 OPTIONS: Mapping[str, tuple[type, ...]] = {
     "coordinates": (str,),
     "restitution": (str,),
@@ -342,6 +344,23 @@ def _law(scene: Scene) -> dict[_Kind, _Coefficients]:
     rolling = _levers(values(Effect.ROLLING_FRICTION, "rolling_friction"), friction, "rolling friction")
     torsional = _levers(values(Effect.TORSIONAL_FRICTION, "torsional_friction"), friction, "torsional friction")
     return {kind: _Coefficients(friction[kind], restitution[kind], rolling[kind], torsional[kind]) for kind in friction}
+
+
+def _braked(scene: Scene) -> frozenset[_Kind]:
+    """The kinds of body that rolling or torsional friction acts on; which body of a pair carries its lever does not matter."""
+    acting = [
+        name
+        for effect, name in (
+            (Effect.ROLLING_FRICTION, "rolling_friction"),
+            (Effect.TORSIONAL_FRICTION, "torsional_friction"),
+        )
+        if effect in scene.effects
+    ]
+    if not acting or Effect.CONTACT not in scene.effects:
+        return frozenset()
+    return frozenset(
+        kind for pair, law in _pairs(scene).items() if any(getattr(law, name) > 0 for name in acting) for kind in pair
+    )
 
 
 # --- the tree of joints ---------------------------------------------------------------------------
@@ -726,7 +745,8 @@ class _Assembly:
     Terms:
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
-        address: (number, link) -> place. q_IB (n, 4): turns I against B.
+        address: (number, link) -> place. q_IB (n, 4): turns I against B. touching: contacts wait until bodies touch, so that
+        a point with a gap is left alone by the solver.
     """
 
     bases: tuple[tuple[int, int], ...]
@@ -735,6 +755,7 @@ class _Assembly:
     prescribed: tuple[tuple[int, int, Vector3], ...]
     address: Mapping[tuple[int, int], int]
     q_IB: Floats
+    touching: bool
 
 
 class _Simulation:
@@ -834,7 +855,10 @@ class _Simulation:
 
     def contacts(self) -> Contacts:
         address = self._made.address
-        points = [c for c in self._port.call("getContactPoints") if c[8] <= 0 or c[9] != 0]
+        # A point that the solver left alone keeps the impulse of the step that last solved it. Where contacts do not wait until
+        # bodies touch, all points are solved and a force across a gap is one of this step.
+        waits = self._made.touching
+        points = [c for c in self._port.call("getContactPoints") if c[8] <= 0 or (c[9] != 0 and not waits)]
         if not points:
             return Contacts.none()
         normal = -np.array([c[7] for c in points])
@@ -1068,7 +1092,7 @@ class _Builder:
     """Puts one scene into one private world."""
 
     def __init__(self, port: _Port, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> None:
-        self.port, self.scene, self.settings, self.options = port, scene, settings, options
+        self.port, self.scene, self.settings, self.options = port, scene, settings, dict(options)
         self.effects = scene.effects
         self.joints = scene.joints if Effect.JOINTS in self.effects else ()
         self.solid = Effect.CONTACT in self.effects
@@ -1077,6 +1101,7 @@ class _Builder:
         # corrected apart from velocity.
         self._touching = options["restitution"] == "touching" and Effect.RESTITUTION in self.effects
         self.law = _law(scene)
+        self.braked = _braked(scene)
         self.principal = [_principal(body) for body in scene.bodies]
         self.greatest = max((b.mass for b in scene.bodies if b.movable), default=1.0)
         self.bases: list[tuple[int, int]] = []
@@ -1119,7 +1144,7 @@ class _Builder:
         self._filter()
         self._surplus()
         q_IB = np.array([_conjugate(q) for _, q in self.principal])
-        made = _Assembly(tuple(self.bases), self.linked, self.actuators, tuple(self.prescribed), self.address, q_IB)
+        made = _Assembly(tuple(self.bases), self.linked, self.actuators, tuple(self.prescribed), self.address, q_IB, self._touching)
         simulation = _Simulation(self.port, self.scene, self._resolved(), made, self.notices)
         self._verify(simulation)
         return simulation
@@ -1139,6 +1164,8 @@ class _Builder:
             named["enableConeFriction"] = int(options["cone_friction"])
         if self._touching:
             named |= {"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0}
+            if "contact_slop" not in settings.options:
+                self.options["contact_slop"] = named["contactSlop"] = REBOUND_LOSS * named["fixedTimeStep"]
         if settings.solver is not None:
             named["constraintSolverType"] = getattr(bullet, SOLVERS[settings.solver])
         with _silenced():
@@ -1214,9 +1241,8 @@ class _Builder:
     def _maximal(self, place: int) -> bool:
         """Is this body without joints put in maximal coordinates? As the option prefers, unless an effect decides."""
         body = self.scene.bodies[place]
-        law = self.law.get((body.material, body.movable), _Coefficients())
         needed = "damping" if self._damping(body) is not None else "continuous collision" if self.swept and body.movable else ""
-        braked = body.movable and (law.rolling > 0 or law.torsional > 0)
+        braked = (body.material, body.movable) in self.braked and body.movable
         if needed and braked:
             raise Unsupported(
                 f"{needed} with rolling or torsional friction on body '{body.name}'",
@@ -1281,10 +1307,6 @@ class _Builder:
             named["jointDamping"] = 0.0
         if self._touching:
             named["contactProcessingThreshold"] = 0.0
-        if maximal and body.movable and (law.rolling or law.torsional):
-            raise Unsupported(
-                "rolling or torsional friction", "in maximal coordinates Bullet brakes at one contact of each pair alone"
-            )
         if maximal and body.movable and self.solid and self.swept and body.collision:
             named["ccdSweptSphereRadius"] = 0.8 * _inner_radius(body)
         self.port.call("changeDynamics", number, link, **named)

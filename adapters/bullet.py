@@ -36,7 +36,7 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -228,6 +228,17 @@ def _principal(body: Body) -> tuple[Vector3, Quaternion]:
     if np.linalg.det(axes) < 0:
         axes[:, 0] *= -1
     return (float(moments[0]), float(moments[1]), float(moments[2])), _from_matrix(axes)
+
+
+def _matrices(q: Floats) -> Floats:
+    """Rotation matrices (n, 3, 3) of unit quaternions (x, y, z, w), shape (n, 4)."""
+    x, y, z, w = q.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.array(rows).transpose(2, 0, 1)
 
 
 def _products(a: Floats, b: Floats) -> Floats:
@@ -739,6 +750,164 @@ class _Actuator:
 
 
 @dataclass(frozen=True, slots=True)
+class _Skeleton:
+    """The masses and joints of one multibody, from which the mobility of its joints follows at any pose.
+
+    Terms:
+        free: has it a dynamic base, which then is body 0? mass (b,) kg, moments (b, 3) kg m2 about the principal axes, of its b
+        bodies. moved (d,), axis (d, 3), turns (d,): of each of its d joint coordinates the body that it moves against its
+        parent, the axis in that body's link frame, and whether it turns about it. carries (b, d): does the coordinate move the
+        body? acted (a,): which coordinates springs and drives act on.
+    """
+
+    free: bool
+    mass: Floats
+    moments: Floats
+    moved: np.ndarray[Any, np.dtype[np.int64]]
+    axis: Floats
+    turns: np.ndarray[Any, np.dtype[np.bool_]]
+    carries: np.ndarray[Any, np.dtype[np.bool_]]
+    acted: np.ndarray[Any, np.dtype[np.int64]]
+
+    @classmethod
+    def of(cls, tree: _Tree, scene: Scene, principal: Sequence[tuple[Vector3, Quaternion]], acted: Container[int]) -> "_Skeleton":
+        """The skeleton of a tree of which springs and drives act on some links."""
+        free = tree.base is not None and scene.bodies[tree.base].movable
+        first = int(free)
+        places = [tree.base] * first + [link.place for link in tree.links]
+        coordinates: list[tuple[int, Vector3, bool, bool]] = []
+        above: list[set[int]] = [set()] * first
+        for k, link in enumerate(tree.links):
+            carried = set() if link.parent < 0 else set(above[link.parent + first])
+            back = _conjugate(multiply(scene.bodies[link.place].q_WB, principal[link.place][1]))
+            axes: Sequence[Vector3] = (rotate(back, _axis(link.joint, scene.bodies[link.place].name)),)
+            if isinstance(link.joint, Ball):
+                axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+            for axis in () if isinstance(link.joint, Fixed) else axes:
+                carried.add(len(coordinates))
+                coordinates.append((k + first, axis, not isinstance(link.joint, Prismatic), k in acted))
+            above.append(carried)
+        return cls(
+            free,
+            np.array([scene.bodies[place].mass for place in places if place is not None]),
+            np.array([principal[place][0] for place in places if place is not None]),
+            np.array([c[0] for c in coordinates]),
+            np.array([c[1] for c in coordinates]),
+            np.array([c[2] for c in coordinates]),
+            np.array([[j in carried for j in range(len(coordinates))] for carried in above]),
+            np.flatnonzero([c[3] for c in coordinates]),
+        )
+
+    def mobility(self, port: _Port, number: int) -> Floats:
+        """Accelerations (a, a) of the coordinates acted on by unit efforts on each, all others free, at the present pose.
+
+        A block of the inverse of the mass matrix M = sum of m J^T J + K^T I K over the bodies, the coordinates of a free base
+        included. pybullet's calculateMassMatrix refuses a tree whose inertia rounding leaves unsymmetric, and errs at ball joints.
+        """
+        links = port.bullet.getLinkStates(
+            number, range(len(self.mass) - self.free), computeForwardKinematics=1, physicsClientId=port.client
+        )
+        rows = [link[0] + link[4] + link[1] for link in links]
+        if self.free:
+            p, q = port.bullet.getBasePositionAndOrientation(number, physicsClientId=port.client)
+            rows.insert(0, p + p + q)
+        table = np.array(rows)
+        centre, origin, turn = table[:, :3], table[:, 3:6], _matrices(table[:, 6:])
+        axis = np.einsum("dij,dj->di", turn[self.moved], self.axis)
+        arm = np.cross(axis, centre[:, None] - origin[self.moved])
+        J = np.where(self.turns[:, None], arm, axis) * self.carries[..., None]
+        K = np.where(self.turns[:, None], axis, 0.0) * self.carries[..., None]
+        if self.free:
+            shape = (len(centre), 3, 3)
+            J = np.concatenate((np.broadcast_to(np.eye(3), shape), np.cross(np.eye(3), (centre - centre[0])[:, None]), J), axis=1)
+            K = np.concatenate((np.zeros(shape), np.broadcast_to(np.eye(3), shape), K), axis=1)
+        J, K = J * np.sqrt(self.mass)[:, None, None], (K @ turn) * np.sqrt(self.moments)[:, None]
+        root = np.concatenate((J, K), axis=2).transpose(0, 2, 1).reshape(6 * len(centre), -1)
+        acted = self.acted + 6 * self.free
+        block: Floats = np.linalg.solve(root.T @ root, np.eye(root.shape[1])[:, acted])[acted]
+        return block
+
+
+@dataclass(slots=True)
+class _Actuation:
+    """The springs and drives of one multibody, as efforts that are held over a step of h.
+
+    Where some pose may let the efforts of the step's start reverse a velocity within the step, they are those of its end:
+    tau = tau(q + h v', v') with v' = v + h (a + W tau). W is the mobility of the joints; a, the accelerations by all else
+    (gravity, contacts, limits, inertial forces), is what it was in the step before.
+
+    Source: Tan, Liu, Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31 (2011) 34; there a comes from the equations
+    of motion, which know nothing of contacts.
+
+    Terms:
+        skeleton: None where the efforts of the step's start will do. unpushed (a,): the rates that the efforts of the step
+        before alone would have led to.
+    """
+
+    actuators: tuple[_Actuator, ...]
+    h: float
+    skeleton: _Skeleton | None
+    unpushed: Floats | None = None
+
+    def efforts(self, port: _Port, number: int) -> list[float]:
+        """The torques or forces (a,) N m or N of the coming step."""
+        states = port.bullet.getJointStates(number, [a.link for a in self.actuators], physicsClientId=port.client)
+        if self.skeleton is None:
+            return [a.effort(state[0], state[1]) for a, state in zip(self.actuators, states, strict=True)]
+        W, h = self.skeleton.mobility(port, number), self.h
+        x = np.array([a.position + state[0] for a, state in zip(self.actuators, states, strict=True)])
+        v = np.array([state[1] for state in states])
+        springs = [a.spring or Spring() for a in self.actuators]
+        drives = [a.drive or Drive() for a in self.actuators]
+        k, c = np.array([s.stiffness for s in springs]), np.array([s.damping for s in springs])
+        passive, rest = c + h * k, k * (x - [s.rest for s in springs])
+        k, c = np.array([d.stiffness for d in drives]), np.array([d.damping for d in drives])
+        active = c + h * k
+        pull = k * ([a.target for a in self.actuators] - x) + c * [d.target_velocity for d in drives]
+        limit = np.array([math.inf if d.limit is None else d.limit for d in drives])
+        onward = v if self.unpushed is None else 2 * v - self.unpushed
+        # A drive beyond its limit is a constant, which may bring the next one to its own.
+        while True:
+            end = np.linalg.solve(np.eye(len(x)) + h * W * (passive + active), onward + h * W @ (pull - rest))
+            beyond = np.abs(pull - active * end) > limit
+            if not beyond.any():
+                break
+            pull = np.where(beyond, np.copysign(limit, pull - active * end), pull)
+            active = np.where(beyond, 0.0, active)
+        total = pull - active * end - rest - passive * end
+        self.unpushed = v + h * W @ total
+        efforts: list[float] = total.tolist()
+        return efforts
+
+
+def _reversing(acted: Sequence[tuple[Joint, _Actuator]], scene: Scene, h: float) -> bool:
+    """May efforts held over a step of h [s] reverse a velocity within it, in some pose?
+
+    With the efforts of the step's start, semi-implicit Euler is stable while the eigenvalues of h W (D + h K/2) stay below 2, and
+    reverses nothing while they stay below 1; K and D hold stiffness and damping. Bodies let loose from all other constraints are
+    more mobile than W, which bounds the eigenvalues in every pose: the axis of a revolute joint lies fixed in both its bodies.
+    """
+    names = {body.name: place for place, body in enumerate(scene.bodies)}
+    pushes = np.zeros((len(acted), len(scene.bodies), 6))
+    for push, (joint, actuator) in zip(pushes, acted, strict=True):
+        springs = [law for law in (actuator.spring, actuator.drive) if law is not None]
+        size = math.sqrt(h * sum(law.damping + h * law.stiffness / 2 for law in springs))
+        child = scene.body(joint.child)
+        for name, sign in ((joint.child, size), (joint.parent, -size)):
+            if name == WORLD or not scene.bodies[names[name]].movable:
+                continue
+            body, axis = scene.bodies[names[name]], sign * np.asarray(_axis(joint, joint.child))
+            force, torque = np.zeros(3), axis
+            if isinstance(joint, Prismatic):
+                force, torque = axis, np.cross(np.subtract(child.p_WB, body.p_WB), axis)
+            turned = rotate(_conjugate(body.q_WB), (float(torque[0]), float(torque[1]), float(torque[2])))
+            push[names[name], :3] = force / math.sqrt(body.mass)
+            push[names[name], 3:] = np.linalg.solve(np.linalg.cholesky(np.asarray(body.inertia)), turned)
+    flat = pushes.reshape(len(acted), -1)
+    return bool(np.linalg.eigvalsh(flat @ flat.T).max() >= 1.0)
+
+
+@dataclass(frozen=True, slots=True)
 class _Assembly:
     """What the builder made: Bullet's numbers of the bodies by their places in the scene.
 
@@ -751,7 +920,7 @@ class _Assembly:
 
     bases: tuple[tuple[int, int], ...]
     linked: Mapping[int, tuple[int, ...]]
-    actuators: Mapping[int, tuple[_Actuator, ...]]
+    actuators: Mapping[int, _Actuation]
     prescribed: tuple[tuple[int, int, Vector3], ...]
     address: Mapping[tuple[int, int], int]
     q_IB: Floats
@@ -773,7 +942,7 @@ class _Simulation:
         turns = made.q_IB[self._moving]
         self._turned = np.flatnonzero((turns != np.array(IDENTITY)).any(axis=1))
         self._turns = turns[self._turned]
-        self._drives = {a.joint: a for group in made.actuators.values() for a in group if a.drive is not None}
+        self._drives = {a.joint: a for group in made.actuators.values() for a in group.actuators if a.drive is not None}
         self._pushed: tuple[tuple[int, int, Any, Any], ...] = ()
         self._twin: _Twin | None = None
         self._open = True
@@ -799,10 +968,9 @@ class _Simulation:
             position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
             p.resetBaseVelocity(number, body.v_WB, body.w_WB, physicsClientId=client)
             p.applyExternalForce(number, -1, weight, position, p.WORLD_FRAME, physicsClientId=client)
-        for number, actuators in self._made.actuators.items():
-            links = [a.link for a in actuators]
-            states = p.getJointStates(number, links, physicsClientId=client)
-            efforts = [a.effort(state[0], state[1]) for a, state in zip(actuators, states, strict=True)]
+        for number, actuation in self._made.actuators.items():
+            links = [a.link for a in actuation.actuators]
+            efforts = actuation.efforts(self._port, number)
             p.setJointMotorControlArray(number, links, p.TORQUE_CONTROL, forces=efforts, physicsClientId=client)
         for number, link, force, torque in self._pushed:
             if link < 0:
@@ -1106,7 +1274,7 @@ class _Builder:
         self.greatest = max((b.mass for b in scene.bodies if b.movable), default=1.0)
         self.bases: list[tuple[int, int]] = []
         self.linked: dict[int, tuple[int, ...]] = {}
-        self.actuators: dict[int, tuple[_Actuator, ...]] = {}
+        self.actuators: dict[int, _Actuation] = {}
         self.prescribed: list[tuple[int, int, Vector3]] = []
         self.gravity: Vector3 = scene.gravity if Effect.GRAVITY in self.effects else (0.0, 0.0, 0.0)
         self.address: dict[tuple[int, int], int] = {}
@@ -1405,9 +1573,9 @@ class _Builder:
             self.address[number, k] = link.place
             self._dynamics(number, k, link.place, maximal=False)
             self._joint(number, k, link, tree)
-        actuators = self._actuated(tree)
-        if actuators:
-            self.actuators[number] = actuators
+        actuation = self._actuated(tree)
+        if actuation is not None:
+            self.actuators[number] = actuation
         for joint in tree.closures:
             self._closure(joint)
 
@@ -1452,17 +1620,23 @@ class _Builder:
             case _:
                 assert_never(joint)
 
-    def _actuated(self, tree: _Tree) -> tuple[_Actuator, ...]:
-        """The springs and drives of a tree."""
-        made = []
+    def _actuated(self, tree: _Tree) -> _Actuation | None:
+        """The springs and drives of a tree; None where it has none."""
+        acted: list[tuple[Joint, _Actuator]] = []
         for k, link in enumerate(tree.links):
             if isinstance(link.joint, Revolute | Prismatic):
                 joint = link.joint
                 drive = joint.drive if Effect.DRIVES in self.effects else None
                 if joint.spring is not None or drive is not None:
                     target = 0.0 if drive is None else drive.target
-                    made.append(_Actuator(joint.name, k, joint.position, joint.spring, drive, target))
-        return tuple(made)
+                    acted.append((joint, _Actuator(joint.name, k, joint.position, joint.spring, drive, target)))
+        if not acted:
+            return None
+        h = self.settings.dt / (self.settings.substeps or 1)
+        actuators, skeleton = tuple(actuator for _, actuator in acted), None
+        if _reversing(acted, self.scene, h):
+            skeleton = _Skeleton.of(tree, self.scene, self.principal, {actuator.link for actuator in actuators})
+        return _Actuation(actuators, h, skeleton)
 
     def _closure(self, joint: Joint) -> None:
         """A joint that closes a loop, as constraints between points of the two bodies."""

@@ -36,7 +36,7 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -97,6 +97,8 @@ LIGHT_DISTANCE = 1e6
 """Of the light in images, in units of the direction to it."""
 LIFTED = 1e30
 """A velocity limit [m/s, rad/s] and a force limit [N] that nothing reaches."""
+REBOUND_LOSS = 1e-6
+"""What a rebound may lose [m/s] by the contact slop: Bullet takes slop/dt from it."""
 OPTIONS: Mapping[str, tuple[type, ...]] = {
     "coordinates": (str,),
     "restitution": (str,),
@@ -229,6 +231,17 @@ def _principal(body: Body) -> tuple[Vector3, Quaternion]:
     return (float(moments[0]), float(moments[1]), float(moments[2])), _from_matrix(axes)
 
 
+def _matrices(q: Floats) -> Floats:
+    """Rotation matrices (n, 3, 3) of unit quaternions (x, y, z, w), shape (n, 4)."""
+    x, y, z, w = q.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.array(rows).transpose(2, 0, 1)
+
+
 def _products(a: Floats, b: Floats) -> Floats:
     """Hamilton products of quaternions (w, x, y, z), row by row, shapes (n, 4)."""
     aw, ax, ay, az = a.T
@@ -343,6 +356,23 @@ def _law(scene: Scene) -> dict[_Kind, _Coefficients]:
     rolling = _levers(values(Effect.ROLLING_FRICTION, "rolling_friction"), friction, "rolling friction")
     torsional = _levers(values(Effect.TORSIONAL_FRICTION, "torsional_friction"), friction, "torsional friction")
     return {kind: _Coefficients(friction[kind], restitution[kind], rolling[kind], torsional[kind]) for kind in friction}
+
+
+def _braked(scene: Scene) -> frozenset[_Kind]:
+    """The kinds of body that rolling or torsional friction acts on; which body of a pair carries its lever does not matter."""
+    acting = [
+        name
+        for effect, name in (
+            (Effect.ROLLING_FRICTION, "rolling_friction"),
+            (Effect.TORSIONAL_FRICTION, "torsional_friction"),
+        )
+        if effect in scene.effects
+    ]
+    if not acting or Effect.CONTACT not in scene.effects:
+        return frozenset()
+    return frozenset(
+        kind for pair, law in _pairs(scene).items() if any(getattr(law, name) > 0 for name in acting) for kind in pair
+    )
 
 
 # --- the tree of joints ---------------------------------------------------------------------------
@@ -721,21 +751,181 @@ class _Actuator:
 
 
 @dataclass(frozen=True, slots=True)
+class _Skeleton:
+    """The masses and joints of one multibody, from which the mobility of its joints follows at any pose.
+
+    Terms:
+        free: has it a dynamic base, which then is body 0? mass (b,) kg, moments (b, 3) kg m2 about the principal axes, of its b
+        bodies. moved (d,), axis (d, 3), turns (d,): of each of its d joint coordinates the body that it moves against its
+        parent, the axis in that body's link frame, and whether it turns about it. carries (b, d): does the coordinate move the
+        body? acted (a,): which coordinates springs and drives act on.
+    """
+
+    free: bool
+    mass: Floats
+    moments: Floats
+    moved: np.ndarray[Any, np.dtype[np.int64]]
+    axis: Floats
+    turns: np.ndarray[Any, np.dtype[np.bool_]]
+    carries: np.ndarray[Any, np.dtype[np.bool_]]
+    acted: np.ndarray[Any, np.dtype[np.int64]]
+
+    @classmethod
+    def of(cls, tree: _Tree, scene: Scene, principal: Sequence[tuple[Vector3, Quaternion]], acted: Container[int]) -> "_Skeleton":
+        """The skeleton of a tree of which springs and drives act on some links."""
+        free = tree.base is not None and scene.bodies[tree.base].movable
+        first = int(free)
+        places = [tree.base] * first + [link.place for link in tree.links]
+        coordinates: list[tuple[int, Vector3, bool, bool]] = []
+        above: list[set[int]] = [set()] * first
+        for k, link in enumerate(tree.links):
+            carried = set() if link.parent < 0 else set(above[link.parent + first])
+            back = _conjugate(multiply(scene.bodies[link.place].q_WB, principal[link.place][1]))
+            axes: Sequence[Vector3] = (rotate(back, _axis(link.joint, scene.bodies[link.place].name)),)
+            if isinstance(link.joint, Ball):
+                axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+            for axis in () if isinstance(link.joint, Fixed) else axes:
+                carried.add(len(coordinates))
+                coordinates.append((k + first, axis, not isinstance(link.joint, Prismatic), k in acted))
+            above.append(carried)
+        return cls(
+            free,
+            np.array([scene.bodies[place].mass for place in places if place is not None]),
+            np.array([principal[place][0] for place in places if place is not None]),
+            np.array([c[0] for c in coordinates]),
+            np.array([c[1] for c in coordinates]),
+            np.array([c[2] for c in coordinates]),
+            np.array([[j in carried for j in range(len(coordinates))] for carried in above]),
+            np.flatnonzero([c[3] for c in coordinates]),
+        )
+
+    def mobility(self, port: _Port, number: int) -> Floats:
+        """Accelerations (a, a) of the coordinates acted on by unit efforts on each, all others free, at the present pose.
+
+        A block of the inverse of the mass matrix M = sum of m J^T J + K^T I K over the bodies, the coordinates of a free base
+        included. pybullet's calculateMassMatrix refuses a tree whose inertia rounding leaves unsymmetric, and errs at ball joints.
+        """
+        links = port.bullet.getLinkStates(
+            number, range(len(self.mass) - self.free), computeForwardKinematics=1, physicsClientId=port.client
+        )
+        rows = [link[0] + link[4] + link[1] for link in links]
+        if self.free:
+            p, q = port.bullet.getBasePositionAndOrientation(number, physicsClientId=port.client)
+            rows.insert(0, p + p + q)
+        table = np.array(rows)
+        centre, origin, turn = table[:, :3], table[:, 3:6], _matrices(table[:, 6:])
+        axis = np.einsum("dij,dj->di", turn[self.moved], self.axis)
+        arm = np.cross(axis, centre[:, None] - origin[self.moved])
+        J = np.where(self.turns[:, None], arm, axis) * self.carries[..., None]
+        K = np.where(self.turns[:, None], axis, 0.0) * self.carries[..., None]
+        if self.free:
+            shape = (len(centre), 3, 3)
+            J = np.concatenate((np.broadcast_to(np.eye(3), shape), np.cross(np.eye(3), (centre - centre[0])[:, None]), J), axis=1)
+            K = np.concatenate((np.zeros(shape), np.broadcast_to(np.eye(3), shape), K), axis=1)
+        J, K = J * np.sqrt(self.mass)[:, None, None], (K @ turn) * np.sqrt(self.moments)[:, None]
+        root = np.concatenate((J, K), axis=2).transpose(0, 2, 1).reshape(6 * len(centre), -1)
+        acted = self.acted + 6 * self.free
+        block: Floats = np.linalg.solve(root.T @ root, np.eye(root.shape[1])[:, acted])[acted]
+        return block
+
+
+@dataclass(slots=True)
+class _Actuation:
+    """The springs and drives of one multibody, as efforts that are held over a step of h.
+
+    Where some pose may let the efforts of the step's start reverse a velocity within the step, they are those of its end:
+    tau = tau(q + h v', v') with v' = v + h (a + W tau). W is the mobility of the joints; a, the accelerations by all else
+    (gravity, contacts, limits, inertial forces), is what it was in the step before.
+
+    Source: Tan, Liu, Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31 (2011) 34; there a comes from the equations
+    of motion, which know nothing of contacts.
+
+    Terms:
+        skeleton: None where the efforts of the step's start will do. unpushed (a,): the rates that the efforts of the step
+        before alone would have led to.
+    """
+
+    actuators: tuple[_Actuator, ...]
+    h: float
+    skeleton: _Skeleton | None
+    unpushed: Floats | None = None
+
+    def efforts(self, port: _Port, number: int) -> list[float]:
+        """The torques or forces (a,) N m or N of the coming step."""
+        states = port.bullet.getJointStates(number, [a.link for a in self.actuators], physicsClientId=port.client)
+        if self.skeleton is None:
+            return [a.effort(state[0], state[1]) for a, state in zip(self.actuators, states, strict=True)]
+        W, h = self.skeleton.mobility(port, number), self.h
+        x = np.array([a.position + state[0] for a, state in zip(self.actuators, states, strict=True)])
+        v = np.array([state[1] for state in states])
+        springs = [a.spring or Spring() for a in self.actuators]
+        drives = [a.drive or Drive() for a in self.actuators]
+        k, c = np.array([s.stiffness for s in springs]), np.array([s.damping for s in springs])
+        passive, rest = c + h * k, k * (x - [s.rest for s in springs])
+        k, c = np.array([d.stiffness for d in drives]), np.array([d.damping for d in drives])
+        active = c + h * k
+        pull = k * ([a.target for a in self.actuators] - x) + c * [d.target_velocity for d in drives]
+        limit = np.array([math.inf if d.limit is None else d.limit for d in drives])
+        onward = v if self.unpushed is None else 2 * v - self.unpushed
+        # A drive beyond its limit is a constant, which may bring the next one to its own.
+        while True:
+            end = np.linalg.solve(np.eye(len(x)) + h * W * (passive + active), onward + h * W @ (pull - rest))
+            beyond = np.abs(pull - active * end) > limit
+            if not beyond.any():
+                break
+            pull = np.where(beyond, np.copysign(limit, pull - active * end), pull)
+            active = np.where(beyond, 0.0, active)
+        total = pull - active * end - rest - passive * end
+        self.unpushed = v + h * W @ total
+        efforts: list[float] = total.tolist()
+        return efforts
+
+
+def _reversing(acted: Sequence[tuple[Joint, _Actuator]], scene: Scene, h: float) -> bool:
+    """May efforts held over a step of h [s] reverse a velocity within it, in some pose?
+
+    With the efforts of the step's start, semi-implicit Euler is stable while the eigenvalues of h W (D + h K/2) stay below 2, and
+    reverses nothing while they stay below 1; K and D hold stiffness and damping. Bodies let loose from all other constraints are
+    more mobile than W, which bounds the eigenvalues in every pose: the axis of a revolute joint lies fixed in both its bodies.
+    """
+    names = {body.name: place for place, body in enumerate(scene.bodies)}
+    pushes = np.zeros((len(acted), len(scene.bodies), 6))
+    for push, (joint, actuator) in zip(pushes, acted, strict=True):
+        springs = [law for law in (actuator.spring, actuator.drive) if law is not None]
+        size = math.sqrt(h * sum(law.damping + h * law.stiffness / 2 for law in springs))
+        child = scene.body(joint.child)
+        for name, sign in ((joint.child, size), (joint.parent, -size)):
+            if name == WORLD or not scene.bodies[names[name]].movable:
+                continue
+            body, axis = scene.bodies[names[name]], sign * np.asarray(_axis(joint, joint.child))
+            force, torque = np.zeros(3), axis
+            if isinstance(joint, Prismatic):
+                force, torque = axis, np.cross(np.subtract(child.p_WB, body.p_WB), axis)
+            turned = rotate(_conjugate(body.q_WB), (float(torque[0]), float(torque[1]), float(torque[2])))
+            push[names[name], :3] = force / math.sqrt(body.mass)
+            push[names[name], 3:] = np.linalg.solve(np.linalg.cholesky(np.asarray(body.inertia)), turned)
+    flat = pushes.reshape(len(acted), -1)
+    return bool(np.linalg.eigvalsh(flat @ flat.T).max() >= 1.0)
+
+
+@dataclass(frozen=True, slots=True)
 class _Assembly:
     """What the builder made: Bullet's numbers of the bodies by their places in the scene.
 
     Terms:
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
-        address: (number, link) -> place. q_IB (n, 4): turns I against B.
+        address: (number, link) -> place. q_IB (n, 4): turns I against B. touching: contacts wait until bodies touch, so that
+        a point with a gap is left alone by the solver.
     """
 
     bases: tuple[tuple[int, int], ...]
     linked: Mapping[int, tuple[int, ...]]
-    actuators: Mapping[int, tuple[_Actuator, ...]]
+    actuators: Mapping[int, _Actuation]
     prescribed: tuple[tuple[int, int, Vector3], ...]
     address: Mapping[tuple[int, int], int]
     q_IB: Floats
+    touching: bool
 
 
 class _Simulation:
@@ -753,7 +943,7 @@ class _Simulation:
         turns = made.q_IB[self._moving]
         self._turned = np.flatnonzero((turns != np.array(IDENTITY)).any(axis=1))
         self._turns = turns[self._turned]
-        self._drives = {a.joint: a for group in made.actuators.values() for a in group if a.drive is not None}
+        self._drives = {a.joint: a for group in made.actuators.values() for a in group.actuators if a.drive is not None}
         self._pushed: tuple[tuple[int, int, Any, Any], ...] = ()
         self._twin: _Twin | None = None
         self._open = True
@@ -779,10 +969,9 @@ class _Simulation:
             position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
             p.resetBaseVelocity(number, body.v_WB, body.w_WB, physicsClientId=client)
             p.applyExternalForce(number, -1, weight, position, p.WORLD_FRAME, physicsClientId=client)
-        for number, actuators in self._made.actuators.items():
-            links = [a.link for a in actuators]
-            states = p.getJointStates(number, links, physicsClientId=client)
-            efforts = [a.effort(state[0], state[1]) for a, state in zip(actuators, states, strict=True)]
+        for number, actuation in self._made.actuators.items():
+            links = [a.link for a in actuation.actuators]
+            efforts = actuation.efforts(self._port, number)
             p.setJointMotorControlArray(number, links, p.TORQUE_CONTROL, forces=efforts, physicsClientId=client)
         for number, link, force, torque in self._pushed:
             if link < 0:
@@ -836,7 +1025,10 @@ class _Simulation:
 
     def contacts(self) -> Contacts:
         address = self._made.address
-        points = [c for c in self._port.call("getContactPoints") if c[8] <= 0 or c[9] != 0]
+        # A point that the solver left alone keeps the impulse of the step that last solved it. Where contacts do not wait until
+        # bodies touch, all points are solved and a force across a gap is one of this step.
+        waits = self._made.touching
+        points = [c for c in self._port.call("getContactPoints") if c[8] <= 0 or (c[9] != 0 and not waits)]
         if not points:
             return Contacts.none()
         normal = -np.array([c[7] for c in points])
@@ -1073,7 +1265,7 @@ class _Builder:
     """Puts one scene into one private world."""
 
     def __init__(self, port: _Port, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> None:
-        self.port, self.scene, self.settings, self.options = port, scene, settings, options
+        self.port, self.scene, self.settings, self.options = port, scene, settings, dict(options)
         self.effects = scene.effects
         self.joints = scene.joints if Effect.JOINTS in self.effects else ()
         self.solid = Effect.CONTACT in self.effects
@@ -1082,11 +1274,12 @@ class _Builder:
         # corrected apart from velocity.
         self._touching = options["restitution"] == "touching" and Effect.RESTITUTION in self.effects
         self.law = _law(scene)
+        self.braked = _braked(scene)
         self.principal = [_principal(body) for body in scene.bodies]
         self.greatest = max((b.mass for b in scene.bodies if b.movable), default=1.0)
         self.bases: list[tuple[int, int]] = []
         self.linked: dict[int, tuple[int, ...]] = {}
-        self.actuators: dict[int, tuple[_Actuator, ...]] = {}
+        self.actuators: dict[int, _Actuation] = {}
         self.prescribed: list[tuple[int, int, Vector3]] = []
         self.gravity: Vector3 = scene.gravity if Effect.GRAVITY in self.effects else (0.0, 0.0, 0.0)
         self.address: dict[tuple[int, int], int] = {}
@@ -1124,7 +1317,7 @@ class _Builder:
         self._filter()
         self._surplus()
         q_IB = np.array([_conjugate(q) for _, q in self.principal])
-        made = _Assembly(tuple(self.bases), self.linked, self.actuators, tuple(self.prescribed), self.address, q_IB)
+        made = _Assembly(tuple(self.bases), self.linked, self.actuators, tuple(self.prescribed), self.address, q_IB, self._touching)
         simulation = _Simulation(self.port, self.scene, self._resolved(), made, self.notices)
         self._verify(simulation)
         return simulation
@@ -1144,6 +1337,8 @@ class _Builder:
             named["enableConeFriction"] = int(options["cone_friction"])
         if self._touching:
             named |= {"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0}
+            if "contact_slop" not in settings.options:
+                self.options["contact_slop"] = named["contactSlop"] = REBOUND_LOSS * named["fixedTimeStep"]
         if settings.solver is not None:
             named["constraintSolverType"] = getattr(bullet, SOLVERS[settings.solver])
         with _silenced():
@@ -1219,9 +1414,8 @@ class _Builder:
     def _maximal(self, place: int) -> bool:
         """Is this body without joints put in maximal coordinates? As the option prefers, unless an effect decides."""
         body = self.scene.bodies[place]
-        law = self.law.get((body.material, body.movable), _Coefficients())
         needed = "damping" if self._damping(body) is not None else "continuous collision" if self.swept and body.movable else ""
-        braked = body.movable and (law.rolling > 0 or law.torsional > 0)
+        braked = (body.material, body.movable) in self.braked and body.movable
         if needed and braked:
             raise Unsupported(
                 f"{needed} with rolling or torsional friction on body '{body.name}'",
@@ -1286,10 +1480,6 @@ class _Builder:
             named["jointDamping"] = 0.0
         if self._touching:
             named["contactProcessingThreshold"] = 0.0
-        if maximal and body.movable and (law.rolling or law.torsional):
-            raise Unsupported(
-                "rolling or torsional friction", "in maximal coordinates Bullet brakes at one contact of each pair alone"
-            )
         if maximal and body.movable and self.solid and self.swept and body.collision:
             named["ccdSweptSphereRadius"] = 0.8 * _inner_radius(body)
         self.port.call("changeDynamics", number, link, **named)
@@ -1388,9 +1578,9 @@ class _Builder:
             self.address[number, k] = link.place
             self._dynamics(number, k, link.place, maximal=False)
             self._joint(number, k, link, tree)
-        actuators = self._actuated(tree)
-        if actuators:
-            self.actuators[number] = actuators
+        actuation = self._actuated(tree)
+        if actuation is not None:
+            self.actuators[number] = actuation
         for joint in tree.closures:
             self._closure(joint)
 
@@ -1435,17 +1625,23 @@ class _Builder:
             case _:
                 assert_never(joint)
 
-    def _actuated(self, tree: _Tree) -> tuple[_Actuator, ...]:
-        """The springs and drives of a tree."""
-        made = []
+    def _actuated(self, tree: _Tree) -> _Actuation | None:
+        """The springs and drives of a tree; None where it has none."""
+        acted: list[tuple[Joint, _Actuator]] = []
         for k, link in enumerate(tree.links):
             if isinstance(link.joint, Revolute | Prismatic):
                 joint = link.joint
                 drive = joint.drive if Effect.DRIVES in self.effects else None
                 if joint.spring is not None or drive is not None:
                     target = 0.0 if drive is None else drive.target
-                    made.append(_Actuator(joint.name, k, joint.position, joint.spring, drive, target))
-        return tuple(made)
+                    acted.append((joint, _Actuator(joint.name, k, joint.position, joint.spring, drive, target)))
+        if not acted:
+            return None
+        h = self.settings.dt / (self.settings.substeps or 1)
+        actuators, skeleton = tuple(actuator for _, actuator in acted), None
+        if _reversing(acted, self.scene, h):
+            skeleton = _Skeleton.of(tree, self.scene, self.principal, {actuator.link for actuator in actuators})
+        return _Actuation(actuators, h, skeleton)
 
     def _closure(self, joint: Joint) -> None:
         """A joint that closes a loop, as constraints between points of the two bodies."""

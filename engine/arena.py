@@ -46,7 +46,7 @@ POLYGON: Final = 28  # (three polygons, 3): scratch of the clipping of features
 PRINCIPAL: Final = 29  # (bodies + 1, 8) where the integrator turns bodies about their principal axes, or no rows
 FAT: Final = 30  # (shapes, 6): widened bounds, which candidates were found for
 TOUCH: Final = 31  # (pairs of spheres, 16): what the sphere solver sweeps over
-TOUCH_REST: Final = 32  # (pairs of spheres, 16): what it needs less often
+TOUCH_REST: Final = 32  # (pairs of spheres, 18): what it needs less often
 OLD_TOUCH: Final = 33  # (pairs of spheres, 4): impulses of the last step
 MOVER: Final = 34  # (bodies + 1, 8): what the sphere solver reads and writes of a body
 REST: Final = 35  # (bodies + 1, 7): pose since which a body counts as still
@@ -342,10 +342,10 @@ R_SUM: Final = 4  # 3: impulse on B over the step
 R_STATIC: Final = 7
 R_KINETIC: Final = 8
 R_RESTITUTION: Final = 9
-R_APPROACH: Final = 10
-R_STRUCK: Final = 11
-R_SPIKE: Final = 12
-R_NORMAL: Final = 13  # 3: at the start of the step
+R_APPROACH: Final = 10  # 3, in W: velocity of B against A at impact
+R_STRUCK: Final = 13
+R_SPIKE: Final = 14
+R_NORMAL: Final = 15  # 3: at the start of the step
 
 # Columns of TOUCH_KEY.
 K_BODY_A: Final = 0

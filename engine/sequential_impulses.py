@@ -110,7 +110,8 @@ def sweep_velocities(
 ) -> None:  # fmt: skip
     """One sweep over all manifolds: friction first, then the normals, which matter most.
 
-    Args: bouncing: 1 to aim at the velocity after restitution where a point struck; back: 1 to go from the last to the first.
+    Args: bouncing: 1 to aim at the velocity after restitution where a point struck; then points that gave no impulse stay out,
+    for what a rebound meets is a blow to come. back: 1 to go from the last to the first.
     """
     for turn in range(manifolds):
         m = manifolds - 1 - turn if back == 1 else turn
@@ -144,6 +145,8 @@ def sweep_velocities(
                 va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, change, va, wa, vb, wb)
         for k in range(first, last):
             i = first + last - 1 - k if back == 1 else k
+            if bouncing == 1 and point[i, SEPARATION] > 0.0 and point[i, NORMAL_IMPULSE] == 0.0:
+                continue
             ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
             bias = max(point[i, SEPARATION], 0.0) / h
             if bouncing == 1 and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:

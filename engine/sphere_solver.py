@@ -62,13 +62,14 @@ def note_strikes(
     g, strikes = load3(setting, 0, GRAVITY), 0
     for t in range(touches):
         n, gap = load3(touch, t, 0), touch[t, T_GAP]
-        u = dot(n, sub(load3(mover, key[t, K_BODY_B], 0), load3(mover, key[t, K_BODY_A], 0)))
+        way = sub(load3(mover, key[t, K_BODY_B], 0), load3(mover, key[t, K_BODY_A], 0))
+        u = dot(n, way)
         rest[t, R_STRUCK] = 0.0
         if u < -slow and gap < -u * h * (1.0 + TOUCHING):
             strikes += 1
             share = min(max(gap / (-u * h), 0.0), 1.0)
-            kick = h * dot(n, g) * (0.0 if key[t, K_MOVES] == 1 else -1.0)
-            rest[t, R_STRUCK], rest[t, R_APPROACH] = 1.0, min(u - (1.0 - share) * kick, 0.0)
+            rest[t, R_STRUCK] = 1.0
+            store3(rest, t, R_APPROACH, axpy((1.0 - share) * h * (0.0 if key[t, K_MOVES] == 1 else 1.0), g, way))
             touch[t, T_NORMAL] = 0.0
             store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
     return strikes
@@ -89,8 +90,16 @@ def push_again(touches: int, touch: Floats, key: Ints, mover: Floats) -> None:
 
 
 @kernel
-def turn_normals(touches: int, touch: Floats, key: Ints, state: Floats) -> None:
-    """Normals and gaps at the present places; friction is turned along with its normal."""
+def turn_normals(
+    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, state: Floats, striking: int
+) -> None:  # fmt: skip
+    """Normals and gaps at the present places; friction is turned along with its normal.
+
+    So is the impulse of a blow, with what it did to the velocities: the whole of it has then the direction that the rebound
+    is measured along. A blow at the angle of an earlier place gives energy, in proportion to the time step.
+
+    Args: striking: 1 where some law has restitution.
+    """
     for t in range(touches):
         pa = load3(state, key[t, K_BODY_A], P)
         if key[t, K_ROUND] == 1:
@@ -99,6 +108,12 @@ def turn_normals(touches: int, touch: Floats, key: Ints, state: Floats) -> None:
             touch[t, T_GAP] = length - touch[t, T_RADIUS_A] - touch[t, T_RADIUS_B]
             if length > 1e-300:
                 n, tangent = scale(1.0 / length, d), load3(touch, t, T_TANGENT)
+                if striking == 1 and rest[t, R_STRUCK] == 1.0:
+                    a, b = key[t, K_BODY_A], key[t, K_BODY_B]
+                    turn = scale(touch[t, T_NORMAL], sub(n, load3(touch, t, 0)))
+                    store3(mover, a, 0, axpy(-mover[a, M_INV_MASS], turn, load3(mover, a, 0)))
+                    if key[t, K_MOVES] == 1:
+                        store3(mover, b, 0, axpy(mover[b, M_INV_MASS], turn, load3(mover, b, 0)))
                 store3(touch, t, 0, n)
                 store3(touch, t, T_TANGENT, axpy(-dot(n, tangent), n, tangent))
         else:
@@ -172,7 +187,7 @@ def relax_spheres(
         ma, ia, mb, ib = mover[a, M_INV_MASS], mover[a, M_INV_INERTIA], mover[b, M_INV_MASS], mover[b, M_INV_INERTIA]
         bias = 0.0
         if bouncing == 1 and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
-            bias = rest[t, R_RESTITUTION] * rest[t, R_APPROACH]
+            bias = rest[t, R_RESTITUTION] * min(dot(n, load3(rest, t, R_APPROACH)), 0.0)
         impulse = max(before - touch[t, T_NORMAL_MASS] * (dot(n, sub(vb, va)) + bias), 0.0)
         va, vb = axpy(ma * (before - impulse), n, va), axpy(mb * (impulse - before), n, vb)
         held = load3(touch, t, T_TANGENT)

@@ -144,7 +144,7 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
             for _ in range(count[0, ITERATIONS] * patience):
                 press_spheres(n, touch, rest, key, mover, h, rate, mass, keep, most, striking)
             drift_spheres(state, kind, mover, bodies, h)
-            turn_normals(n, touch, key, state)
+            turn_normals(n, touch, rest, key, mover, state, striking)
             for _ in range(count[0, RELAXATIONS] * patience):
                 relax_spheres(n, touch, rest, key, mover, 0, striking)
             if striking == 1 and any_struck(n, rest):

@@ -54,8 +54,11 @@ def begin_step(floats: Floats, ints: Ints) -> int:
 
 
 @entry
-def kick_touched(floats: Floats, ints: Ints, h: float) -> None:
-    """Gravity, loads and damping for h seconds on the bodies in contact, and note the points that will strike."""
+def kick_touched(floats: Floats, ints: Ints, h: float) -> float:
+    """Gravity, loads and damping for h seconds on the bodies in contact, and note the points that will strike.
+
+    Returns: the approach speed [m/s] below which nothing bounces.
+    """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
     kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
@@ -63,7 +66,9 @@ def kick_touched(floats: Floats, ints: Ints, h: float) -> None:
         if kind[b, TOUCHED] == 1:
             kick(state, body, kind, turned, load, setting, b, h)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
-    approach(state, kind, setting, count[0, MANIFOLDS], manifold, key, point, h, slow_approach(setting, h))
+    slow = slow_approach(setting, h)
+    approach(state, kind, setting, count[0, MANIFOLDS], manifold, key, point, h, slow)
+    return slow
 
 
 @entry

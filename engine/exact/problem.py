@@ -6,7 +6,7 @@ along the normal,
 
     max(gap - TOUCHING, 0) / h
                       a gap may close and a depth may not grow; rest then always satisfies the law, so that a solution exists,
-    e u_before        Newton's restitution for a point that strikes, with the normal velocity at the moment of impact.
+    e u_before        at the instant of a blow, for the points that strike: Newton's restitution.
 
 A depth is not worked off: pushes from both sides of a jammed body could not be satisfied at once.
 
@@ -23,7 +23,9 @@ from engine import arena as at
 from engine.arena import float_table, int_table
 from engine.exact.law import Problem
 
-__all__ = ["ContactFrames", "apply_impulse", "assemble_problem"]
+__all__ = [
+    "ContactFrames", "apply_impulse", "assemble_problem", "closing", "contact_frames", "rebound", "time_to_blow",
+]  # fmt: skip
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -41,6 +43,10 @@ class ContactFrames:
     bodies: IntArray
     frame: FloatArray
     arm: FloatArray
+
+    def of(self, which: NDArray[np.bool_]) -> "ContactFrames":
+        """These (k,) contacts alone."""
+        return ContactFrames(self.rows[which], self.bodies[which], self.frame[which], self.arm[which])
 
 
 def frames_of(normal: FloatArray) -> FloatArray:
@@ -62,31 +68,61 @@ def symmetric(six: FloatArray) -> FloatArray:
     return six[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
 
 
-def assemble_problem(floats: FloatArray, ints: IntArray, h: float) -> tuple[Problem, ContactFrames, FloatArray]:
-    """The problem of the present contacts for a time h [s], with velocities already kicked.
-
-    Returns: the problem, where it comes from, and the impulses (k, 3) N s that the contacts bring from the last solve.
-    """
+def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
+    """Frames and arms of all present contacts."""
     key, count = int_table(ints, at.MANIFOLD_KEY), int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
     rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
     point, manifold = float_table(floats, ints, at.POINT)[rows], float_table(floats, ints, at.MANIFOLD)[rows // 4]
-    bodies = key[rows // 4][:, [at.BODY_A, at.BODY_B]]
-    frame = frames_of(manifold[:, at.NORMAL : at.NORMAL + 3])
     arm = np.stack([point[:, at.ARM_A : at.ARM_A + 3], point[:, at.ARM_B : at.ARM_B + 3]], axis=1)
-    made = ContactFrames(rows, bodies, frame, arm)
+    return ContactFrames(
+        rows, key[rows // 4][:, [at.BODY_A, at.BODY_B]], frames_of(manifold[:, at.NORMAL : at.NORMAL + 3]), arm
+    )
 
+
+def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> FloatArray:
+    """The velocities (k,) m/s at which gaps close in h seconds; 0 for what touches."""
+    gap = float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION]
+    return np.asarray(np.maximum(gap - TOUCHING, 0.0) / h)
+
+
+def rebound(floats: FloatArray, ints: IntArray, made: ContactFrames, struck: NDArray[np.bool_]) -> FloatArray:
+    """e u_before (k,) m/s at the present velocities of the contacts that are struck (k,); 0 for the others."""
+    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    return np.where(struck, restitution_of(floats, ints, made) * np.minimum(u, 0.0), 0.0)
+
+
+def restitution_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+    """Newton's e (k,) of the contacts."""
+    return np.asarray(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 2])
+
+
+def time_to_blow(floats: FloatArray, ints: IntArray, made: ContactFrames, left: float, slow: float) -> FloatArray:
+    """When (k,) s the present velocities close the gaps of contacts with restitution; inf beyond `left`, or below `slow`."""
+    # A gap of TOUCHING is left by what is not told from touching; it would end the approach before the blow.
+    gap = np.maximum(float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION] - 2.0 * TOUCHING, 0.0)
+    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    strikes = (restitution_of(floats, ints, made) > 0.0) & (u < -slow) & (gap < -u * left)
+    return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
+
+
+def assemble_problem(
+    floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray
+) -> tuple[Problem, FloatArray]:
+    """The problem of these contacts, with velocities already kicked, and what is added to them along the normals, (k,) m/s.
+
+    Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
+    """
+    point = float_table(floats, ints, at.POINT)[made.rows]
+    friction = float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1]
     q = relative_velocity(float_table(floats, ints, at.STATE), made)
-    gap, law = point[:, at.SEPARATION], manifold[:, at.LAW : at.LAW + 5]
-    strikes = (point[:, at.STRUCK] == 1.0) & (law[:, 2] > 0.0)
-    lift = np.where(strikes, law[:, 2] * point[:, at.APPROACH], np.maximum(gap - TOUCHING, 0.0) / h)
     pace = float(np.sqrt((q * q).sum(axis=1)).max(initial=0.0))
     q[:, 0] += lift
     speed = max(pace, float((-lift).max(initial=0.0)))
 
     reach = weighted_rows(floats, ints, made)
-    problem = Problem(inverse_mass=reach @ reach.T, velocity=q, friction=law[:, 1].copy(), speed=speed)
-    impulse = point[:, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] + point[:, at.NORMAL_IMPULSE, None] * frame[:, :, 0]
-    return problem, made, np.einsum("kji,kj->ki", frame, impulse)
+    problem = Problem(inverse_mass=reach @ reach.T, velocity=q, friction=friction.copy(), speed=speed)
+    impulse = point[:, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] + point[:, at.NORMAL_IMPULSE, None] * made.frame[:, :, 0]
+    return problem, np.einsum("kji,kj->ki", made.frame, impulse)
 
 
 def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
@@ -126,5 +162,6 @@ def apply_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impul
     state[:, at.V : at.V + 3] += mass[:, None] * force
     state[:, at.W : at.W + 3] += np.einsum("nij,nj->ni", inverse, moment)
     point = float_table(floats, ints, at.POINT)
+    point[:, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
     point[made.rows, at.NORMAL_IMPULSE] = impulse[:, 0]
     point[made.rows, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] = in_world - impulse[:, :1] * made.frame[:, :, 0]

@@ -29,7 +29,7 @@ ROW: Final = 11  # (rows, 18)
 REACH: Final = 12  # (rows, 12): mass-weighted Jacobian
 MATRIX: Final = 13  # (rows, rows)
 FACTOR: Final = 14  # (rows, rows)
-VECTOR: Final = 15  # (8, rows)
+VECTOR: Final = 15  # (10, rows)
 MANIFOLD: Final = 16  # (pairs, 54)
 POINT: Final = 17  # (4 pairs, 36)
 OLD_MANIFOLD: Final = 18
@@ -235,8 +235,11 @@ RIGHT: Final = 1
 WORK: Final = 2
 LOWEST: Final = 3
 HIGHEST: Final = 4
-PIVOT: Final = 5
+PIVOT: Final = 5  # 1 where the row is held: it has no equation of its own
+BOUND: Final = 6  # -1 or 1 where a bound holds the row
 ENVELOPE: Final = 7  # first column of the row's factor that may differ from 0
+LOW_PART: Final = 8  # of impulses in double-double arithmetic
+CAREFUL: Final = 9  # in front: 1 where floats do not carry the system and it is solved in double-double arithmetic
 
 # Columns of MANIFOLD.
 NORMAL: Final = 0  # 3

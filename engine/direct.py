@@ -1,7 +1,8 @@
 """Solve the rows' impulses directly: J M^-1 J^T lambda = right-hand side, by a Cholesky factorisation with bounds.
 
-Dependent rows, as in closed loops, are left out when their pivot vanishes. Bounds are met by moving rows between free and
-held until every sign is right.
+Dependent rows, as in closed loops, are left out. Where a pivot is small but the row does not depend on others, floats do not
+carry the system: it is then solved in double-double arithmetic. Bounds are met by moving rows between free and held until
+every sign is right.
 
 Source: Golub, Van Loan, Matrix Computations, section 4.2; George, Liu, Computer Solution of Large Sparse Positive Definite
 Systems (1981), chapter 4 (envelope); Cottle, Pang, Stone, The Linear Complementarity Problem, section 4.2
@@ -10,8 +11,12 @@ Systems (1981), chapter 4 (envelope); Cottle, Pang, Stone, The Linear Complement
 
 import math
 
+import numpy as np
+
 from engine.arena import (
     BIAS,
+    BOUND,
+    CAREFUL,
     ENVELOPE,
     HIGH,
     HIGHEST,
@@ -26,13 +31,15 @@ from engine.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.careful import careful_apply, careful_solve
+from engine.dependence import SUSPECT, lies_in_span
 from engine.jit import kernel
 from engine.vec import Floats, Ints, axpy, dot, load3, load6, scale, store3, sym_vec
 
-__all__ = ["apply", "assemble", "factor", "rate", "solve", "solve_bounded"]
+__all__ = ["apply", "apply_all", "assemble", "factor", "is_careful", "rate", "solve", "solve_bounded"]
 
-DEPENDENT = 1e-11
-"""Pivots below this share of their diagonal are round-off: the row depends on earlier ones."""
+NOISE = 1e-11
+"""Pivots of soft rows below this share of their diagonal are round-off."""
 
 
 @kernel
@@ -58,12 +65,16 @@ def assemble(
 
 
 @kernel
-def factor(matrix: Floats, low: Floats, n: int, vector: Floats) -> None:
+def factor(row: Floats, row_body: Ints, body: Floats, matrix: Floats, low: Floats, n: int, vector: Floats) -> None:
     """Write the Cholesky factor of the rows that are not held (PIVOT 1) into `low`; dependent rows become held.
+
+    Where floats do not carry the system, CAREFUL is set and the factor left unfinished.
 
     A row of the factor begins where that of the matrix does, so that only this envelope is visited: joints along a chain cost
     in proportion to their number.
     """
+    for i in range(min(n, 1)):
+        vector[CAREFUL, i] = 0.0
     for i in range(n):
         first = 0
         while first < i and matrix[i, first] == 0.0:
@@ -83,10 +94,13 @@ def factor(matrix: Floats, low: Floats, n: int, vector: Floats) -> None:
                 total -= low[i, k] * low[j, k]
             low[i, j] = total / low[j, j]
             diagonal -= low[i, j] * low[i, j]
-        if diagonal <= DEPENDENT * matrix[i, i]:
+        if diagonal > SUSPECT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
+            low[i, i] = math.sqrt(diagonal)
+        elif row[i, SOFTNESS] > 0.0 or lies_in_span(row, row_body, i, body, low, vector):
             vector[PIVOT, i] = 1.0
         else:
-            low[i, i] = math.sqrt(diagonal)
+            vector[CAREFUL, 0] = 1.0
+            return
     for i in range(n):
         if vector[PIVOT, i] == 1.0:
             for j in range(int(vector[ENVELOPE, i]), i):
@@ -94,8 +108,22 @@ def factor(matrix: Floats, low: Floats, n: int, vector: Floats) -> None:
 
 
 @kernel
-def solve(low: Floats, n: int, vector: Floats, right: int, out: int) -> None:
+def is_careful(n: int, vector: Floats) -> bool:
+    """Whether the last factorisation found that floats do not carry these n rows."""
+    return n > 0 and bool(vector[CAREFUL, 0] == 1.0)
+
+
+@kernel
+def solve(
+    row: Floats, row_body: Ints, body: Floats, turned: Floats, low: Floats, n: int, vector: Floats, right: int, out: int
+) -> None:  # fmt: skip
     """Solve with the factor: vector[out] = A^-1 vector[right], zero for held rows."""
+    if is_careful(n, vector):
+        for i in range(n):
+            if vector[PIVOT, i] == 1.0:
+                vector[out, i] = 0.0
+        careful_solve(row, row_body, n, body, turned, low, vector, right, out, np.zeros((body.shape[0], 6)))
+        return
     for i in range(n):
         if vector[PIVOT, i] == 1.0:
             vector[out, i] = 0.0
@@ -135,11 +163,25 @@ def apply(state: Floats, row_body: Ints, reach: Floats, r: int, impulse: float) 
 
 
 @kernel
-def solve_bounded(
-    state: Floats, row: Floats, row_body: Ints, equalities: int, count: int, matrix: Floats, low: Floats, vector: Floats,
-    known: int,
+def apply_all(
+    table: Floats, row: Floats, row_body: Ints, reach: Floats, n: int, body: Floats, turned: Floats, vector: Floats, which: int,
+    sign: float,
 ) -> None:  # fmt: skip
-    """Impulses so that J v + softness * impulse + bias = 0 on free rows, each between its bounds; written to IMPULSE.
+    """Add sign M^-1 J^T vector[which] to the columns V and W of the table."""
+    if is_careful(n, vector):
+        force = np.zeros((body.shape[0], 6))
+        careful_apply(table, row, row_body, n, body, turned, vector, which, sign, force)
+        return
+    for r in range(n):
+        apply(table, row_body, reach, r, sign * vector[which, r])
+
+
+@kernel
+def solve_bounded(
+    state: Floats, row: Floats, row_body: Ints, equalities: int, count: int, body: Floats, turned: Floats, reach: Floats,
+    matrix: Floats, low: Floats, vector: Floats, known: int,
+) -> None:  # fmt: skip
+    """Give impulses so that J v + softness * impulse + bias = 0 on free rows, each between its bounds; written to IMPULSE.
 
     Args: known: 1 if the matrix is that of the last call, whose factor serves again where no bound held a row then.
     Raises: nothing; after 20 changes of the free set the last one stands.
@@ -149,7 +191,7 @@ def solve_bounded(
         vector[LOWEST, r] = row[r, LOW] if r >= equalities else -math.inf
         vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
         vector[IMPULSE, r] = 0.0
-    held = vector[6]
+    held = vector[BOUND]
     factored = known == 1
     for r in range(count):
         factored = factored and held[r] == 0.0
@@ -164,9 +206,17 @@ def solve_bounded(
                     total -= matrix[r, s] * (vector[LOWEST, s] if held[s] < 0.0 else vector[HIGHEST, s])
             vector[RIGHT, r] = total
         if not factored:
-            factor(matrix, low, count, vector)
+            factor(row, row_body, body, matrix, low, count, vector)
         factored = False
-        solve(low, count, vector, RIGHT, IMPULSE)
+        careful = is_careful(count, vector)
+        if careful:
+            for r in range(count):
+                vector[IMPULSE, r] = 0.0
+                if held[r] != 0.0:
+                    vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
+            careful_solve(row, row_body, count, body, turned, low, vector, WORK, IMPULSE, np.zeros((body.shape[0], 6)))
+        else:
+            solve(row, row_body, body, turned, low, count, vector, RIGHT, IMPULSE)
         changed = False
         for r in range(equalities, count):
             if held[r] == 0.0:
@@ -178,13 +228,21 @@ def solve_bounded(
                     changed = True
             else:
                 vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
+        change = np.zeros((0, 13))
+        if careful and equalities < count:
+            change = np.zeros((body.shape[0], 13))
+            apply_all(change, row, row_body, reach, count, body, turned, vector, IMPULSE, 1.0)
         for r in range(equalities, count):
             if held[r] != 0.0:
                 left = vector[WORK, r]
-                for s in range(count):
-                    left -= matrix[r, s] * vector[IMPULSE, s]
+                if careful:
+                    left -= rate(change, row, row_body, r) + row[r, SOFTNESS] * vector[IMPULSE, r]
+                else:
+                    for s in range(count):
+                        left -= matrix[r, s] * vector[IMPULSE, s]
                 if left * held[r] < -1e-12 * (1.0 + abs(vector[WORK, r])):
                     held[r] = 0.0
                     changed = True
         if not changed:
             break
+    apply_all(state, row, row_body, reach, count, body, turned, vector, IMPULSE, 1.0)

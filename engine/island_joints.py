@@ -98,7 +98,7 @@ def joints_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Ints, Floats,
 
 @kernel
 def matrices_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Floats]:
-    """Matrix (r, r), factor (r, r) and vectors (8, r) of the r rows of island i, out of those of all rows."""
+    """Matrix (r, r), factor (r, r) and vectors (10, r) of the r rows of island i, out of those of all rows."""
     span = ints_of(ints, SPAN_OF_ISLAND)
     first, r = span[i, FIRST_ROW], span[i + 1, FIRST_ROW] - span[i, FIRST_ROW]
     matrix, factor, vector = floats_of(floats, ints, MATRIX), floats_of(floats, ints, FACTOR), floats_of(floats, ints, VECTOR)
@@ -106,7 +106,7 @@ def matrices_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Flo
     return (
         matrix.reshape(-1)[at : at + r * r].reshape((r, r)),
         factor.reshape(-1)[at : at + r * r].reshape((r, r)),
-        vector.reshape(-1)[8 * first : 8 * (first + r)].reshape((8, r)),
+        vector.reshape(-1)[10 * first : 10 * (first + r)].reshape((10, r)),
     )
 
 
@@ -145,18 +145,18 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> b
     rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, equalities, h, 0)
     assemble(row, row_body, 0, rows, body, turned, reach, matrix)
     warm_start(state, body, turned, n, manifold, key, point)
-    hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 0)
+    hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 0)
     # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.
     sweeps = patience if count[0, MANIFOLDS] > 0 else 0
     for _ in range(count[0, ITERATIONS] * sweeps):
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
-        hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 1)
+        hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)
     for b in range(state.shape[0]):
         drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
     refresh(state, 0, n, manifold, key, point)
     for _ in range(count[0, RELAXATIONS] * sweeps):
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
-        hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 1)
+        hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)
     ints_of(ints, SPAN_OF_ISLAND)[i, EQUALITIES], ints_of(ints, SPAN_OF_ISLAND)[i, ROWS] = equalities, rows
     return bounce(n, manifold, key, point)
 
@@ -174,7 +174,7 @@ def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None
     if hit == 1:
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
             sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, setting[0, MAX_PUSH], 0, 1)
-            hold_joints(state, row, row_body, span[i, EQUALITIES], span[i, ROWS], reach, matrix, low, vector, 1)
+            hold_joints(state, row, row_body, span[i, EQUALITIES], span[i, ROWS], body, turned, reach, matrix, low, vector, 1)
     friction_mode(state, body, n, manifold, key, point)
     end_substep(n, key, point)
 

@@ -20,7 +20,17 @@ import platformdirs
 from engine.compilers import entry_compiler, kernel_compiler, stream_compiler
 from engine.sources import source_digest
 
-__all__ = ["FLAGS", "cache_directory", "entry", "inlined", "jit_is_off", "kernel", "parallel_entry", "stream"]
+__all__ = [
+    "FLAGS",
+    "cache_directory",
+    "entry",
+    "inlined",
+    "jit_is_off",
+    "kernel",
+    "parallel_entry",
+    "rounding_kernel",
+    "stream",
+]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -69,6 +79,14 @@ def kernel(function: Function) -> Function:
     )
 
 
+def rounding_kernel(function: Function) -> Function:
+    """As `kernel`, with every operation rounded by itself, whoever calls it: for arithmetic that lives on its own rounding."""
+    plain: set[str] = set()
+    return _once_for_all_values(
+        _compiled(function, fastmath=plain, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=kernel_compiler())
+    )
+
+
 def stream(function: Function) -> Function:
     """A kernel whose array arguments do not overlap, so that the compiler may take several steps of a loop at once.
 
@@ -107,12 +125,12 @@ def parallel_entry(function: Function) -> Function:
     return _loaded_lightly(_one_at_a_time(_compiled(function, cache=True, parallel=parallel, pipeline_class=entry_compiler())))
 
 
-def _compiled(function: Function, **options: bool | type | dict[str, bool]) -> Function:
-    """The function under Numba with the flags of this package; Numba's stubs do not know all options, hence Any."""
+def _compiled(function: Function, **options: bool | type | dict[str, bool] | set[str]) -> Function:
+    """The function under Numba, by default with the flags of this package; its stubs do not know all options, hence Any."""
     import numba
 
     njit: Any = numba.njit
-    return cast(Function, njit(fastmath=set(FLAGS), error_model="numpy", nogil=True, **options)(function))
+    return cast(Function, njit(**{"fastmath": set(FLAGS), "error_model": "numpy", "nogil": True, **options})(function))
 
 
 def _once_for_all_values(function: Function) -> Function:

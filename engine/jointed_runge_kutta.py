@@ -10,6 +10,8 @@ Source: Hairer, Wanner, Solving Ordinary Differential Equations II, sections VII
 Featherstone, Rigid Body Dynamics Algorithms, section 8.5.
 """
 
+import numpy as np
+
 from engine.arena import (
     ANGULAR_DAMPING,
     CURVATURE,
@@ -29,8 +31,9 @@ from engine.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.careful import careful_apply, careful_solve
 from engine.coordinate import coordinate_row, explicit_force
-from engine.direct import assemble, factor, solve
+from engine.direct import apply_all, assemble, factor, is_careful, rate, solve
 from engine.jit import kernel
 from engine.joint_rows import equality_rows
 from engine.motion import angular_momentum, turn_inertia
@@ -39,6 +42,7 @@ from engine.runge_kutta import quat_rate
 from engine.vec import (
     Floats,
     Ints,
+    Vec,
     axpy,
     cross,
     dot,
@@ -47,6 +51,7 @@ from engine.vec import (
     load6,
     quat_turn,
     quat_unit,
+    scale,
     store3,
     store4,
     sub,
@@ -93,13 +98,52 @@ def slopes(
             total += dot(load3(row, r, 6 * side), load3(slope, b, V)) + dot(load3(row, r, 6 * side + 3), load3(slope, b, W))
         vector[RIGHT, r] = -total
         vector[PIVOT, r] = 0.0
-    factor(matrix, low, count, vector)
-    solve(low, count, vector, RIGHT, WORK)
+    factor(row, row_body, body, matrix, low, count, vector)
+    if is_careful(count, vector):
+        careful_slopes(
+            state, body, kind, turned, load, g, bodies, joint, joint_kind, joints, row, row_body, count, low, vector, slope,
+            gyroscopic,
+        )  # fmt: skip
+        return
+    solve(row, row_body, body, turned, low, count, vector, RIGHT, WORK)
+    apply_all(slope, row, row_body, reach, count, body, turned, vector, WORK, 1.0)
+
+
+@kernel
+def careful_slopes(
+    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, g: Vec, bodies: int, joint: Floats,
+    joint_kind: Ints, joints: int, row: Floats, row_body: Ints, count: int, low: Floats, vector: Floats, slope: Floats,
+    gyroscopic: int,
+) -> None:  # fmt: skip
+    """As `slopes`, from rows and PIVOT at hand, where floats do not carry the accelerations that forces give to free bodies.
+
+    Forces and torques go to the solver as such: divided by a small inertia first, they would drown what the joints leave.
+    """
+    force = np.zeros((bodies + 1, 6))
+    for b in range(bodies):
+        if kind[b, MOTION] == DYNAMIC:
+            v, w = load3(state, b, V), load3(state, b, W)
+            store3(slope, b, V, axpy(-body[b, LINEAR_DAMPING], v, g))
+            store3(slope, b, W, scale(-body[b, ANGULAR_DAMPING], w))
+            store3(force, b, 0, load3(load, b, 0))
+            torque = load3(load, b, 3)
+            if gyroscopic == 1:
+                torque = sub(torque, cross(w, angular_momentum(state, body, b)))
+            store3(force, b, 3, torque)
+    last = row.shape[0] - 1
+    for j in range(joints):
+        if joint_kind[j, HAS] & 6 & ~joint_kind[j, IMPLICIT]:
+            x, rate_of_x = coordinate_row(state, joint, joint_kind, j, row, row_body, last)
+            f = explicit_force(joint, joint_kind, j, x, rate_of_x)
+            for side in range(2):
+                b = row_body[last, side]
+                store3(force, b, 0, axpy(f, load3(row, last, 6 * side), load3(force, b, 0)))
+                store3(force, b, 3, axpy(f, load3(row, last, 6 * side + 3), load3(force, b, 3)))
     for r in range(count):
-        for side in range(2):
-            b = row_body[r, side]
-            store3(slope, b, V, axpy(vector[WORK, r], load3(reach, r, 6 * side), load3(slope, b, V)))
-            store3(slope, b, W, axpy(vector[WORK, r], load3(reach, r, 6 * side + 3), load3(slope, b, W)))
+        vector[RIGHT, r] = -(row[r, CURVATURE] + rate(slope, row, row_body, r))
+        vector[WORK, r] = 0.0
+    careful_solve(row, row_body, count, body, turned, low, vector, RIGHT, WORK, force)
+    careful_apply(slope, row, row_body, count, body, turned, vector, WORK, 1.0, force)
 
 
 @kernel

@@ -7,13 +7,15 @@ Source: Hairer, Wanner, Solving Ordinary Differential Equations II, section VII.
 Integration, section IV.4.
 """
 
-from engine.arena import DYNAMIC, GAP, IMPULSE, MOTION, PIVOT, RIGHT, WORK, P, Q
+import numpy as np
+
+from engine.arena import DYNAMIC, GAP, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
 from engine.coordinate import bounded_rows
-from engine.direct import apply, assemble, factor, solve, solve_bounded
+from engine.direct import apply_all, assemble, factor, is_careful, solve, solve_bounded
 from engine.jit import kernel
 from engine.joint_rows import equality_rows
 from engine.motion import turn_inertia
-from engine.vec import Floats, Ints, axpy, load3, load4, quat_turn, store3, store4
+from engine.vec import Floats, Ints, add, axpy, load3, load4, quat_turn, store3, store4
 
 __all__ = ["project", "widest_gap"]
 
@@ -46,9 +48,17 @@ def project(
         for r in range(count):
             vector[PIVOT, r] = 0.0
             vector[RIGHT, r] = -row[r, GAP]
-        factor(matrix, low, count, vector)
-        solve(low, count, vector, RIGHT, WORK)
-        for r in range(count):
+        factor(row, row_body, body, matrix, low, count, vector)
+        solve(row, row_body, body, turned, low, count, vector, RIGHT, WORK)
+        careful = is_careful(count, vector)
+        if careful:
+            change = np.zeros((bodies + 1, 13))
+            apply_all(change, row, row_body, reach, count, body, turned, vector, WORK, 1.0)
+            for b in range(bodies):
+                if kind[b, MOTION] == DYNAMIC:
+                    store3(state, b, P, add(load3(change, b, V), load3(state, b, P)))
+                    store4(state, b, Q, quat_turn(load4(state, b, Q), load3(change, b, W), 1.0))
+        for r in range(0 if careful else count):
             mu = vector[WORK, r]
             for side in range(2):
                 b = row_body[r, side]
@@ -61,6 +71,4 @@ def project(
         count = equality_rows(state, joint, joint_kind, joints, row, row_body)
     rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, count, dt, 1)
     assemble(row, row_body, 0, rows, body, turned, reach, matrix)
-    solve_bounded(state, row, row_body, count, rows, matrix, low, vector, 0)
-    for r in range(rows):
-        apply(state, row_body, reach, r, vector[IMPULSE, r])
+    solve_bounded(state, row, row_body, count, rows, body, turned, reach, matrix, low, vector, 0)

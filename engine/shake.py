@@ -16,9 +16,9 @@ section VII.1.4.
 
 import math
 
-from engine.arena import GAP, IMPULSE, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
+from engine.arena import GAP, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
 from engine.coordinate import bounded_rows
-from engine.direct import apply, assemble, factor, solve, solve_bounded
+from engine.direct import apply_all, assemble, factor, solve, solve_bounded
 from engine.jit import kernel
 from engine.joint_rows import equality_rows
 from engine.motion import drift, kick
@@ -64,9 +64,7 @@ def solve_joints(
     count = equality_rows(state, joint, joint_kind, joints, row, row_body)
     rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, count, h, 0)
     assemble(row, row_body, 0, rows, body, turned, reach, matrix)
-    solve_bounded(state, row, row_body, count, rows, matrix, low, vector, 0)
-    for r in range(rows):
-        apply(state, row_body, reach, r, vector[IMPULSE, r])
+    solve_bounded(state, row, row_body, count, rows, body, turned, reach, matrix, low, vector, 0)
     return count
 
 
@@ -84,7 +82,7 @@ def shake(
     count = solve_joints(state, body, turned, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector, h)
     for r in range(count):
         vector[PIVOT, r] = 0.0
-    factor(matrix, low, count, vector)
+    factor(row, row_body, body, matrix, low, count, vector)
     spare = row.shape[0] // 2
     before = math.inf
     for _ in range(MAX_ROUNDS):
@@ -96,13 +94,11 @@ def shake(
         if widest <= ROUND_OFF or not widest < 1e6:
             break
         if widest > before:
-            for r in range(count):
-                apply(state, row_body, reach, r, -vector[WORK, r])
+            apply_all(state, row, row_body, reach, count, body, turned, vector, WORK, -1.0)
             break
         before = widest
-        solve(low, count, vector, RIGHT, WORK)
-        for r in range(count):
-            apply(state, row_body, reach, r, vector[WORK, r])
+        solve(row, row_body, body, turned, low, count, vector, RIGHT, WORK)
+        apply_all(state, row, row_body, reach, count, body, turned, vector, WORK, 1.0)
     for b in range(bodies):
         for c in range(7):
             state[b, c] = start[b, c]

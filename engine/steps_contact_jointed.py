@@ -46,7 +46,7 @@ from engine.arena import (
 from engine.carve import floats_of, ints_of
 from engine.contact_solver import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
 from engine.coordinate import bounded_rows
-from engine.direct import apply, assemble, solve_bounded
+from engine.direct import assemble, solve_bounded
 from engine.find_contacts import find_contacts
 from engine.finite_state import is_finite
 from engine.jit import entry, kernel
@@ -61,21 +61,19 @@ __all__ = ["step_contact_jointed"]
 
 @kernel
 def hold_joints(
-    state: Floats, row: Floats, row_body: Ints, equalities: int, rows: int, reach: Floats, matrix: Floats, low: Floats,
-    vector: Floats, known: int
+    state: Floats, row: Floats, row_body: Ints, equalities: int, rows: int, body: Floats, turned: Floats, reach: Floats,
+    matrix: Floats, low: Floats, vector: Floats, known: int
 ) -> None:  # fmt: skip
     """Solve all rows for the present velocities, and count what soft and bounded rows have given against their law.
 
     Args: known: 1 from the second time on since the matrix was assembled.
     """
-    solve_bounded(state, row, row_body, equalities, rows, matrix, low, vector, known)
-    for r in range(rows):
+    solve_bounded(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, known)
+    for r in range(equalities, rows):
         impulse = vector[IMPULSE, r]
-        apply(state, row_body, reach, r, impulse)
-        if r >= equalities:
-            row[r, BIAS] += row[r, SOFTNESS] * impulse
-            row[r, LOW] -= impulse
-            row[r, HIGH] -= impulse
+        row[r, BIAS] += row[r, SOFTNESS] * impulse
+        row[r, LOW] -= impulse
+        row[r, HIGH] -= impulse
 
 
 @entry
@@ -119,11 +117,11 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
             strikes = approach(state, kind, setting, n, manifold, key, point, h, slow)
             patience = FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
             warm_start(state, body, turned, n, manifold, key, point)
-            hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 0)
+            hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 0)
             for _ in range(count[0, ITERATIONS] * patience):
                 if n > 0:
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
-                    hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 1)
+                    hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)
             for b in range(bodies):
                 if kind[b, TOUCHED] == 1:
                     drift(state, body, kind, turned, b, h, gyroscopic)
@@ -131,11 +129,11 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                 refresh(state, 0, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
-                    hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 1)
+                    hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)
                 if bounce(n, manifold, key, point):
                     for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
                         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 1)
-                        hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 1)
+                        hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)
                 friction_mode(state, body, n, manifold, key, point)
                 end_substep(n, key, point)
         end_step(n, manifold, key, point)

@@ -7,9 +7,9 @@ stability, 2.78.
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II, section IV.2 (stability domain of order four).
 """
 
-from engine.arena import DRIVE, HAS, HAS_DRIVE, HAS_SPRING, IMPLICIT, PIVOT, SPRING
+from engine.arena import DRIVE, HAS, HAS_DRIVE, HAS_SPRING, IMPLICIT, PIVOT, RIGHT, SPRING, WORK
 from engine.coordinate import coordinate_row
-from engine.direct import assemble, factor
+from engine.direct import assemble, factor, is_careful, solve
 from engine.jit import kernel
 from engine.joint_rows import equality_rows
 from engine.vec import Floats, Ints
@@ -36,8 +36,10 @@ def mark_stiff(
         coordinate_row(state, joint, joint_kind, j, row, row_body, count)
         assemble(row, row_body, 0, count + 1, body, turned, reach, matrix)
         for r in range(count + 1):
-            vector[PIVOT, r] = 0.0
-        factor(matrix, low, count + 1, vector)
+            vector[PIVOT, r] = vector[RIGHT, r] = 0.0
+        factor(row, row_body, body, matrix, low, count + 1, vector)
+        if is_careful(count + 1, vector):
+            solve(row, row_body, body, turned, low, count + 1, vector, RIGHT, WORK)
         mobility = low[count, count] ** 2 if vector[PIVOT, count] == 0.0 else 0.0
         if dt * dt * joint[j, SPRING] * mobility > STIFF or dt * joint[j, SPRING + 1] * mobility > DAMPED:
             joint_kind[j, IMPLICIT] |= HAS_SPRING

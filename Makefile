@@ -6,7 +6,7 @@ STAMP := $(VENV)/.installed
 WORKERS ?= 2
 OUT ?= build/compare
 
-.PHONY: compare report test test-all test-nojit lint lock clean help
+.PHONY: compare report test test-all test-nojit mutants lint lock clean help
 
 help:            ## this list
 	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
@@ -32,6 +32,9 @@ test-all: $(STAMP) ## all tests, with the long stress and soak runs
 
 test-nojit: $(STAMP) ## the engine's unit tests as plain Python, each for a share of time
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -rs -m "not slow" --timeout 900 tests/unit/test_engine_*.py
+
+mutants: $(STAMP)  ## faults of one line, each planted in a copy of the tree: do tests see them?
+	$(BIN)/python -m tests.mutants --workers $(WORKERS)
 
 lint: $(STAMP)     ## style, types, layers
 	$(BIN)/ruff check .

@@ -22,7 +22,7 @@ from harness.sensing_clock import bare_rays, sensed_interval, steps_of_interval
 from harness.study import Trial
 from harness.trajectory import State
 
-__all__ = ["TOGETHER", "Bench", "calibrate", "caster", "clock_steps", "rough_cost", "rough_costs"]
+__all__ = ["TOGETHER", "Bench", "calibrate", "caster", "clock_steps", "rough_cost", "rough_cost_beside"]
 
 TOGETHER = 4
 """Steps that a batch of worlds takes in one call: a policy that acts 60 times a second at 240 Hz."""
@@ -196,24 +196,32 @@ def calibrate(bench: Bench, seconds: float) -> int:
 def rough_cost(bench: Bench, seconds: float = 2e-3) -> float:
     """CPU seconds per simulated second, per unit where that is no step: the least of five short samples, taken at once.
 
-    What disturbs a sample makes it longer.
+    What disturbs a sample makes it longer. Whatever comes of it, the bench is stopped.
     """
-    steps = calibrate(bench, seconds)
-    taken = min(bench.clock(steps)[0] for _ in range(5)) / (steps * bench.units)
-    bench.stop()
-    return taken if bench.unit != "step" else taken / bench.dt
+    try:
+        steps = calibrate(bench, seconds)
+        taken = min(bench.clock(steps)[0] for _ in range(5)) / (steps * bench.units)
+    finally:
+        bench.stop()
+    return taken / _length(bench)
 
 
-def rough_costs(bench: Bench, yardstick: Bench, seconds: float = 5e-4) -> tuple[float, float]:
+def rough_cost_beside(bench: Bench, yardstick: Bench, seconds: float = 5e-4) -> tuple[float, float]:
     """The rough cost of a bench, and how many times that of a yardstick it is: the median of five samples, taken in turns.
 
     What slows the machine for a while slows both: under a load that came and went every second or two, the ratio was off by
-    4 % and a cost alone by 16 % (root mean square).
+    4 % and a cost alone by 16 % (root mean square). Whatever comes of it, both are stopped.
     """
-    both = [(side, calibrate(side, seconds)) for side in (bench, yardstick)]
-    taken = [[side.clock(steps)[0] / (steps * side.units) for side, steps in both] for _ in range(5)]
-    for side, _ in both:
-        side.stop()
-    scales = [side.dt if side.unit == "step" else 1.0 for side, _ in both]
-    ratio = median(own / other for own, other in taken) * scales[1] / scales[0]
-    return ratio * min(other for _, other in taken) / scales[1], ratio
+    try:
+        both = [(side, calibrate(side, seconds)) for side in (bench, yardstick)]
+        taken = [[side.clock(steps)[0] / (steps * side.units) for side, steps in both] for _ in range(5)]
+    finally:
+        bench.stop()
+        yardstick.stop()
+    ratio = median(own / other for own, other in taken) * _length(yardstick) / _length(bench)
+    return ratio * min(other for _, other in taken) / _length(yardstick), ratio
+
+
+def _length(bench: Bench) -> float:
+    """What a unit counts for in a rough cost: its simulated time [s] where it is a step, itself elsewhere."""
+    return bench.dt if bench.unit == "step" else 1.0

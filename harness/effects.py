@@ -205,7 +205,8 @@ def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared
     """The consequence of the departure `name` from a scene that declares these effects, where motion is not what counts.
 
     Gravity that presses bodies together shows in forces. Continuous collision is a means to an end: it is missing where it
-    mends a check, since where within a step a contact is found moves everything a little.
+    mends a check, since where within a step a contact is found moves everything a little. What is off and would leave the motion
+    the same is no gap, whoever says so: nothing is proposed by that.
     """
     if found is None:
         return None
@@ -213,6 +214,8 @@ def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared
         return replace(found, matters=True)
     if name == "with continuous_collision":
         return replace(found, matters=plain.status == "failed" and run.status == "passed")
+    if name.startswith("with ") and found.matters is None and found.moved <= FLOOR:
+        return replace(found, matters=False)
     return found
 
 

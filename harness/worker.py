@@ -16,7 +16,7 @@ import psutil
 
 from harness import discover
 from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
-from harness.bench import Bench, rough_costs
+from harness.bench import Bench, rough_cost_beside
 from harness.case import Case
 from harness.endure import endure
 from harness.record import Record, Status
@@ -108,7 +108,7 @@ def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter)
         yardstick = trial.probing(case, track=track, settings=settings.with_dt(case.dt))
         own, beside = (Bench(case, adapter, one, settled=False) for one in (trial, yardstick))
         try:
-            cost, ratio = rough_costs(own, beside)
+            cost, ratio = rough_cost_beside(own, beside)
             return replace(record, rough_cost=cost, rough_ratio=ratio)
         except Exception as error:
             said.append(f"{track}: {type(error).__name__}: {error}")

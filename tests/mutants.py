@@ -76,9 +76,9 @@ def mutants(table: Path = TABLE) -> tuple[Mutant, ...]:
     return tuple(Mutant(**{**row, "tests": tuple(row["tests"])}) for row in rows)
 
 
-def planted(mutant: Mutant, root: Path = ROOT) -> str:
+def planted(mutant: Mutant) -> str:
     """The file of a mutant with its fault in it. Raises: ValueError where the old text is not there exactly once."""
-    text = (root / mutant.file).read_text(encoding="utf-8")
+    text = (ROOT / mutant.file).read_text(encoding="utf-8")
     count = text.count(mutant.old)
     if count != 1 or mutant.old == mutant.new:
         raise ValueError(f"mutant '{mutant.name}': {mutant.file} holds its old text {count} times, expected once and changed")
@@ -86,16 +86,16 @@ def planted(mutant: Mutant, root: Path = ROOT) -> str:
 
 
 @contextmanager
-def copied(root: Path = ROOT) -> Iterator[Path]:
+def copied() -> Iterator[Path]:
     """A copy of the tree that is gone afterwards."""
     with TemporaryDirectory(prefix="mutant-") as folder:
         tree = Path(folder) / "tree"
         tree.mkdir()
         for name in CARRIED:
-            if (root / name).is_dir():
-                shutil.copytree(root / name, tree / name, ignore=shutil.ignore_patterns("__pycache__", "*.pyc"))
+            if (ROOT / name).is_dir():
+                shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__", "*.pyc"))
             else:
-                shutil.copy2(root / name, tree / name)
+                shutil.copy2(ROOT / name, tree / name)
         yield tree
 
 

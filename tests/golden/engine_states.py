@@ -1,7 +1,9 @@
-"""Where the reference engine takes five worlds, as hashes of their last states, for each kind of machine that has been asked.
+"""Where the reference engine takes five worlds: their states, which hold to rounding everywhere, and hashes, to the last bit.
 
 The bits depend on the processor, which may or may not fuse a product and a sum, and on the compiler, so a hash holds for one
-processor, one Numba and one LLVM. After an intended change of the engine, renew those of this machine by
+processor, one Numba and one LLVM. What such a difference makes of a state has been measured, by compiling without any of the
+processor's own instructions; another machine may differ a hundred times as much. After an intended change of the engine, renew
+states and the hashes of this machine by
 
     python tests/golden/engine_states.py
 
@@ -10,16 +12,29 @@ and say in the commit what changed them; hashes of other machines are dropped th
 
 import hashlib
 import json
+import os
 import platform
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import engine
 
 FILE = Path(__file__).parent / "engine_states.json"
 STEPS = 240
+COMPARED = {"pile": 90}
+"""Steps after which states are compared, STEPS unless said: by then a rounding in the heap of all shapes has grown to 3e-5, and
+to a tenth of a metre by the end."""
+ROOM = 100.0
+"""How many times the measured difference another machine may make: roundings elsewhere fall otherwise, but are as large."""
+LEAST = 1e-14
+"""The least such difference: a few roundings of a metre."""
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 ROUGH = {("default", "default"): engine.Surface(static_friction=0.6, kinetic_friction=0.5, restitution=0.2)}
 
@@ -104,11 +119,46 @@ def last_state(name: str, threads: int) -> str:
     return hashlib.sha256(world.state().tobytes()).hexdigest()
 
 
-def known() -> dict[str, dict[str, str]]:
-    """The hashes of each world on each machine."""
-    stored: dict[str, dict[str, str]] = json.loads(FILE.read_text())
+def compared_state(name: str) -> NDArray[np.float64]:
+    """The state of a world, (n, 13), at the step at which it is compared."""
+    world = WORLDS[name](1)
+    world.step(COMPARED.get(name, STEPS))
+    return world.state().copy()
+
+
+def known() -> dict[str, Any]:
+    """hashes: of each world by machine. states: of each world; spread: how far another rounding moves them, at most."""
+    stored: dict[str, Any] = json.loads(FILE.read_text())
     return stored
 
 
+def tolerance(name: str) -> float:
+    """How far a state may be from the one that is known, on a machine whose hashes are not."""
+    return ROOM * max(LEAST, float(known()["spread"][name]))
+
+
+def _rounded_otherwise() -> dict[str, NDArray[np.float64]]:
+    """The states as they come out without the instructions that this processor has beyond its family's first."""
+    with TemporaryDirectory() as folder:
+        target = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "PLUMBLINE_KERNEL_CACHE": folder}
+        said = subprocess.run(
+            [sys.executable, __file__, "states"], env={**os.environ, **target}, capture_output=True, text=True, check=True
+        )
+    return {name: np.array(state) for name, state in json.loads(said.stdout).items()}
+
+
+def _renew() -> None:
+    states, others = {name: compared_state(name) for name in WORLDS}, _rounded_otherwise()
+    told = {
+        "hashes": {machine(): {name: last_state(name, 1) for name in WORLDS}},
+        "spread": {name: float(np.abs(states[name] - others[name]).max()) for name in WORLDS},
+        "states": {name: state.tolist() for name, state in states.items()},
+    }
+    FILE.write_text(json.dumps(told, indent=1) + "\n")
+
+
 if __name__ == "__main__":
-    FILE.write_text(json.dumps({machine(): {name: last_state(name, 1) for name in WORLDS}}, indent=2) + "\n")
+    if sys.argv[1:] == ["states"]:
+        print(json.dumps({name: compared_state(name).tolist() for name in WORLDS}))
+    else:
+        _renew()

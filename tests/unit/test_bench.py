@@ -8,7 +8,7 @@ import pytest
 
 from harness import discover
 from harness.adapter import Settings
-from harness.bench import TOGETHER, Bench, calibrate, caster, rough_costs
+from harness.bench import TOGETHER, Bench, calibrate, caster, rough_cost, rough_cost_beside
 from harness.case import Clocks
 from harness.clock import summarise
 from harness.record import Sample
@@ -276,6 +276,30 @@ def test_a_rough_ratio_holds_on_a_machine_that_slows_down_for_a_while(monkeypatc
         return spent, spent
 
     monkeypatch.setattr(Bench, "clock", clock)
-    cost, ratio = rough_costs(own, beside)
+    cost, ratio = rough_cost_beside(own, beside)
     assert ratio == pytest.approx(3.0, rel=1e-12)
     assert 3e-6 / own.dt <= cost * (1 + 1e-12) <= 1.9 * 3e-6 / own.dt
+
+
+class _Broken(Exception):
+    """A clock that raises."""
+
+
+@pytest.mark.parametrize("broken", [0, 1])
+def test_benches_are_stopped_where_a_rough_clock_raises(monkeypatch: pytest.MonkeyPatch, broken: int) -> None:
+    """Whichever of two it is; what they built would stay alive beside the one that is tried next."""
+    sides = [bench(PILE, n=4)[0] for _ in range(2)]
+    sound = Bench.clock
+
+    def clock(self: Bench, count: int) -> tuple[float, float]:
+        if self is sides[broken]:
+            raise _Broken
+        return sound(self, count)
+
+    monkeypatch.setattr(Bench, "clock", clock)
+    with pytest.raises(_Broken):
+        rough_cost_beside(sides[0], sides[1])
+    assert [side._simulation for side in sides] == [None, None]
+    with pytest.raises(_Broken):
+        rough_cost(sides[broken])
+    assert sides[broken]._simulation is None

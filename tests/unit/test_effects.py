@@ -13,7 +13,7 @@ from harness.alteration import EVERYTHING, FINER, FINEST
 from harness.campaign import carry_out
 from harness.case import Case, Check
 from harness.conformance.faults import Wrapped, plant
-from harness.effects import FLOOR, Consequence, Scale, compared, scale_of, told_apart
+from harness.effects import FLOOR, Consequence, Scale, compared, scale_of, told_apart, weighed
 from harness.metrics.divergence import DIVERGENCE
 from harness.record import Record
 from harness.run import run_trial
@@ -199,6 +199,13 @@ def test_a_lost_engine_does_not_know_what_does_not_matter() -> None:
     plain = run([0.0, 1.0, 2.0])
     assert by(plain, run([0.0, 1.0, 2.0]), [0.0, 1.0, 2.01], [0.0, 1.0, 2.015]).matters is False
     assert by(plain, run([0.0, 1.0, 2.0]), [0.0, 1.0, 3.0], [0.0, 1.0, 9.0]).matters is None
+
+
+def test_an_effect_that_is_off_and_would_change_nothing_is_no_gap_whoever_says_so() -> None:
+    unknown = Consequence(0.0, 3.1, matters=None)
+    assert weighed("with gyroscopic", unknown, None, None, ["gravity"]) == replace(unknown, matters=False)
+    assert weighed("with gyroscopic", replace(unknown, moved=1.0), None, None, ["gravity"]).matters is None  # type: ignore[union-attr]
+    assert weighed("without gyroscopic", unknown, None, None, ["gravity"]) == unknown
 
 
 def test_a_run_that_ended_early_is_far_off() -> None:

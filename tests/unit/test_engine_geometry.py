@@ -238,6 +238,22 @@ def test_every_pair_has_a_manifold_with_its_normal_from_a_to_b(upper: str, lower
         assert np.ptp(contacts.point[:, 1]) > 0.15
 
 
+def test_balls_of_unlike_size_touch_between_their_surfaces() -> None:
+    """Radii .3 and .1, centres .4 apart less a depth of 1 mm: the point lies half a millimetre inside of either ball.
+
+    Alone, in a world of spheres, and where a box elsewhere makes it one of all shapes.
+    """
+    box = engine.Body(name="box", shapes=[engine.Placed(engine.Box((0.1, 0.1, 0.1)))], p_WB=(5, 0, 0))
+    small = engine.Body(name="small", shapes=[engine.Placed(engine.Sphere(0.1))], p_WB=(0, 0, 0.4 - 1e-3))
+    large = engine.Body(name="large", motion="static", shapes=[engine.Placed(engine.Sphere(0.3))])
+    for bodies in ([large, small], [small, large], [large, small, box], [small, large, box]):
+        world = engine.World(bodies, gravity=(0, 0, 0), options=engine.Options(dt=1e-9))
+        world.step()
+        contacts = world.contacts()
+        assert contacts.gap == pytest.approx([-1e-3], abs=1e-12)
+        assert contacts.point[0] == pytest.approx([0, 0, 0.3 - 5e-4], abs=1e-12)
+
+
 def test_rays_hit_a_hull_of_a_box_where_they_hit_the_box() -> None:
     """The closed form of the box is the oracle: distance to 1e-12 of the way, the normal but for sign to rounding."""
     q = Rotation.random(random_state=3).as_quat(scalar_first=True)

@@ -4,15 +4,20 @@ from harness.conformance import (
     contact,
     contract,
     door,
+    drives,
     dynamics,
     effects,
     features,
     frames,
     friction,
+    inertial,
     joints,
+    memory,
+    precision,
     robustness,
     sensing,
     shapes,
+    stepping,
 )
 from harness.conformance.check import ConformanceCheck
 from harness.conformance.declarations import declarations_check
@@ -25,13 +30,18 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *features.CHECKS,
     *frames.CHECKS,
     *dynamics.CHECKS,
+    *stepping.CHECKS,
+    *precision.CHECKS,
     *shapes.CHECKS,
     *contact.CHECKS,
     *friction.CHECKS,
     *joints.CHECKS,
+    *drives.CHECKS,
     *sensing.CHECKS,
+    *inertial.CHECKS,
     *effects.CHECKS,
     *robustness.CHECKS,
+    *memory.CHECKS,
 )
 
 CHECKS: tuple[ConformanceCheck, ...] = (declarations_check(_ASKED), *_ASKED)

@@ -1648,6 +1648,7 @@ ADAPTER = BulletAdapter(
         "default/sleeping_is_off": _DAMPED,
         "default/gyroscopic_term_is_present": _DAMPED,
         "default/restitution_of_a_pair": _CAUGHT,
+        "default/mean_restitution_of_a_pair": _CAUGHT,
         "default/friction_has_its_size": _DAMPED,
         "default/frictionless_is_frictionless": _DAMPED,
         "default/rolling_is_free_without_rolling_friction": _DAMPED,

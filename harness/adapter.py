@@ -20,6 +20,8 @@ The contract, proven by `harness.conformance`:
 * Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as 'surplus: ...'.
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
+* Arrays that are handed in are checked at one door, `harness.boundary`: `wrench`, `cast`, `caster`, `command` and `state` raise
+  `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
 * Four things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
   and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock:
@@ -204,7 +206,8 @@ class Adapter(ABC):
         `Simulation.resolved` gives it, promises for smooth motion. compile_allowance [s]: what an engine that
         compiles itself on first use may take for that, once, beyond a trial's deadline. threads: numbers of threads that one
         world can be stepped on, by its option 'threads'; none where it takes one. loads: modules that take long to load and
-        say nothing when they are; accuracy runs start with them loaded.
+        say nothing when they are; accuracy runs start with them loaded. single_precision: the engine computes in single
+        precision, so that its states have seven digits.
     """
 
     name: str
@@ -219,6 +222,7 @@ class Adapter(ABC):
     compile_allowance: float = 0.0
     threads: tuple[int, ...] = ()
     loads: tuple[str, ...] = ()
+    single_precision: bool = False
 
     def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled
         """Compile what this scene needs, where the engine does such a thing; a trial's deadline begins after it.

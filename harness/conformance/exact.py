@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from harness import kinematics
 from harness.scene import Box, Capsule, Cylinder, Plane, Quaternion, Shape, Sphere, multiply, rotation_matrix
 from harness.trajectory import Floats
 
@@ -19,12 +20,7 @@ def rotation(q: Any) -> Floats:
 
 def angle_between(a: Any, b: Any) -> float:
     """The angle [rad] of the rotation between two quaternions, which may differ in sign and length; NaN stays NaN."""
-    qa, qb = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
-    qa, qb = qa / np.linalg.norm(qa), qb / np.linalg.norm(qb)
-    if not (np.isfinite(qa).all() and np.isfinite(qb).all()):
-        return float("nan")
-    # The sine of half the angle from the difference: exact for small angles, where the cosine is not.
-    return float(4 * np.arcsin(min(1.0, float(np.linalg.norm(qa - qb)) / 2, float(np.linalg.norm(qa + qb)) / 2)))
+    return float(kinematics.angle_between(np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)))
 
 
 def turned_by(q: Quaternion, w: Any, t: float) -> Floats:

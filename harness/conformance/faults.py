@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,10 @@ from harness.scene import Body, Camera, Scene, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = ["Broken", "Edit", "Repaired", "Rewritten", "Wrapped", "plant"]
+
+
+BEYOND = ("inertial", "caster", "force_lead")
+"""What a simulation may offer beyond the protocol, see `harness.adapter`."""
 
 
 def _same_scene(scene: Scene) -> Scene:
@@ -118,6 +123,12 @@ class Wrapped:
     def close(self) -> None:
         """As inside."""
         self.inner.close()
+
+    def __getattr__(self, name: str) -> Any:
+        """What is offered beyond the protocol, where the engine inside offers it."""
+        if name in BEYOND:
+            return getattr(self.inner, name)
+        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
 
     def now(self) -> State:
         """The state of the engine inside, in fresh arrays."""

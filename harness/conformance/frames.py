@@ -64,9 +64,8 @@ def _quaternion_is_wxyz(adapter: Adapter, settings: Settings) -> Finding:
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         simulation.step(5)
         got = state_of(simulation, scene).q_WB[0]
-    # Either sign is the same rotation; any other order of components is another one.
-    got = got * np.sign(float(np.dot(got, TURNED)) or 1.0)
-    return judge(near("(w, x, y, z) of a body that does not turn", got, TURNED, ROUNDING, "either sign"))
+    # Any other order of components is another rotation.
+    return judge(near("angle to the attitude of a body that does not turn [rad]", angle_between(got, TURNED), 0.0, ROUNDING))
 
 
 def _angular_velocity_is_in_W(adapter: Adapter, settings: Settings) -> Finding:

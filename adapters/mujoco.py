@@ -96,10 +96,10 @@ RESOLVED_RATE = 0.1
 RK4_RATE = 2.0
 """Largest rate |lambda| h of springs, dampers and drives that RK4 is given.
 
-For a damper, z = -lambda h: RK4 multiplies by R(-z) = 1 - z + z^2/2 - z^3/6 + z^4/24, the implicit rule by 1/(1 + z), the truth
-by e^-z; RK4 is the nearer one up to z = 2, where both say 1/3. For a spring RK4 is the nearer one wherever it is stable. The half
-disc |z| <= 2.6 of decaying motion lies in RK4's region of stability (2.785 on the real axis, 2.828 on the imaginary one), so that
-at 2 rates may be off by 1.3.
+For a damper, z = -lambda h: RK4 multiplies by R(-z) = 1 - z + z^2/2 - z^3/6 + z^4/24, the implicit rule by 1/(1 + z), the
+truth by e^-z; RK4 is the nearer one up to z = 2, where both say 1/3. For a spring it is so wherever both are stable.
+The half disc |z| <= 2.6 of decaying motion lies in RK4's region of stability (2.785 on the real axis, 2.828 on the imaginary
+one), so that at 2 rates may be off by a factor of 1.3.
 """
 EXACT_ROWS = 200
 """Springs and dampers up to which their fastest mode is found exactly rather than bounded."""
@@ -1160,7 +1160,7 @@ class _Builder:
             option.jacobian = _flag(mj, "mjtJacobian", "mjJAC_DENSE")
 
     def _resisted(self, model: Any) -> tuple[Floats, Floats, Integers]:
-        """Stiffness and damping (nv,) of coordinates, of springs, dampers and drives together; joints' places of coordinates."""
+        """Stiffness and damping (nv,) of coordinates by springs, dampers and drives; where each joint's coordinates begin."""
         stiffness, damping, dof = np.zeros(model.nv), np.array(model.dof_damping), np.array(model.jnt_dofadr)
         stiffness[dof] += model.jnt_stiffness
         for place in self.drives.values():

@@ -643,7 +643,7 @@ def _arm(stiffness: float, damping: float) -> Scene:
 def _arm_truth(time: float, stiffness: float, damping: float) -> Floats:
     """Angles from x (3,) [rad] after `time` [s], by Lagrange's equations in absolute angles and an integrator of order 8.
 
-    M_ij = a_ij cos(th_i - th_j), with a_ii = m_i l_i^2/3 + l_i^2 (masses further out), a_ij = l_i l_j (m_j/2 + masses beyond j).
+    M_ij = a_ij cos(th_i - th_j), a_ii = l_i^2 (m_i/3 + masses further out), a_ij = l_i l_j (m_j/2 + masses beyond j).
     """
     out = np.array([ARM_MASSES[k + 1 :].sum() for k in range(3)])
     lever = ARM_LENGTHS * (ARM_MASSES / 2 + out)
@@ -675,7 +675,7 @@ def test_a_driven_arm_takes_the_integrator_that_is_nearer_to_an_independent_one(
         q = _state(simulation, scene).q_WB
         errors[integrator] = float(np.abs(-2 * np.arctan2(q[:, 2], q[:, 0]) - truth).max())
     other = "rk4" if name == "implicitfast" else "implicitfast"
-    # A method of fourth order that resolves the fastest mode errs by far less than one of the first; one that does not, diverges.
+    # Where RK4 resolves the fastest mode it errs by far less than a rule of first order; where it does not, it diverges.
     assert errors[name] < errors[other] / 10
     assert errors[name] < 2e-3
 

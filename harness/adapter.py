@@ -202,6 +202,8 @@ class Adapter(ABC):
         name: as on the command line. distribution: the package that is installed. title: as in the report.
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
         users would try. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures.
+        trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
+        case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
         deviations: what every answer of this engine carries, whatever the track. orders: what each integrator, by the name that
         `Simulation.resolved` gives it, promises for smooth motion. compile_allowance [s]: what an engine that
         compiles itself on first use may take for that, once, beyond a trial's deadline. threads: numbers of threads that one
@@ -217,6 +219,7 @@ class Adapter(ABC):
     tracks: Mapping[str, Settings]
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
+    trade_offs: Mapping[str, str] = field(default_factory=dict)
     deviations: tuple[str, ...] = ()
     orders: Mapping[str, int] = field(default_factory=dict)
     compile_allowance: float = 0.0

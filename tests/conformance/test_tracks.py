@@ -1,0 +1,132 @@
+"""Tuned is never worse than default: the whole catalogue on every engine, against what the adapters list as trade-offs."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness import discover
+from tests.conformance.engines import NAMES, adapter, why_unavailable
+from tests.tracks import (
+    LADDER,
+    WORSE,
+    Answer,
+    Comparison,
+    compare,
+    comparisons,
+    disagreements,
+    over_the_ladder,
+    run_both_tracks,
+)
+
+CASES = discover.cases()
+ENGINES = pytest.mark.parametrize("name", NAMES)
+
+
+def _errors(*errors: float, status: str = "passed", off: float = 0.0) -> list[Answer]:
+    return [Answer(status=status, error=error, off=off) for error in errors]
+
+
+def test_tuned_is_worse_from_more_than_a_tenth_on_and_when_it_no_longer_passes() -> None:
+    case = CASES["flight_projectile"]
+    for default, tuned, worse in (
+        (_errors(1.0), _errors(1.09), False),
+        (_errors(1.0), _errors(1.11), True),
+        (_errors(1.0), _errors(0.5, status="failed"), True),
+        (_errors(1.0, status="failed"), _errors(0.5, status="failed"), False),
+        (_errors(1.0), [Answer(status="diverged")], True),
+        (_errors(1.0, status="failed"), [Answer(status="unsupported")], True),
+        ([Answer(status="unsupported")], [Answer(status="unsupported")], False),
+        ([Answer(status="diverged")], _errors(5.0, status="failed"), False),
+        (_errors(1.0, 3.0), _errors(3.0, 1.0), False),
+        (_errors(1.0, 1.0), _errors(1.0, 1.3), True),
+    ):
+        assert compare(case, case.dt, default, tuned).worse is worse, (default, tuned)
+
+
+def test_below_the_floor_errors_are_one_and_the_same() -> None:
+    case = CASES["flight_projectile"]
+    bound = next(check.bound(case.dt) for check in case.checks if check.metric.name == case.headline)
+    unbounded = replace(case, checks=(), observe=case.metrics)
+    for judged, default, tuned, worse in (
+        (case, _errors(0.0), _errors(bound / 101), False),
+        (case, _errors(0.0), _errors(bound / 90), True),
+        (unbounded, _errors(0.0), _errors(bound / 101), True),
+        (unbounded, _errors(0.0), _errors(1.05e-9 * case.scale), False),
+        (unbounded, _errors(1e-4, off=1e-3), _errors(1.05e-3, off=1e-3), False),
+        (unbounded, _errors(1e-4, off=1e-4), _errors(1.05e-3, off=1e-4), True),
+    ):
+        assert compare(judged, case.dt, default, tuned).worse is worse, (default, tuned)
+
+
+def test_where_more_is_better_less_is_worse() -> None:
+    case = CASES["stack_card_house"]
+    assert compare(case, case.dt, _errors(5.0), _errors(4.0)).worse
+    assert not compare(case, case.dt, _errors(5.0), _errors(6.0)).worse
+    assert math.isinf(compare(case, case.dt, _errors(5.0), _errors(0.0)).ratio)
+
+
+def test_a_list_of_trade_offs_is_held_to_both_ways() -> None:
+    worse = {"a": "a at dt 1", "b": "b at dt 1"}
+    assert disagreements(worse, {"a": "why", "b": "why"}) == []
+    assert disagreements(worse, {"a": "why"}) == ["not listed in trade_offs: b at dt 1"]
+    assert disagreements({}, {"a": "why"}) == ["listed in trade_offs, but no longer worse: a"]
+    assert disagreements({"a": "a"}, {"a": " "}) == ["listed in trade_offs without a reason: a"]
+
+
+@ENGINES
+def test_every_trade_off_names_a_case(name: str) -> None:
+    assert {one.removesuffix(LADDER) for one in adapter(name).trade_offs} <= set(CASES)
+
+
+def _run(folder: Path, ladder: bool) -> Mapping[str, Sequence[Comparison]]:
+    """Comparisons by engine, of every engine that is there."""
+    engines = {name: adapter(name) for name in NAMES if not why_unavailable(name)}
+    return comparisons(run_both_tracks(folder, CASES, engines, ladder), CASES)
+
+
+@pytest.fixture(scope="session")
+def own_steps(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Sequence[Comparison]]:
+    """The whole catalogue at each case's own time step."""
+    return _run(tmp_path_factory.mktemp("own") / "run", ladder=False)
+
+
+@pytest.fixture(scope="session")
+def ladders(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Sequence[Comparison]]:
+    """The whole catalogue over each case's ladder of time steps."""
+    return _run(tmp_path_factory.mktemp("ladders") / "run", ladder=True)
+
+
+@ENGINES
+@pytest.mark.timeout(1200)  # the first of the engines waits for the runs of all
+def test_tuned_is_never_worse_than_default_but_where_the_adapter_says_why(
+    name: str, own_steps: Mapping[str, Sequence[Comparison]]
+) -> None:
+    if why_unavailable(name):
+        pytest.skip(why_unavailable(name))
+    compared = own_steps[name]
+    assert {one.case for one in compared} == set(CASES)
+    listed = {one: reason for one, reason in adapter(name).trade_offs.items() if not one.endswith(LADDER)}
+    found = disagreements({one.case: str(one) for one in compared if one.worse}, listed)
+    assert not found, "\n".join(found)
+
+
+@ENGINES
+@pytest.mark.slow
+@pytest.mark.timeout(7200)
+def test_over_the_ladder_tuned_is_no_worse_on_the_whole_but_where_the_adapter_says_why(
+    name: str, ladders: Mapping[str, Sequence[Comparison]]
+) -> None:
+    if why_unavailable(name):
+        pytest.skip(why_unavailable(name))
+    worse = {}
+    for case in CASES:
+        steps = [one for one in ladders[name] if one.case == case]
+        assert len(steps) == len(CASES[case].ladder)
+        if (mean := over_the_ladder(steps)) > WORSE:
+            worse[case + LADDER] = f"{case + LADDER}: {mean:.3g} times in the mean; " + "; ".join(map(str, steps))
+    listed = {one: reason for one, reason in adapter(name).trade_offs.items() if one.endswith(LADDER)}
+    found = disagreements(worse, listed)
+    assert not found, "\n".join(found)

@@ -1342,7 +1342,7 @@ class _Builder:
         self.address: dict[tuple[int, int], int] = {}
         self.waiting: set[tuple[int, int]] = set()
         self.notices: list[str] = []
-        self.swept = Effect.CONTINUOUS_COLLISION in self.effects and self.options["coordinates"] == "maximal"
+        self.swept = Effect.CONTINUOUS_COLLISION in self.effects and self.options["coordinates"] != "multibody"
         self.loose: list[int] = []
         # Pictures are drawn in a twin of this world. Told nothing, pybullet would make one of each collision shape.
         self.unseen = _unseen(port)
@@ -1899,12 +1899,12 @@ ADAPTER = BulletAdapter(
             source=(
                 "PyBullet Quickstart Guide, setPhysicsEngineParameter (numSolverIterations, solverResidualThreshold, "
                 "restitutionVelocityThreshold, useSplitImpulse) and changeDynamics (damping, maxJointVelocity, "
-                "contactProcessingThreshold, contactSlop). Coordinates by the scene, from measurements in pybullet 3.2.7: maximal "
-                "ones have the implicit gyroscopic term, continuous collision and rebounds without contact ERP (e = 1 gives 1.000 "
-                "at dt 1/240, 1e-3 and 2e-5, multibody 1.01-1.07); multibody ones slide right where contacts are found one point "
-                "a step (cube down a plane at 1.1 times the critical angle, dt 1e-3: 1.02 of its way, maximal 0.85; cylinder down "
-                "a box 1.03, maximal 0.87) and have rolling and torsional friction. Contact slop 1e-6 m/s times dt where bodies "
-                "rebound, since a rebound loses slop/dt: with the vendor's 1e-5 m e = 1 gives 0.6 at 2e-5"
+                "contactProcessingThreshold, contactSlop). Coordinates by the scene, from measurements in pybullet 3.2.7: "
+                "maximal ones have the implicit gyroscopic term, continuous collision and rebounds without contact ERP (e = 1 "
+                "gives 1.000 at dt 1/240, 1e-3 and 2e-5, multibody 1.01-1.07); multibody ones slide right where contacts are "
+                "found one point a step (cube down a plane at 1.1 times the critical angle, dt 1e-3: 1.02 of its way, maximal "
+                "0.85; cylinder down a box 1.03, maximal 0.87) and have rolling and torsional friction. Contact slop 1e-6 m/s "
+                "times dt where bodies rebound, since a rebound loses slop/dt: with the vendor's 1e-5 m e = 1 gives 0.6 at 2e-5"
             ),
         ),
     },
@@ -1939,8 +1939,8 @@ ADAPTER = BulletAdapter(
     },
     orders={"semi_implicit_euler": 1},
     deviations=(
-        "springs and drives are torques of the adapter, held over each (sub)step; linearly implicit wherever those of its start "
-        "could reverse a velocity within it",
+        "springs and drives are torques of the adapter, held over each (sub)step; linearly implicit wherever those of its "
+        "start could reverse a velocity within it",
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",
         "contact forces are those of the last (sub)step",
         "rays and images are taken in a second world of the same shapes at the present poses; grazing rays miss by millimetres",

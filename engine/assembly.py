@@ -121,8 +121,8 @@ def assemble_world(
     island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options, islands)
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
-        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (10, rows), (pairs, 54), (4 * pairs + 1, 36),
-        (pairs, 54), (4 * pairs, 36), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
+        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (10, rows), (pairs, 61), (4 * pairs + 1, 36),
+        (pairs, 61), (4 * pairs, 36), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
         (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
         (ns, 6), (touches, 16), (touches, 18), (touches, 4), (n + 1 if spheres else 0, 8),
         (n + 1, 7), *island_float_rooms,
@@ -219,7 +219,7 @@ def _island_rooms(
     sleepers, rests = (bodies + 1, pairs) if options.sleeping else (0, 0)
     return (
         [
-            (owners, 13), (owners, 18), (owners, 6), (owners, 6), (ties, 40), (sleepers, 1), (sleepers, 19), (rests, 54),
+            (owners, 13), (owners, 18), (owners, 6), (owners, 6), (ties, 40), (sleepers, 1), (sleepers, 19), (rests, 61),
             (4 * rests, 36), (1, 2),
         ],
         [

@@ -29,6 +29,8 @@ from engine.arena import (
     APPROACH,
     ARM_A,
     ARM_B,
+    AXIS_A,
+    AXIS_B,
     BODY_A,
     BODY_B,
     CAPSULE,
@@ -51,6 +53,7 @@ from engine.arena import (
     PLACE,
     POINT_SHARE,
     POINTS,
+    RIMS,
     ROUND_A,
     ROUND_B,
     SEPARATION,
@@ -96,6 +99,7 @@ from engine.vec import (
     load6,
     load9,
     mat_vec,
+    norm,
     perpendicular,
     quat_mat,
     scale,
@@ -116,6 +120,10 @@ __all__ = [
 THIN = 1e-6
 """Squared spread of the points over the squared arm at which they would move the bodies as much by turning as by shifting [1],
 below which they count as one."""
+UPRIGHT = 1e-3
+"""Sine of a cylinder's tilt [1] below which it stands, and no point of its rim is the lowest; as in the narrow phase."""
+ON_RIM = 1e-6
+"""Share of its radius [1] by which a point may be off the lowest line of a cylinder."""
 TOUCHING = 1e-9
 """Share of a sub-step's way [1] by which rounding may put a gap beyond its end."""
 
@@ -216,6 +224,32 @@ def radius(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> flo
 
 
 @kernel
+def lowest_of(axis: Vec, n: Vec) -> Vec:
+    """The unit vector from a cylinder's axis to what lies furthest along n; (0, 0, 0) where the rim is level."""
+    fall = axpy(-dot(n, axis), axis, n)
+    sine = norm(fall)
+    return scale(1.0 / sine, fall) if sine > UPRIGHT else (0.0, 0.0, 0.0)
+
+
+@kernel
+def rim_of(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> tuple[float, Vec, Vec, Vec]:
+    """Radius [m], centre, axis and lowest direction along n of a cylinder in W; radius 0 where there is no rim to roll on."""
+    if shape_kind[s, TYPE] != CYLINDER:
+        return 0.0, n, n, n
+    axis = (pose[s, 5], pose[s, 8], pose[s, 11])
+    lowest = lowest_of(axis, n)
+    return (shape[s, SIZE] if dot(lowest, lowest) > 0.5 else 0.0), load3(pose, s, 0), axis, lowest
+
+
+@kernel
+def rolls_on(size: float, centre: Vec, axis: Vec, lowest: Vec, place: Vec) -> bool:
+    """Whether a place on a cylinder is the lowest of its rim, or of its side."""
+    way = sub(place, centre)
+    off = axpy(-size, lowest, axpy(-dot(way, axis), axis, way))
+    return size > 0.0 and dot(off, off) < (ON_RIM * size) ** 2
+
+
+@kernel
 def prepare(
     state: Floats, body: Floats, turned: Floats, shape: Floats, shape_kind: Ints, pose: Floats, m: int,
     manifold: Floats, key: Ints, point: Floats,
@@ -233,18 +267,35 @@ def prepare(
     ra_wb, rb_wb = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
     round_a = radius(shape, shape_kind, pose, key[m, SHAPE_A], n)
     round_b = radius(shape, shape_kind, pose, key[m, SHAPE_B], n)
+    size_a, centre_a, axis_a, low_a = rim_of(shape, shape_kind, pose, key[m, SHAPE_A], n)
+    size_b, centre_b, axis_b, low_b = rim_of(shape, shape_kind, pose, key[m, SHAPE_B], scale(-1.0, n))
+    manifold[m, RIMS] = 0.0
     for k in range(key[m, POINTS]):
         i = 4 * m + k
         place, gap = load3(point, i, PLACE), point[i, FIRST_GAP]
-        ra, rb = sub(place, pa), sub(place, pb)
-        store3(point, i, ARM_A, ra)
-        store3(point, i, ARM_B, rb)
-        store3(point, i, SPOT_A, tmat_vec(ra_wb, axpy(-0.5 * gap - round_a, n, ra)))
-        store3(point, i, SPOT_B, tmat_vec(rb_wb, axpy(0.5 * gap + round_b, n, rb)))
-        point[i, ROUND_A], point[i, ROUND_B] = round_a, round_b
+        store3(point, i, ARM_A, sub(place, pa))
+        store3(point, i, ARM_B, sub(place, pb))
+        on_a, on_b = axpy(-0.5 * gap, n, place), axpy(0.5 * gap, n, place)
+        if rolls_on(size_a, centre_a, axis_a, low_a, on_a):
+            manifold[m, RIMS], point[i, ROUND_A] = 1.0, -size_a
+            on_a = axpy(-size_a, low_a, on_a)
+        else:
+            point[i, ROUND_A] = round_a
+            on_a = axpy(-round_a, n, on_a)
+        if rolls_on(size_b, centre_b, axis_b, low_b, on_b):
+            manifold[m, RIMS], point[i, ROUND_B] = 1.0, -size_b
+            on_b = axpy(-size_b, low_b, on_b)
+        else:
+            point[i, ROUND_B] = round_b
+            on_b = axpy(round_b, n, on_b)
+        store3(point, i, SPOT_A, tmat_vec(ra_wb, sub(on_a, pa)))
+        store3(point, i, SPOT_B, tmat_vec(rb_wb, sub(on_b, pb)))
         point[i, SEPARATION] = gap
         held = mat_vec(frame, load3(point, i, TANGENT_IMPULSE))
         point[i, HELD], point[i, HELD + 1] = held[0], held[1]
+    if manifold[m, RIMS] == 1.0:
+        store3(manifold, m, AXIS_A, tmat_vec(ra_wb, axis_a))
+        store3(manifold, m, AXIS_B, tmat_vec(rb_wb, axis_b))
     manifold[m, POINT_SHARE] = 1.0 / key[m, POINTS]
     spread(m, sub(pb, pa), manifold, key, point)
     write_blocks(manifold, m, frame, ma, ia, load3(manifold, m, CENTRE_A), mb, ib, load3(manifold, m, CENTRE_B))
@@ -288,7 +339,8 @@ def spread(m: int, way: Vec, manifold: Floats, key: Ints, point: Floats) -> None
 def refresh(state: Floats, first: int, end: int, manifold: Floats, key: Ints, point: Floats) -> None:
     """Arms and separations of the points of manifolds first..end - 1 at the present poses.
 
-    A point goes with the corner or the round surface that makes it, while the other body slides under it. Both arms lead to one
+    A point goes with the corner or the round surface that makes it, while the other body slides under it; on the rim of a
+    tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step. Both arms lead to one
     place, which keeps angular momentum.
     """
     for m in range(first, end):
@@ -297,10 +349,16 @@ def refresh(state: Floats, first: int, end: int, manifold: Floats, key: Ints, po
         pa, pb = load3(state, a, P), load3(state, b, P)
         ra_wb, rb_wb = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
         way = sub(pb, pa)
+        low_a, low_b = n, n
+        if manifold[m, RIMS] == 1.0:
+            low_a = lowest_of(mat_vec(ra_wb, load3(manifold, m, AXIS_A)), n)
+            low_b = lowest_of(mat_vec(rb_wb, load3(manifold, m, AXIS_B)), scale(-1.0, n))
         for k in range(key[m, POINTS]):
             i = 4 * m + k
-            ra = axpy(point[i, ROUND_A], n, mat_vec(ra_wb, load3(point, i, SPOT_A)))
-            rb = axpy(-point[i, ROUND_B], n, mat_vec(rb_wb, load3(point, i, SPOT_B)))
+            ra, rb = mat_vec(ra_wb, load3(point, i, SPOT_A)), mat_vec(rb_wb, load3(point, i, SPOT_B))
+            round_a, round_b = point[i, ROUND_A], point[i, ROUND_B]
+            ra = axpy(round_a, n, ra) if round_a >= 0.0 else axpy(-round_a, low_a, ra)
+            rb = axpy(-round_b, n, rb) if round_b >= 0.0 else axpy(-round_b, low_b, rb)
             gap = dot(n, add(way, sub(rb, ra)))
             point[i, SEPARATION] = gap
             if key[m, LEADS] == 0:

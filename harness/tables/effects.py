@@ -264,6 +264,11 @@ class Audit:
         return len(_scenes(self.judged).keys() - _scenes(self.open).keys() - _scenes(self.failed).keys())
 
     @property
+    def in_doubt(self) -> int:
+        """How many were asked about and not judged in full."""
+        return len(_scenes(self.open))
+
+    @property
     def sentences(self) -> list[str]:
         """What is against the scenes, a sentence each."""
         return [_accusation(row) for row in self.failed]
@@ -377,7 +382,10 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         )
     told = audit(rows)
     if told.scenes:
-        found.append(f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}.")
+        beside = f"; {told.in_doubt} more are not judged in full" if told.in_doubt else ""
+        found.append(
+            f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}{beside}."
+        )
     found += [f"Audit: {sentence}." for sentence in (*told.sentences, *told.doubts)]
     return found + [proposal for scene in _scenes(told.failed) if (proposal := proposed(scene, told.judged))]
 

@@ -205,8 +205,8 @@ def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared
     """The consequence of the departure `name` from a scene that declares these effects, where motion is not what counts.
 
     Gravity that presses bodies together shows in forces. Continuous collision is a means to an end: it is missing where it
-    mends a check, since where within a step a contact is found moves everything a little. What is off and would leave the motion
-    the same is no gap, whoever says so: nothing is proposed by that.
+    mends a check, since where within a step a contact is found moves everything a little. What is off, and changes nothing
+    where it is on, is no gap, whoever says so: nothing is proposed by that.
     """
     if found is None:
         return None

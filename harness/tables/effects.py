@@ -33,6 +33,9 @@ __all__ = [
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
 NOT_JUDGED = "not judged"
+AS_IT_IS = "as it is"
+UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
+"""Statuses that stand as verdicts where a run gave no answer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,7 +184,7 @@ def _of_side(
         )
 
     if plain.status not in ("passed", "failed"):
-        yield row("as it is", plain, None, plain.status, None, plain.reason)
+        yield row(AS_IT_IS, plain, None, plain.status, None, plain.reason)
         return
     surplus = {one: text for text in said if text.startswith("surplus") for one in _named(text)}
     missing = {one: text for text in said if text.startswith("missing") for one in _named(text)}
@@ -264,6 +267,11 @@ class Audit:
         return len(_scenes(self.judged).keys() - _scenes(self.open).keys() - _scenes(self.failed).keys())
 
     @property
+    def in_doubt(self) -> int:
+        """How many were asked about and not judged in full."""
+        return len(_scenes(self.open))
+
+    @property
     def sentences(self) -> list[str]:
         """What is against the scenes, a sentence each."""
         return [_accusation(row) for row in self.failed]
@@ -273,7 +281,10 @@ class Audit:
         """What could not be judged and why, a sentence for each scene and reason."""
         effects: dict[tuple[str, str], list[str]] = {}
         for row in self.open:
-            effects.setdefault((_named_scene(row), row["reason"] or "no answer to compare"), []).append(row["effect"])
+            why = row["reason"] or "no answer to compare"
+            why = why if row["verdict"] == NOT_JUDGED else f"{row['engine']}: {row['verdict']}: {why}"
+            what = "any effect" if row["effect"] == AS_IT_IS else row["effect"]
+            effects.setdefault((_named_scene(row), why), []).append(what)
         return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
 
 
@@ -282,9 +293,9 @@ def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
     asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
     judge = JUDGE if JUDGE in asked else next(iter(asked), "")
     asked_of = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
-    judged = tuple(row for row in asked_of if row["verdict"] != NOT_JUDGED)
+    judged = tuple(row for row in asked_of if row["verdict"] not in (NOT_JUDGED, *UNANSWERED))
     failed = tuple(row for row in judged if row["verdict"] in ("paid for without need", "needed but missing"))
-    return Audit(judge, judged, failed, tuple(row for row in asked_of if row["verdict"] == NOT_JUDGED))
+    return Audit(judge, judged, failed, tuple(row for row in asked_of if row not in judged))
 
 
 def _scenes(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
@@ -377,7 +388,10 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         )
     told = audit(rows)
     if told.scenes:
-        found.append(f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}.")
+        beside = f"; {told.in_doubt} more are not judged in full" if told.in_doubt else ""
+        found.append(
+            f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}{beside}."
+        )
     found += [f"Audit: {sentence}." for sentence in (*told.sentences, *told.doubts)]
     return found + [proposal for scene in _scenes(told.failed) if (proposal := proposed(scene, told.judged))]
 

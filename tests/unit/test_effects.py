@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness import discover
-from harness.adapter import Adapter, Settings, Simulation
+from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.alteration import EVERYTHING, FINER, FINEST
 from harness.campaign import carry_out
 from harness.case import Case, Check
@@ -220,6 +220,29 @@ def test_the_doubt_says_by_how_much_halving_the_step_moves_a_body() -> None:
     )
     assert Scale(np.array([0.0, 0.1]), np.array([0.0, 0.05]), np.array([0.0, 2.0])).doubt == ""
     assert "no answer" in Scale(np.array([0.0, 0.1]), np.full(2, np.nan), np.array([0.0, 2.0])).doubt
+
+
+def test_a_judge_without_an_answer_judges_nothing(studied: Studied) -> None:
+    """Neither the whole scene, where it diverges as it is, nor an effect without which it gives no answer."""
+    sound = discover.adapter("reference")
+    lost = plant(sound, simulation=lambda inner, _, scene, asked: Lost(inner, scene, asked))
+    told = rows(studied(case_of("slide_made", sliding()), lost))
+    assert audit(told).judged == ()
+    assert sentences(told) == [
+        "Audit: slide_made: nothing is said of any effect: reference: diverged: by step 1 of 60 (t = 0 s): lost."
+    ]
+    plain = [asdict(one) for one in verdicts(studied(case_of("slide_more", sliding()), sound))]
+    late = [row | ({"verdict": "timeout", "reason": "late"} if row["effect"] == "contact" else {}) for row in plain]
+    assert (audit(plain).scenes, audit(late).scenes) == (1, 0)
+    assert audit(late).doubts == ["slide_more: nothing is said of contact: reference: timeout: late"]
+
+
+class Lost(Wrapped):
+    """An engine that gives up at once."""
+
+    def step(self, count: int = 1) -> None:
+        """It raises. Raises: Diverged."""
+        raise Diverged("lost")
 
 
 class Wrong(Wrapped):

@@ -24,6 +24,15 @@ def test_an_oscillation_is_bounded_however_slow(period: float) -> None:
     assert not fit.secular
 
 
+def test_a_trend_that_is_certain_and_smaller_than_the_swing_is_not_secular() -> None:
+    """A tenth in all beside a swing from -1 to 1: block means know it well, and it is lost in the swing all the same."""
+    fit = fit_slope(TIME.tolist(), (1e-4 * TIME + np.sin(2 * np.pi * TIME / 0.7)).tolist())
+    assert fit is not None
+    assert fit.low > 0.0
+    assert fit.low < 1e-4 < fit.high
+    assert not fit.secular
+
+
 def test_the_interval_covers_a_slope_of_zero_as_often_as_it_says() -> None:
     draw = np.random.default_rng(1)
     fits = [fit_slope(TIME.tolist(), draw.normal(size=len(TIME)).tolist()) for _ in range(200)]

@@ -6,7 +6,7 @@ from math import pi, sqrt
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
 from harness.conformance.exact import angle_between
 from harness.conformance.motion import COARSE, FINE, built, final, state_of
 from harness.conformance.scenes import TURNED, ball, on_ground
@@ -115,6 +115,8 @@ def _plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Findin
 
 def _push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> Finding:
     """A force on a body whose only shape is off its centre of mass moves the centre of mass and turns nothing."""
+    if not adapter.features & (Feature.SPHERE | Feature.BOX):
+        raise NotApplicable("the engine claims neither a sphere nor a box that could be off the centre of mass")
     shape: Shape = Sphere(radius=0.1) if Feature.SPHERE in adapter.features else Box(half_extents=(0.1, 0.1, 0.1))
     body = Body(
         name="body",

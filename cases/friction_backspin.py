@@ -6,6 +6,7 @@ v_f = (5 v0 + 2 r w0)/7 for a solid sphere, negative where the backspin wins.
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
@@ -70,6 +71,7 @@ CASE = Case(
     headline=VELOCITY_MAX.name,
     converges="once",
     scale=SPEED,
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
         Check(
@@ -93,6 +95,9 @@ CASE = Case(
             at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / (SOLID * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
+        forces_keep_momentum(),
+        # It slips until 2 (v0 - r w0)/(7 mu g) = 0.78 s.
+        *forces_obey_coulomb(end=0.7),
     ),
     observe=(POSITION_FINAL,),
 )

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.isotropy import HEADING_ERROR, POLAR_SPREAD
 from harness.metrics.slide import LIFT_OFF, STOP_DISTANCE_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
@@ -84,6 +85,7 @@ CASE = Case(
     expected=expected,
     parameters={"directions": DIRECTIONS, "friction": FRICTION, "speed": SPEED},
     duration=0.75,
+    with_contacts=True,
     checks=(
         Check(
             metric=POLAR_SPREAD,
@@ -102,6 +104,8 @@ CASE = Case(
             at_most=lambda dt, friction=FRICTION, speed=SPEED: 1.5 * _step(dt, friction, speed),
             because="half a step's way by a staggered scheme, one step's way before there is a contact to rub",
         ),
+        forces_keep_momentum(),
+        *forces_obey_coulomb(),
     ),
     observe=(LIFT_OFF,),
     headline="polar_spread",

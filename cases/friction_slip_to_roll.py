@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
@@ -76,6 +77,7 @@ CASE = Case(
     headline=VELOCITY_MAX.name,
     converges="once",
     scale=SPEED,
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
         Check(
@@ -99,6 +101,9 @@ CASE = Case(
             at_most=lambda dt, friction=FRICTION, factors=FACTORS: _speed(dt, friction) / (min(factors) * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
+        forces_keep_momentum(),
+        # The solid ball is the first to roll, after 0.49 s.
+        *forces_obey_coulomb(end=0.45),
     ),
     observe=(POSITION_FINAL,),
 )

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_keep_momentum
 from harness.metrics.restitution import (
     APEX_GAIN,
     BOUNCE_HEIGHT_ERROR,
@@ -106,6 +107,7 @@ CASE = Case(
     duration=DURATION,
     # Short hops need three samples to be seen.
     sample_interval=SAMPLE,
+    with_contacts=True,
     checks=(
         Check(
             metric=BOUNCE_HEIGHT_ERROR,
@@ -133,6 +135,7 @@ CASE = Case(
             because="energy never grows at an impact; a semi-implicit fall lies on a parabola whose apex, half a step before "
             "the start, is g dt^2/8 higher; 1e-9 for rounding",
         ),
+        forces_keep_momentum(),
     ),
     observe=(RESTITUTION_ERROR, LATER_RESTITUTION_ERROR),
     headline="bounce_height_error",

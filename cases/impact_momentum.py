@@ -7,6 +7,7 @@ contacts can touch the angular momentum: impulses with unequal arms, or bodies t
 import numpy as np
 
 from harness.case import Axis, Case, Check
+from harness.checks.contact_laws import forces_keep_momentum
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_GAIN
 from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
@@ -60,6 +61,8 @@ CASE = Case(
     duration=DURATION,
     # Faster cubes would skip each other within a step of 1/60 s and never be seen to overlap.
     hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=10.0, lost=0.1),
+    with_contacts=True,
+    sample_interval=0.0,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="blows without restitution take energy away"),
         Check(
@@ -84,6 +87,7 @@ CASE = Case(
             at_most=1e-6,
             because="blows with friction and without restitution make no energy; 1e-6 for single precision",
         ),
+        forces_keep_momentum(),
     ),
     observe=(MOMENTUM_FINAL, ANGULAR_MOMENTUM_FINAL),
     headline=ANGULAR_MOMENTUM_MAX.name,

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_keep_momentum
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL
@@ -163,6 +164,8 @@ CASE = Case(
         "restitution": RESTITUTION,
     },
     duration=DURATION,
+    with_contacts=True,
+    sample_interval=0.0,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a ball that has bounced flies on"),
         Check(metric=VELOCITY_FINAL, at_most=_bound(0), because=ARM),
@@ -173,6 +176,7 @@ CASE = Case(
             because="an impact may come one step early or late, in which the ball goes the change of its velocity times dt "
             "astray, and then errs by the bound on its velocity over the rest of the run",
         ),
+        forces_keep_momentum(),
     ),
     headline=VELOCITY_FINAL.name,
     scale=APPROACH,

@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from harness.case import Axis, Case, Check
+from harness.checks.contact_laws import forces_keep_momentum
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.momentum import MOMENTUM_MAX
@@ -104,6 +105,8 @@ CASE = Case(
     parameters={"ratio": RATIO, "restitutions": RESTITUTIONS},
     duration=DURATION,
     hard=Axis(parameter="ratio", unit="1", easy=1.0, extreme=1e6, lost=0.1),
+    with_contacts=True,
+    sample_interval=0.0,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
         Check(metric=VELOCITY_FINAL, at_most=EXACT, because=NO_STEP),
@@ -123,6 +126,7 @@ CASE = Case(
             at_most=EXACT / RADIUS,
             because="a blow along the line of centres turns nothing",
         ),
+        forces_keep_momentum(),
     ),
     headline=VELOCITY_FINAL.name,
     scale=SPEED,

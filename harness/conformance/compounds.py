@@ -6,7 +6,7 @@ from math import pi, sqrt
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
 from harness.conformance.exact import angle_between
 from harness.conformance.motion import COARSE, FINE, built, final, state_of
 from harness.conformance.scenes import TURNED, ball, on_ground
@@ -57,13 +57,16 @@ def _compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> Fin
 
 
 def _compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings) -> Finding:
-    """A frame on a ball and two long boxes, the first laid along y and the second stood upright by their q_BS."""
+    """A frame on a ball and two long boxes, the first laid along y and the second stood upright by their q_BS.
+
+    Its centre of mass hangs 5 cm beside the line of the places of its shapes: 40 cm of box hold it, 6 cm do not.
+    """
     long = Box(half_extents=(0.2, 0.03, 0.03))
     along_y, upright = axis_angle((0.0, 0.0, 1.0), pi / 2), axis_angle((0.0, 1.0, 0.0), pi / 2)
     shapes = (
-        PlacedShape(shape=Sphere(radius=0.05), p_BS=(0.4, 0.0, -0.2)),
-        PlacedShape(shape=long, p_BS=(-0.4, 0.0, -0.22), q_BS=along_y),
-        PlacedShape(shape=long, p_BS=(0.0, 0.0, -0.05), q_BS=upright),
+        PlacedShape(shape=Sphere(radius=0.05), p_BS=(0.4, 0.05, -0.2)),
+        PlacedShape(shape=long, p_BS=(-0.4, 0.05, -0.22), q_BS=along_y),
+        PlacedShape(shape=long, p_BS=(0.0, 0.05, -0.05), q_BS=upright),
     )
     body = Body(
         name="frame",
@@ -71,14 +74,11 @@ def _compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings
         collision=shapes,
         material="block",
         p_WB=(0.0, 0.0, 0.25),
-        v_WB=(0.0, 0.0, 0.0),
-        # It rocks about its long axis, and only the width of the box that is laid along y holds it.
-        w_WB=(0.3, 0.0, 0.0),
     )
     end = final(adapter, on_ground(adapter, body, friction=0.0), settings.with_dt(FINE), 0.4)
     return judge(
         near("height of the frame [m]", end.p_WB[1, 2], 0.25, 5e-3, "it stands on a ball and two boxes"),
-        near("its tilt [rad]", angle_between(end.q_WB[1], _UPRIGHT), 0.0, 0.05, "40 cm wide; 6 cm wide it falls"),
+        near("its tilt [rad]", angle_between(end.q_WB[1], _UPRIGHT), 0.0, 0.05, "g .035/.11 t^2/2 = .25 rad where it falls"),
     )
 
 
@@ -115,6 +115,8 @@ def _plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Findin
 
 def _push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> Finding:
     """A force on a body whose only shape is off its centre of mass moves the centre of mass and turns nothing."""
+    if not adapter.features & (Feature.SPHERE | Feature.BOX):
+        raise NotApplicable("the engine claims neither a sphere nor a box that could be off the centre of mass")
     shape: Shape = Sphere(radius=0.1) if Feature.SPHERE in adapter.features else Box(half_extents=(0.1, 0.1, 0.1))
     body = Body(
         name="body",

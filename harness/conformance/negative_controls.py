@@ -1,9 +1,8 @@
 """Planted faults: engines broken in exactly one way each, which the checks must catch and name."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from harness.adapter import Adapter, Feature
+from harness.adapter import Feature
 from harness.conformance.broken_engines import (
     BodyAngularVelocity,
     ClosesOnce,
@@ -53,38 +52,14 @@ from harness.conformance.broken_pictures import (
     RangeForDepth,
     ShadowsLeftOut,
 )
+from harness.conformance.control import Control
+from harness.conformance.controls_of_contact import CONTACT_CONTROLS
+from harness.conformance.controls_of_motion import MOTION_CONTROLS
+from harness.conformance.controls_of_sensing import SENSING_CONTROLS
 from harness.conformance.faults import plant
-from harness.scene import (
-    Effect,
-)
-from harness.trajectory import Trajectory
+from harness.scene import Effect
 
-__all__ = ["CONTROLS", "Control"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Control:
-    """One planted fault.
-
-    Terms:
-        name, fault: what is broken, in snake case and in words. caught_by: the conformance checks of which at least one must
-        fail, each of which passes on the sound engine. needs: features without which the fault cannot show.
-        plant: the adapter with the fault. spoil: the same for a recorded trajectory, for faults behind the engine.
-        applies_to_cases: patterns of case names that should notice it as well.
-    """
-
-    name: str
-    fault: str
-    caught_by: tuple[str, ...]
-    plant: Callable[[Adapter], Adapter] = lambda adapter: adapter
-    spoil: Callable[[Trajectory], Trajectory] = lambda trajectory: trajectory
-    needs: Feature = Feature.NONE
-    applies_to_cases: tuple[str, ...] = ()
-
-    @property
-    def on_trajectory(self) -> bool:
-        """Does the fault lie behind the engine, in recorded streams?"""
-        return not self.caught_by or self.caught_by == ("noise_axes_are_independent",)
+__all__ = ["CONTROLS"]
 
 
 _TOPS = ("spin_asymmetric_top", "spin_intermediate_axis", "spin_symmetric_top")
@@ -489,5 +464,8 @@ CONTROLS: tuple[Control, ...] = (
         plant=approximating,
         caught_by=("unclaimed_features_raise_unsupported",),
     ),
+    *MOTION_CONTROLS,
+    *CONTACT_CONTROLS,
+    *SENSING_CONTROLS,
 )
 """Every planted fault."""

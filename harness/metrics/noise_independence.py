@@ -2,6 +2,7 @@
 
 Correlations are those of the samples' differences, which are stationary whatever walks. Differences of white noise have
 the autocorrelation -1/2 at lag 1, which makes the variance of a correlation of two independent ones (1 + 2/4)/n (Bartlett).
+Samples are compared by the number of their draw, over the length that both have: all pairs of axes of one rate.
 """
 
 import itertools
@@ -31,9 +32,10 @@ def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
                 columns.extend((sensor.rate, column) for column in np.diff(noise, axis=0).T)
     scores = []
     for (rate_a, a), (rate_b, b) in itertools.combinations(columns, 2):
-        # Streams of different rates share no instants that could be compared one by one.
-        if rate_a == rate_b and len(a) == len(b) and len(a) >= 30:
-            scores.append(abs(np.corrcoef(a, b)[0, 1]) * np.sqrt(len(a) / 1.5))
+        # Generators that share a seed agree draw by draw, whenever the readings come: a late sensor has fewer of them.
+        count = min(len(a), len(b))
+        if rate_a == rate_b and count >= 30:
+            scores.append(abs(np.corrcoef(a[:count], b[:count])[0, 1]) * np.sqrt(count / 1.5))
     if not scores:
         raise NotMeasurable("fewer than two noisy axes of one rate with at least 31 samples")
     return maximum(np.array(scores))

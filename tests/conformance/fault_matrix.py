@@ -17,6 +17,7 @@ from harness import discover
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.conformance import CONTROLS, Control
+from harness.scene import Scene
 from harness.trajectory import Trajectory
 from tests.conformance.put import put
 
@@ -62,10 +63,14 @@ class Catch:
 
 
 def broken_checks(
-    case: Case, adapter: Adapter, dt: float, spoil: Callable[[Trajectory], Trajectory] = lambda trajectory: trajectory
+    case: Case,
+    adapter: Adapter,
+    dt: float,
+    spoil: Callable[[Trajectory], Trajectory] = lambda trajectory: trajectory,
+    sensors: Callable[[Scene], Scene] = lambda scene: scene,
 ) -> dict[str, str]:
     """The case's checks that an engine fails on the tuned track at a time step dt [s], each with what was found."""
-    answer = put(case, adapter, adapter.tracks["tuned"].with_dt(dt), spoil)
+    answer = put(case, adapter, adapter.tracks["tuned"].with_dt(dt), spoil, sensors=sensors)
     if answer.broke is not None:
         return {"divergence": "1 / 0"}
     return {name: f"{m.value:.2g} / {m.at_most:.2g}" for name, m in answer.broken.items()}
@@ -94,7 +99,7 @@ def caught(control: Control, case: Case, only: float | None = None) -> Catch | N
     for dt in steps(case) if only is None else (only,):
         if sound_failures(case.name, dt):
             return None
-        if found := broken_checks(case, control.plant(discover.adapter("reference")), dt, control.spoil):
+        if found := broken_checks(case, control.plant(discover.adapter("reference")), dt, control.spoil, control.sensors):
             return Catch(dt, found)
     return None
 

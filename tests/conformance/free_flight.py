@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Unsupported
+from harness.boundary import check_state, check_wrench
 from harness.scene import Camera, Effect, Scene, multiply, rotation_matrix
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
@@ -67,10 +68,12 @@ class Flight:
             self._y = y
 
     def state(self, out: State) -> None:
+        check_state(len(self._y), out)
         out.p_WB[:], out.q_WB[:], out.v_WB[:] = self._y[:, :3], self._y[:, 3:7], self._y[:, 7:10]
         out.w_WB[:] = np.einsum("nij,nj->ni", self._rotations(self._y[:, 3:7]), self._y[:, 10:])
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        check_wrench(len(self._y), f_B_W, tau_B_W)
         self._f, self._tau = f_B_W.copy(), tau_B_W.copy()
 
     def save(self) -> object:

@@ -40,14 +40,19 @@ def _same(trajectory: Trajectory) -> Trajectory:
     return trajectory
 
 
+def _as_it_is(scene: Scene) -> Scene:
+    return scene
+
+
 def put(
     case: Case,
     adapter: Adapter,
     settings: Settings,
     spoil: Callable[[Trajectory], Trajectory] = _same,
     parameters: Mapping[str, Any] | None = None,
+    sensors: Callable[[Scene], Scene] = _as_it_is,
 ) -> Answer:
-    """Run a case on an engine; `spoil` changes what was recorded before it is judged."""
+    """Run a case on an engine; `spoil` changes what was recorded, `sensors` what readers are told."""
     chosen = dict(case.parameters) | ({"seed": 0} if case.ensemble > 1 else {}) | dict(parameters or {})
     scene = case.scene(**chosen)
     simulation = adapter.build(scene, settings)
@@ -56,7 +61,7 @@ def put(
     try:
         actual, broke = simulate(
             simulation,
-            scene,
+            sensors(scene),
             dt=settings.dt,
             duration=case.duration,
             sample_interval=case.sample_interval,

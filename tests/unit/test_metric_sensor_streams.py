@@ -1,5 +1,6 @@
 """Metrics of lag, spectrum, distribution, stamps and integrated attitude: silent on what is right, loud on planted faults."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from cases import sensor_streams
 from harness.inertial_residual import inertial_residual
 from harness.metric import NotMeasurable
 from harness.metrics.gyroscope_attitude import GYROSCOPE_ATTITUDE
@@ -24,6 +26,7 @@ RATE, COUNT = 100.0, 20_000
 LAW = AxisNoise(density=2e-3, bias=0.1, random_walk=1e-3, misalignment=(0.02, -0.01, 0.03), scale_error=5e-3)
 SLOW = replace(LAW, instability=5e-3, instability_time=0.3)
 FALSE_ALARM, FALSE_DISTANCE = 5.0, 2.73
+CHANNELS = ("accelerometer", "gyroscope")
 
 
 def _scene(law: AxisNoise = LAW, **fields: object) -> Scene:
@@ -40,6 +43,24 @@ def _streams(law: AxisNoise, seed: int = 1, name: str = "imu") -> dict[str, Floa
         noise = three_axes(law, COUNT, 1 / RATE, seed, name, channel)
         found[f"{name}/{channel}_ideal"] = ideal
         found[f"{name}/{channel}"] = read_out(law, sensed(law, ideal) + noise)
+    return found
+
+
+def _case_streams() -> dict[str, Floats]:
+    """What the two sensors of the case say at rest, the late one three readings fewer."""
+    found: dict[str, Floats] = {}
+    scene = sensor_streams.CASE.scene(**sensor_streams.CASE.parameters)
+    for sensor in scene.sensors:
+        if not isinstance(sensor, Imu) or sensor.noise is None:
+            continue
+        count = round((sensor_streams.DURATION - sensor.latency) * sensor.rate)
+        found[f"{sensor.name}/time"] = np.arange(1, count + 1) / sensor.rate + sensor.latency
+        for channel in CHANNELS:
+            law = getattr(sensor.noise, channel)
+            ideal = np.tile((0.0, 0.0, 9.81), (count, 1))
+            noise = three_axes(law, count, 1 / sensor.rate, 1, sensor.name, channel)
+            found[f"{sensor.name}/{channel}_ideal"] = ideal
+            found[f"{sensor.name}/{channel}"] = read_out(law, sensed(law, ideal) + noise)
     return found
 
 
@@ -110,6 +131,33 @@ def test_a_stream_shared_by_two_sensors_is_seen() -> None:
     assert INDEPENDENCE_SCORE(twin, _answer(apart)) < 4.0
     shared = apart | {"twin/gyroscope": apart["imu/gyroscope"]}
     assert INDEPENDENCE_SCORE(twin, _answer(shared)) > 0.99 * np.sqrt((COUNT - 1) / 1.5)
+
+
+def test_a_stream_shared_with_a_late_sensor_is_seen_although_that_one_has_fewer_readings() -> None:
+    """Generators that share a seed agree draw by draw: the correlation of what both have drawn is 1."""
+    scene = _scene()
+    twin = replace(scene, sensors=(*scene.sensors, replace(scene.sensors[0], name="twin", latency=0.015)))  # type: ignore[arg-type]
+    late = {name: stream[:-3] for name, stream in _streams(LAW, name="twin").items()}
+    apart = _streams(LAW) | late
+    assert INDEPENDENCE_SCORE(twin, _answer(apart)) < 4.0
+    for channel in ("gyroscope", "accelerometer"):
+        shared = apart | {f"twin/{channel}": apart[f"imu/{channel}"][:-3]}
+        assert INDEPENDENCE_SCORE(twin, _answer(shared)) > 0.99 * np.sqrt((COUNT - 4) / 1.5)
+
+
+def test_all_pairs_of_the_case_are_compared() -> None:
+    """Any axis of one sensor that carries any other axis of any sensor is seen: 66 pairs of twelve axes."""
+    axes = [(sensor, channel, axis) for sensor in ("left", "right") for channel in CHANNELS for axis in range(3)]
+    case_scene = sensor_streams.CASE.scene(**sensor_streams.CASE.parameters)
+    sound = _case_streams()
+    assert INDEPENDENCE_SCORE(case_scene, _answer(sound)) < 4.0
+    pairs = list(itertools.combinations(axes, 2))
+    assert len(pairs) == sensor_streams.PAIRS == 66
+    for (one, a, i), (other, b, j) in pairs:
+        spoilt = {name: stream.copy() for name, stream in sound.items()}
+        count = min(len(spoilt[f"{one}/{a}"]), len(spoilt[f"{other}/{b}"]))
+        spoilt[f"{other}/{b}"][:count, j] = spoilt[f"{one}/{a}"][:count, i]
+        assert INDEPENDENCE_SCORE(case_scene, _answer(spoilt)) > 50.0, (one, a, i, other, b, j)
 
 
 @pytest.mark.parametrize("true", [0.0, 0.005, 0.0123, -0.007])

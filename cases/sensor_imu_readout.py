@@ -1,0 +1,114 @@
+"""What an inertial sensor without noise makes of its signal: a triad out of line, a scale error, steps and bounds."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.case import Case, Check
+from harness.control import Control
+from harness.kinematics import rotate_back
+from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.imu_readout import READOUT_ERROR
+from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
+from harness.scene import (
+    EARTH_GRAVITY,
+    AxisNoise,
+    Body,
+    Imu,
+    ImuNoise,
+    PlacedShape,
+    Scene,
+    Sphere,
+    axis_angle,
+    sphere_inertia,
+)
+from harness.trajectory import Floats, State, Trajectory
+
+G = -EARTH_GRAVITY[2]
+DURATION, RATE = 2.0, 60.0
+MASS, RADIUS = 2.0, 0.5
+SPIN_UP = 3.0
+MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
+SINGLE = 2.0**-24
+"""Relative rounding of a float32: an engine in single precision is judged as such."""
+ACCELEROMETER = AxisNoise(quantisation=0.05, saturation=7.0, scale_error=0.02, misalignment=(0.03, -0.02, 0.04))
+GYROSCOPE = AxisNoise(quantisation=0.02, saturation=4.0, scale_error=-0.03, misalignment=(-0.02, 0.05, 0.01))
+"""Coarse steps and bounds that the signal passes: the weight alone reaches 7.4 m/s2 on one axis, the spin 4.9 rad/s."""
+
+
+def _scene(spin_up: float = SPIN_UP) -> Scene:  # noqa: ARG001 -- the torque is the control's
+    """A ball at rest, held up and spun up about z by the control, with a sensor at its centre, turned against it."""
+    ball = Body(
+        name="ball",
+        mass=MASS,
+        inertia=sphere_inertia(MASS, RADIUS),
+        visual=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+    )
+    law = ImuNoise(accelerometer=ACCELEROMETER, gyroscope=GYROSCOPE)
+    imu = Imu(name="imu", body="ball", rate=RATE, q_BS=MOUNTING, reading="states", noise=law)
+    return Scene(bodies=(ball,), sensors=(imu,))
+
+
+def _control(spin_up: float = SPIN_UP) -> Control:
+    """The weight borne, and the torque that spins the ball up by `spin_up` [rad/s2]."""
+    force = np.array([[0.0, 0.0, MASS * G]])
+    torque = np.array([[0.0, 0.0, sphere_inertia(MASS, RADIUS)[2][2] * spin_up]])
+
+    def wrench(_time: float, _state: State) -> tuple[Floats, Floats]:
+        return force, torque
+
+    return Control(wrench=wrench)
+
+
+def _expected(time: Floats, spin_up: float = SPIN_UP) -> Trajectory:
+    """The weight is felt along z, which is the axis of the spin as well: both signals stand still in S but for w = a t."""
+    truth = Trajectory.of(time, 1)
+    angle = spin_up * truth.time**2 / 2
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(angle / 2), np.sin(angle / 2)
+    truth.w_WB[:, 0, 2] = spin_up * truth.time
+    count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
+    late = np.arange(1, count + 1) / RATE
+    up = np.tile((0.0, 0.0, 1.0), (count, 1))
+    q_BS = np.tile(MOUNTING, (count, 1))
+    streams = {
+        "imu/time": late,
+        "imu/accelerometer_ideal": rotate_back(q_BS, G * up),
+        "imu/gyroscope_ideal": rotate_back(q_BS, spin_up * late[:, None] * up),
+    }
+    return replace(truth, streams=streams)
+
+
+FASTEST = SPIN_UP * DURATION
+
+CASE = Case(
+    name="sensor_imu_readout",
+    title="Digits of an inertial sensor",
+    question="Are readings the nearest levels, within their bounds, of a signal that is seen askew and out of scale?",
+    source="IEEE Std 1293-2018; Widrow, Kollar, Quantization Noise (2008), section 1.1",
+    truth="closed form",
+    scene=_scene,
+    control=_control,
+    expected=_expected,
+    duration=DURATION,
+    parameters={"spin_up": SPIN_UP},
+    headline=READOUT_ERROR.name,
+    checks=(
+        Check(metric=DIVERGENCE, at_most=0.0, because="a steady torque never makes a ball diverge in two seconds"),
+        Check(
+            metric=READOUT_ERROR,
+            at_most=1e-9,
+            because="a reading is a whole number of steps to some roundings of some hundreds; a wrong level is a whole step",
+        ),
+        Check(
+            metric=ACCELEROMETER_ERROR,
+            at_most=8 * SINGLE * G * (1.0 + RATE),
+            because="the weight is borne: rounding of g dt, a sum of it over an interval, in single precision",
+        ),
+        Check(
+            metric=GYROSCOPE_ERROR,
+            at_most=64 * SINGLE * FASTEST,
+            because="a steady torque is integrated exactly by every integrator; what is left is the rounding of its sum, in "
+            "single precision",
+        ),
+    ),
+)

@@ -1493,9 +1493,9 @@ ADAPTER = MujocoAdapter(
             source=(
                 "MuJoCo documentation: 'Modeling', preventing slip (elliptic cone, impratio above 1) and solver parameters "
                 "(time constant at least twice the time step; measured here: below 40 steps contacts lift what slides, below "
-                "damping ratio 1.2 they rebound; a stop, along which nothing slides, is held at two steps, and of ratio 2 returns "
-                "a rod by .003 rad where one of 1 does by .05); 'Computation', numerical integration (RK4 for smooth scenes "
-                "whose springs and dampers it resolves, implicit for stiffer ones; measured here: implicitfast jitters in "
+                "damping ratio 1.2 they rebound; a stop, along which nothing slides, is held at two steps, and of ratio 2 "
+                "returns a rod by .003 rad where one of 1 does by .05); 'Computation', numerical integration (RK4 for smooth "
+                "scenes whose springs and dampers it resolves, implicit for stiffer ones; measured here: implicitfast jitters in "
                 "contact where Euler rests); change log of 4.0.1 (sparse factor of 4.0.0: dense Jacobian)"
             ),
         ),

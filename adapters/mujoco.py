@@ -22,6 +22,9 @@ Deviations:
   slip up to the speed of approach by 5 %, up to three times that by -20..+13 % at e >= .5 and up to +43 % at e = .3; at ten
   times it by -25..+70 % and up to +154 %, at thirty times up to +137 % and +261 %. Neither impratio nor the slip correction
   changes that; a slower friction would, but stops less of the slip: as it is, a grip leaves up to e^-2 = .135 of it.
+* Springs and drives in a scene where bodies can touch are stepped by the discrete integrator on tuned, which rests where the
+  implicit one jitters, and damps: an arm of 3, 2 and 1 kg on drives of 200 N m/rad and 2 N m s/rad, touching nothing, errs by
+  .016 rad after .25 s at 1/240, by Euler .010, implicitfast .005.
 * Sliding, torsional and rolling friction share one cone, so that each takes from the others; a coefficient below 1e-5 counts as
   1e-5 where another one is above zero.
 * The gyroscopic term is part of the bias force and cannot be switched off.
@@ -1495,8 +1498,8 @@ ADAPTER = MujocoAdapter(
                 "(time constant at least twice the time step; measured here: below 40 steps contacts lift what slides, below "
                 "damping ratio 1.2 they rebound; a stop, along which nothing slides, is held at two steps, and of ratio 2 "
                 "returns a rod by .003 rad where one of 1 does by .05); 'Computation', numerical integration (RK4 for smooth "
-                "scenes whose springs and dampers it resolves, implicit for stiffer ones; measured here: implicitfast jitters in "
-                "contact where Euler rests); change log of 4.0.1 (sparse factor of 4.0.0: dense Jacobian)"
+                "scenes whose springs and dampers it resolves, implicit for stiffer ones; measured here: in contact the "
+                "implicit one jitters where Euler rests); change log of 4.0.1 (sparse factor of 4.0.0: dense Jacobian)"
             ),
         ),
     },

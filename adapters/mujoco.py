@@ -1525,21 +1525,22 @@ ADAPTER = MujocoAdapter(
     },
     trade_offs={
         "friction_backspin/ladder": (
-            "a ball that slides hops on a soft contact, and where it lands is chance: at six steps .94 to 2.1 times the error of "
-            "the default, between .16 and 1.9 m/s; a damping ratio of 1 only moves the scatter"
+            "a ball that slides hops on a soft contact, and where it lands is chance: at six steps .94 to 2.1 times the "
+            "error of the default, between .16 and 1.9 m/s; a damping ratio of 1 only moves the scatter"
         ),
         "joint_long_run/ladder": (
-            "RK4 loses a share of z^5/144 of an amplitude a radian, z being the phase of a step; Euler is symplectic: at 1/20 s "
-            "9.5e-6 against 1.5e-7, the bound being 3.8e-4; from 1/90 s down RK4 errs less"
+            "RK4 loses a share of z^5/144 of an amplitude a radian, z being the phase of a step; Euler is symplectic: at "
+            "1/20 s 9.5e-6 against 1.5e-7, the bound being 3.8e-4; from 1/90 s down RK4 errs less"
         ),
         "orbit_kepler/ladder": (
-            "told its force once a step, RK4 drifts, kicks and drifts, and is of second order as the default: within a tenth of "
-            "it but at 1/60 s, where the textbook's drift, kick and drift itself measures the same 20.8 rad as it passes the "
-            "middle of its path 98 times in 100 turns; the angle at the end errs by 4.14 rad, by 4.23 on default"
+            "told its force once a step, RK4 drifts, kicks and drifts, and is of second order as the default: within an "
+            "eighth of it but at 1/60 s, where the textbook's drift, kick and drift itself measures the same 20.8 rad as "
+            "it passes the middle of its path 98 times in 100 turns; the angle at the end errs by 4.14 rad, by 4.23 on "
+            "default"
         ),
         "stack_pile/ladder": (
-            "where a pile comes to rest in steps of 1/60 s is chance: .0131 against .0071, and .0062 to .0107 under five other "
-            "settings of cone, impratio, damping ratio and impedance; from 1/480 s down tuned errs less"
+            "where a pile comes to rest in steps of 1/60 s is chance: .0131 against .0071, and .0062 to .0107 under five "
+            "other settings of cone, impratio, damping ratio and impedance; from 1/480 s down tuned errs less"
         ),
     },
     loads=("mujoco",),

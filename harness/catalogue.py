@@ -71,6 +71,7 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
         "tracks": {name: settings.plain() for name, settings in engine.tracks.items()},
         "knobs": {name: list(values) for name, values in engine.knobs.items()},
         "known_failures": dict(engine.known_failures),
+        "trade_offs": dict(engine.trade_offs),
         "deviations": list(engine.deviations),
         "orders": dict(engine.orders),
     }

@@ -12,6 +12,7 @@ from harness.conformance.faults import Repaired, Rewritten, Wrapped, plant
 from harness.scene import (
     Body,
     Box,
+    Capsule,
     Effect,
     Matrix3,
     PlacedShape,
@@ -52,6 +53,7 @@ __all__ = [
     "double_extents",
     "entangled",
     "gravity",
+    "half_a_capsule",
     "joints",
     "losing_speed",
     "repairing",
@@ -133,6 +135,24 @@ def capsule_to_sphere(body: Body) -> Body:
     """Every capsule becomes a sphere of .1 m."""
     kept = tuple(replace(p, shape=Sphere(radius=0.1)) if p.shape.type == "capsule" else p for p in body.collision)
     return replace(body, collision=kept)
+
+
+def half_a_capsule(scene: Scene) -> Scene:
+    """Beside boxes every capsule touches with one of its ends alone."""
+    if not any(placed.shape.type == "box" for body in scene.bodies for placed in body.collision):
+        return scene
+
+    def halved(placed: PlacedShape) -> PlacedShape:
+        match placed.shape:
+            case Capsule(radius=r, half_length=h):
+                end = rotation(np.array(placed.q_BS)) @ (0.0, 0.0, h) + np.array(placed.p_BS)
+                return replace(placed, shape=Sphere(radius=r), p_BS=(float(end[0]), float(end[1]), float(end[2])))
+            case _:
+                return placed
+
+    return replace(
+        scene, bodies=tuple(replace(body, collision=tuple(halved(one) for one in body.collision)) for body in scene.bodies)
+    )
 
 
 def joints(change: Callable[[Revolute | Prismatic], Any]) -> Callable[[Adapter], Adapter]:

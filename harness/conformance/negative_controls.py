@@ -29,6 +29,7 @@ from harness.conformance.broken_engines import (
     double_extents,
     entangled,
     gravity,
+    half_a_capsule,
     joints,
     losing_speed,
     repairing,
@@ -274,6 +275,13 @@ CONTROLS: tuple[Control, ...] = (
         plant=bodies(capsule_to_sphere),
         caught_by=("capsule_is_a_capsule",),
         needs=Feature.CAPSULE | Feature.SPHERE,
+    ),
+    Control(
+        name="capsule_sinks_into_boxes",
+        fault="a lying capsule touches a box with one of its ends alone",
+        plant=told(half_a_capsule),
+        caught_by=("lying_capsule_rests_on_box",),
+        needs=Feature.CAPSULE | Feature.SPHERE | Feature.BOX,
     ),
     Control(
         name="mass_ten_percent_light",

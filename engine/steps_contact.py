@@ -111,6 +111,7 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                     if kind[b, TOUCHED] == 1:
                         drift(state, body, kind, turned, b, h, gyroscopic)
                 refresh(state, 0, n, manifold, key, point)
+                share_loads(kind, bodies, sums, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                 if bounce(n, manifold, key, point):

@@ -131,6 +131,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                     drift(state, body, kind, turned, b, h, gyroscopic)
             if n > 0:
                 refresh(state, 0, n, manifold, key, point)
+                share_loads(kind, bodies, sums, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                     hold_joints(state, row, row_body, equalities, rows, reach, matrix, low, vector, 1)

@@ -252,8 +252,8 @@ COUPLING: Final = 37  # 9: rows V1, V2, W3 by the forces of the other block
 STOP_BLOCK: Final = 46  # 6: inverse of TANGENT_BLOCK, or of its part on (V1, V2) for points that give no moment
 POINT_SHARE: Final = 53  # 1 / number of points
 RIMS: Final = 54  # 1 where points roll on along the rim of a cylinder, else 0
-AXIS_A: Final = 55  # 3, in A: of the cylinder that has such a rim
-AXIS_B: Final = 58
+RIM_AXIS_A: Final = 55  # 3, in A: of the cylinder that has such a rim
+RIM_AXIS_B: Final = 58
 STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre
 
 # Columns of MANIFOLD_KEY.

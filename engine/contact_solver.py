@@ -29,8 +29,6 @@ from engine.arena import (
     APPROACH,
     ARM_A,
     ARM_B,
-    AXIS_A,
-    AXIS_B,
     BODY_A,
     BODY_B,
     CAPSULE,
@@ -53,6 +51,8 @@ from engine.arena import (
     PLACE,
     POINT_SHARE,
     POINTS,
+    RIM_AXIS_A,
+    RIM_AXIS_B,
     RIMS,
     ROUND_A,
     ROUND_B,
@@ -294,8 +294,8 @@ def prepare(
         held = mat_vec(frame, load3(point, i, TANGENT_IMPULSE))
         point[i, HELD], point[i, HELD + 1] = held[0], held[1]
     if manifold[m, RIMS] == 1.0:
-        store3(manifold, m, AXIS_A, tmat_vec(ra_wb, axis_a))
-        store3(manifold, m, AXIS_B, tmat_vec(rb_wb, axis_b))
+        store3(manifold, m, RIM_AXIS_A, tmat_vec(ra_wb, axis_a))
+        store3(manifold, m, RIM_AXIS_B, tmat_vec(rb_wb, axis_b))
     manifold[m, POINT_SHARE] = 1.0 / key[m, POINTS]
     spread(m, sub(pb, pa), manifold, key, point)
     write_blocks(manifold, m, frame, ma, ia, load3(manifold, m, CENTRE_A), mb, ib, load3(manifold, m, CENTRE_B))
@@ -340,8 +340,8 @@ def refresh(state: Floats, first: int, end: int, manifold: Floats, key: Ints, po
     """Arms and separations of the points of manifolds first..end - 1 at the present poses.
 
     A point goes with the corner or the round surface that makes it, while the other body slides under it; on the rim of a
-    tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step. Both arms lead to one
-    place, which keeps angular momentum.
+    tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step. Both arms lead to
+    one place, which keeps angular momentum.
     """
     for m in range(first, end):
         a, b = key[m, BODY_A], key[m, BODY_B]
@@ -351,8 +351,8 @@ def refresh(state: Floats, first: int, end: int, manifold: Floats, key: Ints, po
         way = sub(pb, pa)
         low_a, low_b = n, n
         if manifold[m, RIMS] == 1.0:
-            low_a = lowest_of(mat_vec(ra_wb, load3(manifold, m, AXIS_A)), n)
-            low_b = lowest_of(mat_vec(rb_wb, load3(manifold, m, AXIS_B)), scale(-1.0, n))
+            low_a = lowest_of(mat_vec(ra_wb, load3(manifold, m, RIM_AXIS_A)), n)
+            low_b = lowest_of(mat_vec(rb_wb, load3(manifold, m, RIM_AXIS_B)), scale(-1.0, n))
         for k in range(key[m, POINTS]):
             i = 4 * m + k
             ra, rb = mat_vec(ra_wb, load3(point, i, SPOT_A)), mat_vec(rb_wb, load3(point, i, SPOT_B))

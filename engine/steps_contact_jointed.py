@@ -35,6 +35,7 @@ from engine.arena import (
     ROW_BODY,
     RUNGE_KUTTA,
     SETTING,
+    START,
     SOFTNESS,
     STATE,
     STEPS,

@@ -105,9 +105,7 @@ def time_to_blow(floats: FloatArray, ints: IntArray, made: ContactFrames, left: 
     return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
 
 
-def assemble_problem(
-    floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray
-) -> tuple[Problem, FloatArray]:
+def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> tuple[Problem, FloatArray]:
     """The problem of these contacts, with velocities already kicked, and what is added to them along the normals, (k,) m/s.
 
     Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.

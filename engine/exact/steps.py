@@ -105,7 +105,9 @@ class ExactSteps:
             if struck.any():
                 motion -= (1.0 - passed / h) * kick
                 touching = made.of(struck | (closing(floats, ints, made, 1.0) == 0.0))
-                self._respond(floats, ints, touching, rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)]))
+                self._respond(
+                    floats, ints, touching, rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)])
+                )
                 drift_touched(floats, ints, 0.0, 0)
                 motion += (1.0 - passed / h) * kick
             else:

@@ -340,8 +340,8 @@ def refresh(state: Floats, first: int, end: int, manifold: Floats, key: Ints, po
     """Arms and separations of the points of manifolds first..end - 1 at the present poses.
 
     A point goes with the corner or the round surface that makes it, while the other body slides under it; on the rim of a
-    tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step. Both arms lead to one
-    place, which keeps angular momentum.
+    tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step. Both arms lead to
+    one place, which keeps angular momentum.
     """
     for m in range(first, end):
         a, b = key[m, BODY_A], key[m, BODY_B]

@@ -25,6 +25,7 @@ from engine.arena import (
     REST,
     RUNGE_KUTTA,
     SETTING,
+    START,
     STATE,
     STEPS,
     SUBSTEPS,
@@ -38,6 +39,7 @@ from engine.finite_state import is_finite
 from engine.jit import entry, kernel
 from engine.motion import drift, drift_free, kick
 from engine.runge_kutta import runge_kutta_free
+from engine.share_loads import share_loads
 from engine.vec import Floats, Ints, load3, norm
 
 __all__ = ["slow_approach", "soft_factors", "step_contact"]
@@ -75,7 +77,7 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     if pairs wait for the convex narrow phase.
     """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
+    load, setting, sums = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
     kind, count, rest = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), floats_of(floats, ints, REST)
     bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
@@ -101,6 +103,7 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                         kick(state, body, kind, turned, load, setting, b, h)
                 strikes = approach(state, kind, setting, n, manifold, key, point, h, slow)
                 patience = FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
+                share_loads(kind, bodies, sums, n, manifold, key, point)
                 warm_start(state, body, turned, n, manifold, key, point)
                 for _ in range(count[0, ITERATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
@@ -108,6 +111,7 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                     if kind[b, TOUCHED] == 1:
                         drift(state, body, kind, turned, b, h, gyroscopic)
                 refresh(state, 0, n, manifold, key, point)
+                share_loads(kind, bodies, sums, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                 if bounce(n, manifold, key, point):

@@ -35,6 +35,7 @@ from engine.arena import (
     ROW_BODY,
     RUNGE_KUTTA,
     SETTING,
+    START,
     SOFTNESS,
     STATE,
     STEPS,
@@ -53,6 +54,7 @@ from engine.jit import entry, kernel
 from engine.joint_rows import equality_rows
 from engine.motion import drift, drift_free, kick
 from engine.runge_kutta import runge_kutta_free
+from engine.share_loads import share_loads
 from engine.steps_contact import FRESH, slow_approach, soft_factors
 from engine.vec import Floats, Ints
 
@@ -80,7 +82,7 @@ def hold_joints(
 def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact and held by joints. Returns: as `step_contact`."""
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
+    load, setting, sums = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
     joint, row, reach = floats_of(floats, ints, JOINT), floats_of(floats, ints, ROW), floats_of(floats, ints, REACH)
     matrix, low, vector = floats_of(floats, ints, MATRIX), floats_of(floats, ints, FACTOR), floats_of(floats, ints, VECTOR)
@@ -116,6 +118,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
             assemble(row, row_body, 0, rows, body, turned, reach, matrix)
             strikes = approach(state, kind, setting, n, manifold, key, point, h, slow)
             patience = FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
+            share_loads(kind, bodies, sums, n, manifold, key, point)
             warm_start(state, body, turned, n, manifold, key, point)
             hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 0)
             for _ in range(count[0, ITERATIONS] * patience):
@@ -127,6 +130,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                     drift(state, body, kind, turned, b, h, gyroscopic)
             if n > 0:
                 refresh(state, 0, n, manifold, key, point)
+                share_loads(kind, bodies, sums, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                     hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)

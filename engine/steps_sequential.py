@@ -32,6 +32,7 @@ from engine.jit import entry
 from engine.motion import drift, drift_free, kick
 from engine.runge_kutta import runge_kutta_free
 from engine.sequential_impulses import push_apart, sweep_velocities
+from engine.share_loads import share_loads
 from engine.steps_contact import slow_approach
 from engine.vec import Floats, Ints
 
@@ -69,6 +70,7 @@ def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[in
                     if kind[b, TOUCHED] == 1:
                         kick(state, body, kind, turned, load, setting, b, h)
                 approach(state, kind, setting, n, manifold, key, point, h, slow)
+                share_loads(kind, bodies, pseudo, n, manifold, key, point)
                 warm_start(state, body, turned, n, manifold, key, point)
                 for k in range(iterations):
                     sweep_velocities(state, body, turned, n, manifold, key, point, h, 0, k % 2)

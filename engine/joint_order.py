@@ -1,7 +1,8 @@
 """The order in which the rows of joints are eliminated, whatever order they are listed in.
 
 The factor of J M^-1 J^T fills from the first joint that shares a body with a joint up to that joint, and costs the square of
-that width. Reverse Cuthill-McKee puts neighbours near each other; depth first, children before their parents, suits trees.
+that width. Reverse Cuthill-McKee puts neighbours near each other; children before their parents, the largest branch first,
+suits trees.
 
 Source: George, Liu, Computer Solution of Large Sparse Positive Definite Systems (1981), chapter 4.
 """
@@ -84,24 +85,32 @@ def _best(part: Sequence[int], beside: Sequence[Sequence[int]], joints: Sequence
 
 def _layers(start: int, beside: Sequence[Sequence[int]]) -> list[int]:
     """Breadth first from a joint, those with few neighbours first: Cuthill-McKee, to be reversed."""
-    order, seen = [start], {start}
+    return list(_found_from(start, beside))
+
+
+def _found_from(start: int, beside: Sequence[Sequence[int]]) -> dict[int, int]:
+    """For each joint of a mechanism, breadth first from one of them, the joint from which it was found."""
+    found = {start: start}
+    order = [start]
     for j in order:
-        for k in sorted((k for k in beside[j] if k not in seen), key=lambda k: (len(beside[k]), k)):
-            seen.add(k)
+        for k in sorted((k for k in beside[j] if k not in found), key=lambda k: (len(beside[k]), k)):
+            found[k] = j
             order.append(k)
-    return order
+    return found
 
 
 def _children_first(start: int, beside: Sequence[Sequence[int]]) -> list[int]:
-    """Depth first from a joint, every joint after those reached through it."""
-    order, seen, stack = [], {start}, [(start, iter(beside[start]))]
+    """Every joint after those found from it, and the largest branch first: no other has to reach back across it."""
+    above = _found_from(start, beside)
+    size = dict.fromkeys(above, 1)
+    below: dict[int, list[int]] = {j: [] for j in above}
+    for j in reversed(above):
+        if j != start:
+            size[above[j]] += size[j]
+            below[above[j]].append(j)
+    order, stack = [], [start]
     while stack:
-        joint, rest = stack[-1]
-        following = next((k for k in rest if k not in seen), None)
-        if following is None:
-            order.append(joint)
-            stack.pop()
-        else:
-            seen.add(following)
-            stack.append((following, iter(beside[following])))
-    return order
+        joint = stack.pop()
+        order.append(joint)
+        stack += sorted(below[joint], key=lambda j: (-size[j], j))
+    return order[::-1]

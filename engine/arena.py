@@ -305,6 +305,7 @@ MARGIN: Final = 8
 STEP_TOLERANCE: Final = 9
 WHOLE_STEP: Final = 10  # DT but while a swept step goes on in parts
 LAST_SPAN: Final = 11  # time that the impulses at hand belong to
+OPEN_GAP: Final = 12  # of the joint that a step found open [m or rad]
 
 # Columns of COUNT.
 BODIES: Final = 0
@@ -364,6 +365,9 @@ K_MOVES: Final = 5  # 1 where B is dynamic
 # Columns of MOVER: velocity and angular velocity first.
 M_INV_MASS: Final = 6
 M_INV_INERTIA: Final = 7
+
+# What a step returns beside the number of steps done, from this number on: which joint stays open.
+OPEN_JOINT: Final = 16
 
 # Values of CONTINUOUS, in the order of the option's.
 OFF: Final = 0

@@ -11,7 +11,8 @@ from engine.arena import float_table, int_table, new_arena
 from engine.bodies import Body, Surface
 from engine.check import finite, spd_inertia, unit_quaternion
 from engine.errors import NotSupported
-from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
+from engine.joint_order import ROWS
+from engine.joints import WORLD, Ball, Distance, Fixed, Joint, Revolute
 from engine.options import CONTINUOUS, FREE_INTEGRATORS, Options
 from engine.polyhedra import Polyhedron
 from engine.principal_frame import principal_frame
@@ -23,7 +24,6 @@ __all__ = ["assemble_world", "grow", "islands_know", "spheres_only", "wants_isla
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
 ENDLESS = 1e9
 """The extent [m] of a plane: where it turns at all, it does not count as still."""

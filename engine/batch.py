@@ -92,11 +92,14 @@ class Batch:
                     self._collide = address_of_collide(collide_convex)
                 self._grow([int(k) for k in which[states == 2]])
                 which = which[(states == 2) | (states == 3)]
-        lost = np.flatnonzero((self._status == 1) | (self._status == 4))
+        lost = np.flatnonzero((self._status == 1) | (self._status == 4) | (self._status >= at.OPEN_JOINT))
         if len(lost) > 0:
             world = self._worlds[lost[0]]
             name = world.options.integrator
-            why = "the state is not finite" if self._status[lost[0]] == 1 else f"integrator '{name}' found no solution"
+            status = int(self._status[lost[0]])
+            why = "the state is not finite" if status == 1 else f"integrator '{name}' found no solution"
+            if status >= at.OPEN_JOINT:
+                why = world.open_joint(status)
             raise Diverged(world.steps, why, int(lost[0]))
 
     def state(self) -> FloatArray:

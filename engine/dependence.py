@@ -17,11 +17,13 @@ from engine.vec import Floats, Ints, dot, load3
 
 __all__ = ["SUSPECT", "lies_in_span"]
 
-SUSPECT = 1e-8
-"""Pivots below this share of their diagonal are looked into; above it, floats carry the solution to eight digits."""
+SUSPECT = 1e-11
+"""Pivots below this share of their diagonal are looked into; above it, floats carry the solution to five digits, which the
+projections that follow make good."""
 
-VANISHED = 3e-6
-"""A combination below this share of its row is none: rows of a loop come that close to each other at singular poses alone."""
+VANISHED = 3e-2
+"""A combination below this share of its row is none. Masses alone make pivots small where the combination is as large as the
+row; in loops round-off leaves 1e-16 of it, and near a singular pose the gaps within a step, divided by the distance from it."""
 
 NEAREST = 1e-9
 """Levers below this share of the longest one are round-off of an anchor in the centre of mass."""

@@ -53,6 +53,7 @@ from engine.finite_state import is_finite
 from engine.jit import entry, kernel
 from engine.joint_rows import equality_rows
 from engine.motion import drift, drift_free, kick
+from engine.open_joints import open_joint
 from engine.runge_kutta import runge_kutta_free
 from engine.share_loads import share_loads
 from engine.steps_contact import FRESH, slow_approach, soft_factors
@@ -80,7 +81,7 @@ def hold_joints(
 
 @entry
 def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies in contact and held by joints. Returns: as `step_contact`."""
+    """Advance bodies in contact and held by joints. Returns: as `step_contact`, and `open_joint`."""
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting, sums = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
@@ -144,4 +145,4 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
         count[0, STEPS] += 1
         if not is_finite(state, bodies):
             return step + 1, 1
-    return steps, 0
+    return steps, open_joint(floats, ints, 1)

@@ -8,6 +8,7 @@ from engine.island_joints import advance_jointed_island, make_room_for_rows
 from engine.island_stages import any_hit, begin_islands, end_islands, next_meeting, skip_sleep
 from engine.islands import share
 from engine.jit import entry, parallel_entry
+from engine.open_joints import open_joint
 from engine.vec import Floats, Ints
 
 __all__ = ["step_islands_jointed", "step_islands_jointed_parallel"]
@@ -15,7 +16,10 @@ __all__ = ["step_islands_jointed", "step_islands_jointed_parallel"]
 
 @entry
 def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies in contact and held by joints, one island after the other. Returns: as `step_islands`."""
+    """Advance bodies in contact and held by joints, one island after the other.
+
+    Returns: as `step_islands`, and `open_joint`.
+    """
     stages, tally = ints_of(ints, COUNT)[0, SUBSTEPS] * 2 + 1, ints_of(ints, TALLY)
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
@@ -33,7 +37,7 @@ def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status
-    return steps, 0
+    return steps, open_joint(floats, ints, 1)
 
 
 @parallel_entry
@@ -60,4 +64,4 @@ def step_islands_jointed_parallel(floats: Floats, ints: Ints, steps: int) -> tup
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status
-    return steps, 0
+    return steps, open_joint(floats, ints, 1)

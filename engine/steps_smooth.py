@@ -32,6 +32,7 @@ from engine.finite_state import is_finite
 from engine.jit import entry
 from engine.jointed_runge_kutta import jointed_runge_kutta
 from engine.motion import drift_free
+from engine.open_joints import open_joint
 from engine.runge_kutta import runge_kutta_free
 from engine.shake import shake
 from engine.stiffness import mark_stiff
@@ -62,7 +63,7 @@ def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
 
 @entry
 def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies held by joints with SHAKE. Returns: as `step_free`."""
+    """Advance bodies held by joints with SHAKE. Returns: as `step_free`, and `open_joint`."""
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting, start = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
     joint, row, reach = floats_of(floats, ints, JOINT), floats_of(floats, ints, ROW), floats_of(floats, ints, REACH)
@@ -80,12 +81,12 @@ def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int
         count[0, STEPS] += 1
         if not is_finite(state, bodies):
             return step + 1, 1
-    return steps, 0
+    return steps, open_joint(floats, ints, 0)
 
 
 @entry
 def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies held by joints with Runge-Kutta and projection. Returns: as `step_free`."""
+    """Advance bodies held by joints with Runge-Kutta and projection. Returns: as `step_free`, and `open_joint`."""
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     load, setting, start = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
     slope, total = floats_of(floats, ints, SLOPE), floats_of(floats, ints, TOTAL)
@@ -104,4 +105,4 @@ def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[in
         count[0, STEPS] += 1
         if not is_finite(state, bodies):
             return step + 1, 1
-    return steps, 0
+    return steps, open_joint(floats, ints, 0)

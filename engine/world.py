@@ -17,6 +17,8 @@ from engine.bodies import Body, Surface
 from engine.broad.choice import DropApart, FindPairs, choose_broad_phase, load_search, load_volume, search_pairs
 from engine.check import finite, number, whole
 from engine.errors import Diverged, NotSupported
+from engine.initial_rates import check_initial_rates
+from engine.joint_order import elimination_order
 from engine.joints import Joint
 from engine.optics import Sun
 from engine.options import FREE_INTEGRATORS, Options
@@ -83,8 +85,8 @@ class World:
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch. sun: the light that pictures are taken in.
     Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for an integrator of free
-        bodies where there are joints or contacts, for what the exact solver lacks, and for joints beside contacts where these
-        are swept or solved by sequential impulses.
+        bodies where there are joints or contacts, for initial velocities that a joint forbids, for what the exact solver
+        lacks, and for joints beside contacts where these are swept or solved by sequential impulses.
     """
 
     def __init__(
@@ -98,11 +100,14 @@ class World:
         sun: Sun | None = None,
     ) -> None:
         self.options = options or Options()
+        joints = elimination_order(bodies, joints)
         self.sun = sun or Sun()
         self.touching = self.options.contacts and _may_touch(bodies)
         islands = self.touching and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
-        self._joints = {joint.name: j for j, joint in enumerate(joints)}
+        check_initial_rates(bodies, joints)
+        self._joint_names = [joint.name for joint in joints]
+        self._joints = {name: j for j, name in enumerate(self._joint_names)}
         self._names = [body.name for body in bodies]
         kinds = int_table(self._ints, at.SHAPE_KIND)
         self._polyhedral = bool((kinds[:, at.TYPE] >= at.HULL).any())
@@ -174,6 +179,8 @@ class World:
                 raise Diverged(self.steps)
             if status == 4:
                 raise Diverged(self.steps, f"integrator '{self.options.integrator}' found no solution for so long a step")
+            if status >= at.OPEN_JOINT:
+                raise Diverged(self.steps, self.open_joint(status))
             count -= done
             if status == 3:
                 from engine.collide_convex import collide_convex
@@ -181,6 +188,11 @@ class World:
                 collide_convex(self._floats, self._ints)
             if status == 2:
                 self._floats, self._ints = grow(self._floats, self._ints)
+
+    def open_joint(self, status: int) -> str:
+        """What is to be said of the joint that a step with this status found open."""
+        name = self._joint_names[status - at.OPEN_JOINT]
+        return f"joint '{name}' stays open by {float_table(self._floats, self._ints, at.SETTING)[0, at.OPEN_GAP]:.3g} m or rad"
 
     def compile(self) -> None:
         """Compile, or load from the cache, every stage that a step may run, by taking one: for a world to be thrown away."""

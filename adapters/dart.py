@@ -123,6 +123,9 @@ DRIVES = ("spring", "stable")
 """How springs and drives act: as DART's joint springs, or as torques of the velocity foreseen for the end of the step."""
 SMALLEST_COEFFICIENT = 1e-3
 """DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""
+CONE_TOLERANCE = 1e-6
+"""Where the conic solver of 'auto' stops. By the vendor's 1e-5 the case friction_wall_pinch errs by 21 mm at 1/240 s, by this
+one by 8.2 mm, as the exact Dantzig does."""
 MANY_BODIES = 16
 """Above this number of movable bodies 'auto' leaves the conic solver, whose cost grows fastest."""
 MOST_CONTACTS = 1000
@@ -1074,6 +1077,8 @@ class _Builder:
             solver.setSplitImpulseEnabled(self.options["split_impulse"])
         name = _solver(self.scene, settings.solver)
         iterations, tolerance, friction_solver = settings.iterations, settings.tolerance, None
+        if settings.solver == "auto" and tolerance is None:
+            tolerance = CONE_TOLERANCE
         if name in ("nsgs", "fbf"):
             friction_solver = constraint.NsgsFrictionSolver() if name == "nsgs" else constraint.FbfFrictionSolver()
             most = "maxSweeps" if name == "nsgs" else "maxOuterIterations"
@@ -1444,7 +1449,7 @@ ADAPTER = DartAdapter(
             solver="auto",
             options={"detector": "auto", "deactivation": False, "drives": "auto"},
             source="ODE detector: the default of Gazebo's DART plugin (gz-physics, dartsim), Bullet's where ODE has a pair of "
-            "shapes wrong, by heights after 3 s; exact friction cone: DART 6.20, "
+            "shapes wrong, by heights after 3 s; exact friction cone, to 1e-6: DART 6.20, "
             "NsgsFrictionSolver.hpp; Dantzig for bodies that lean on each other: the vendor's default; stable PD control of "
             "what contacts hold (Tan, Liu, Turk 2011), as in DART's own examples of controllers",
         ),

@@ -14,7 +14,7 @@ Deviations:
       reverse a velocity within it they are those of its end, linearly implicit, with the accelerations by all else that the
       (sub)step before had (`_Actuation`). Machines without a fixed base that have ground to stand on keep the torques of the
       start: the ground holds their feet still, which the torques of the end learn of a step late and with the mobility of a
-      foot in the air (a humanoid at 1/240 s: 364 times what a step can bear). Standing so, its hinges would tremble by 0.06 rad;
+      foot in the air (a humanoid at 1/240 s: 364 times what a step can bear). So its hinges would tremble by 0.06 rad;
       as it is, it stands at 1/240 s (1e-4 rad) and falls at 1/120 s, as the quadruped does.
     * A kinematic body is a body of 1e12 times the scene's largest mass, held up against gravity, whose velocity is prescribed
       anew in every (sub)step: pybullet offers no way to flag a body as kinematic.

@@ -18,7 +18,10 @@ Deviations:
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
     * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
-    * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together.
+    * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
+      whose gap closes in the same sub-step: of two balls, 100 : 1, dropped 0.1 mm apart from 1 m, e = 1, dt = 1e-3, the upper
+      leaves as fast as the lower; from 0.5 mm on it is right. The solver 'exact' takes such blows in their order.
+    * Boxes tumbling on a plane without friction at e = 1 gain energy in proportion to dt: 0.2 % in 0.5 s at dt = 1e-3.
     * Restitution is Newton's, of normal velocities: u_after = -e u_before. Where friction acts off the centre of mass, that law
       itself can give energy (Kane and Levinson, *Dynamics*, 1985; Stronge, *Impact Mechanics*, 2000): of 300 blows of a
       tumbling box on a plane at e = 1 and mu = 0.3, 13 % gained some, at most 27 %; at e = 0.5 none did.
@@ -483,11 +486,14 @@ class _Simulation:
         certificate = self._world.certificate
         if certificate is None or certificate.solves == 0:
             return ()
+        crowded = (
+            f"; {certificate.crowded} sub-steps had too many blows and took the last as one" if certificate.crowded else ""
+        )
         said = f"exact: relative residual at most {certificate.residual:.1g} over {certificate.solves} solves"
         missed = (
             f", {certificate.missed} of them above the tolerance {self._resolved.tolerance:g}" if certificate.missed else ""
         )
-        return (said + missed,)
+        return (said + missed + crowded,)
 
     def save(self) -> object:
         return self._world.save()
@@ -638,6 +644,8 @@ ADAPTER = _Reference(
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
         "Approaches slower than four times what gravity gives in one sub-step do not bounce.",
+        "Gaps that close in the same sub-step are one blow; the solver 'exact' takes blows in their order.",
+        "Boxes that tumble at e = 1 without friction gain energy in proportion to the step: 0.2 % in 0.5 s at 1e-3.",
         "Restitution is Newton's law, which off the centre of mass gives energy with friction: at e = 1 up to a quarter.",
         "A body that just misses another may be turned aside by speculative contacts, unless collision is swept.",
         "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",

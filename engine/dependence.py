@@ -77,6 +77,6 @@ def lies_in_span(row: Floats, row_body: Ints, i: int, body: Floats, low: Floats,
         left += dot(load3(rest, b, 0), load3(rest, b, 0)) + dot(load3(rest, b, 3), load3(rest, b, 3)) / lever**2
         for side in range(2):
             if row_body[i, side] == b + lowest:
-                straight, turning = load3(row, i, 6 * side), load3(row, i, 6 * side + 3)
-                own += dot(straight, straight) + dot(turning, turning) / lever**2
+                along, about = load3(row, i, 6 * side), load3(row, i, 6 * side + 3)
+                own += dot(along, along) + dot(about, about) / lever**2
     return left <= VANISHED * VANISHED * own

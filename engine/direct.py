@@ -228,7 +228,7 @@ def solve_bounded(
                     changed = True
             else:
                 vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
-        change = np.zeros((0, 13))
+        change = state
         if careful and equalities < count:
             change = np.zeros((body.shape[0], 13))
             apply_all(change, row, row_body, reach, count, body, turned, vector, IMPULSE, 1.0)

@@ -80,7 +80,8 @@ def _best(part: Sequence[int], beside: Sequence[Sequence[int]], joints: Sequence
     orders = [sorted(part)]
     for j in dict.fromkeys(starts):
         orders += [_layers(j, beside)[::-1], _children_first(j, beside)]
-    return list(min(orders, key=lambda order: _cost(order, beside, joints)))
+    costs = [_cost(order, beside, joints) for order in orders]
+    return orders[costs.index(min(costs))]
 
 
 def _layers(start: int, beside: Sequence[Sequence[int]]) -> list[int]:

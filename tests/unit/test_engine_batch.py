@@ -116,7 +116,7 @@ def test_a_batch_may_hold_worlds_of_different_kinds() -> None:
     """Two bodies each: flying, tied, and in contact."""
     flying = engine.World([engine.Body(name="a", v_WB=(1, 0, 0)), engine.Body(name="b", p_WB=(1, 0, 0))])
     tie = engine.Ball(name="j", parent="a", child="b", anchor_W=(0, 0, 0))
-    tied = engine.World([engine.Body(name="a"), engine.Body(name="b", p_WB=(1, 0, 0), v_WB=(0, 1, 0))], [tie])
+    tied = engine.World([engine.Body(name="a"), engine.Body(name="b", p_WB=(1, 0, 0), v_WB=(0, 1, 0), w_WB=(0, 0, 1))], [tie])
     resting = engine.World([GROUND, _body("b", engine.Sphere(0.1), np.random.default_rng(1), p_WB=(0, 0, 0.1))])
     worlds = [flying, resting, tied, flying]
     batch = engine.Batch(worlds)

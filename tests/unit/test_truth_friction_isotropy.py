@@ -71,7 +71,9 @@ def slide(dt: float, law: str) -> Trajectory:
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    return {c.metric.name: c.passes(c.metric(scene(), run, expected(run.time)), run.dt) for c in CASE.checks}
+    # Made by hand, a run has no contact forces: the laws of these have tests of their own.
+    judged = [c for c in CASE.checks if not c.metric.name.endswith("_residual")]
+    return {c.metric.name: c.passes(c.metric(scene(), run, expected(run.time)), run.dt) for c in judged}
 
 
 @pytest.mark.parametrize("dt", CASE.ladder)

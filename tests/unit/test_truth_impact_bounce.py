@@ -92,7 +92,9 @@ def semi_implicit(dt: float, gain: float = 0.0) -> Trajectory:
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
     truth = expected(run.time)
-    return {c.metric.name: c.passes(c.metric(scene(), run, truth), run.dt) for c in CASE.checks}
+    # Made by hand, a run has no contact forces: the laws of these have tests of their own.
+    judged = [c for c in CASE.checks if not c.metric.name.endswith("_residual")]
+    return {c.metric.name: c.passes(c.metric(scene(), run, truth), run.dt) for c in judged}
 
 
 def test_the_truth_passes_every_check() -> None:

@@ -28,7 +28,9 @@ def verdicts(case: Case, run: Trajectory) -> dict[str, bool]:
     truth = case.truth_at(run.time, case.parameters)
     assert truth is None or isinstance(truth, Trajectory)
     scene = case.scene(**case.parameters)
-    return {c.metric.name: c.passes(c.metric(scene, run, truth), run.dt) for c in case.checks}
+    # Made by hand, a run has no contact forces: the laws of these have tests of their own.
+    judged = [c for c in case.checks if not c.metric.name.endswith("_residual")]
+    return {c.metric.name: c.passes(c.metric(scene, run, truth), run.dt) for c in judged}
 
 
 def flight(case: Case, dt: float, velocities: Callable[[Trajectory, int], None] | None = None) -> Trajectory:

@@ -28,7 +28,9 @@ def _free(seed: int) -> engine.World:
 
 def _chain(seed: int) -> engine.World:
     rng = np.random.default_rng(seed)
-    bodies = [engine.Body(name=f"b{k}", p_WB=(0.2 * (k + 1), 0, 0), w_WB=rng.normal(size=3)) for k in range(3)]
+    spins = rng.normal(size=(3, 3))
+    speeds = np.cumsum(np.cross(spins, (0.2, 0, 0)), axis=0)
+    bodies = [engine.Body(name=f"b{k}", p_WB=(0.2 * (k + 1), 0, 0), v_WB=speeds[k], w_WB=spins[k]) for k in range(3)]
     joints = [
         engine.Ball(name=f"j{k}", parent=engine.WORLD if k == 0 else f"b{k - 1}", child=f"b{k}", anchor_W=(0.2 * k, 0, 0))
         for k in range(3)
@@ -56,7 +58,7 @@ def _tied(seed: int) -> engine.World:
     rng = np.random.default_rng(seed)
     bodies = [
         engine.Body(name="one", inertia=0.01 * np.eye(3), shapes=[engine.Placed(engine.Sphere(0.1))], p_WB=(0, 0, 0.3)),
-        _body("two", engine.Box((0.1, 0.1, 0.1)), rng, p_WB=(0.4, 0, 0.3), w_WB=(0, 1, 2)),
+        _body("two", engine.Box((0.1, 0.1, 0.1)), rng, p_WB=(0.4, 0, 0.3), v_WB=(0, 0.4, -0.2), w_WB=(0, 1, 2)),
     ]
     joint = engine.Ball(name="j", parent="one", child="two", anchor_W=(0.2, 0, 0.3))
     return engine.World([GROUND, *bodies], [joint], ROUGH)

@@ -9,7 +9,7 @@ import pytest
 from adapters.reference import ADAPTER
 from harness import discover
 from harness.adapter import Settings, SettingsError, Simulation, Unsupported
-from harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface
+from harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Prismatic, Scene, Sphere, Surface
 from harness.trajectory import State
 from tests.conformance.put import put
 
@@ -46,7 +46,7 @@ def test_a_scene_without_the_effect_has_no_sweep_whatever_the_option() -> None:
 
 
 def test_the_sweep_refuses_joints_by_name() -> None:
-    tie = Ball(name="tie", parent=WORLD, child="shot", anchor_W=(-0.6, 0.0, 1.0))
+    tie = Prismatic(name="tie", parent=WORLD, child="shot", anchor_W=(-0.6, 0.0, 1.0), axis_W=(1.0, 0.0, 0.0))
     with pytest.raises(Unsupported, match="swept collision with joints"):
         ADAPTER.build(replace(PASS, joints=(tie,)), replace(TUNED, options={"continuous": "swept"}))
     ADAPTER.build(replace(PASS, joints=(tie,)), TUNED)

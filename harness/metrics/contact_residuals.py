@@ -6,6 +6,9 @@ With the normal force N and the tangential force T on B, the gap g and the slip 
     friction cone        |T| <= mu_s N
     maximum dissipation  T = -mu_k N u/|u| where u is not 0
 
+A force may follow the slip of any instant of its step: to that of its end, which is known, weight adds g dt at most, and turns
+a slip u by asin(g dt/|u|). Within that angle every direction counts as the slip's.
+
 Each residual is a force: what would have to be taken away or added for the law to hold, summed over the contacts of an
 instant, over the weight of all movable bodies. The worst instant counts. Depths (g < 0) are the business of `penetration`.
 Slips are read off the states of the bodies, so that an engine's own report of velocities plays no part.
@@ -135,9 +138,13 @@ def _dissipation(at: _Recorded, slow: float) -> Floats:
     speed = np.linalg.norm(at.slip, axis=1)
     # What friction and weight can stop within a step is sticking at the step's resolution: no direction is judged there.
     slips = (speed > slow) & (speed > 0.0)
-    due = at.kinetic * np.maximum(at.normal, 0.0)
-    direction = at.slip / np.where(slips, speed, 1.0)[:, None]
-    return np.where(slips, np.linalg.norm(at.tangent + due[:, None] * direction, axis=1), 0.0)
+    due, rubs = at.kinetic * np.maximum(at.normal, 0.0), np.linalg.norm(at.tangent, axis=1)
+    against = -np.sum(at.tangent * at.slip, axis=1) / np.where(slips & (rubs > 0.0), rubs * speed, 1.0)
+    # A force may follow the slip of any instant of its step, which differs from that of the end by as much at most.
+    turn = np.arcsin(slow / np.where(slips, speed, np.inf))
+    askew = np.maximum(np.arccos(np.clip(against, -1.0, 1.0)) - turn, 0.0)
+    # The law of cosines, as a sum of squares.
+    return np.where(slips, np.hypot(rubs - due, 2.0 * np.sqrt(rubs * due) * np.sin(askew / 2)), 0.0)
 
 
 SIGNORINI_RESIDUAL = Metric(
@@ -155,7 +162,7 @@ CONE_RESIDUAL = Metric(
 DISSIPATION_RESIDUAL = Metric(
     name="dissipation_residual",
     unit="1",
-    source="Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, over the weight, at worst",
+    source="Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, u known to that, over the weight, at worst",
     measure=_worst(_dissipation),
 )
 

@@ -13,6 +13,7 @@ from harness.trajectory import Contacts, Trajectory
 
 G, MASS, STATIC, KINETIC, DT = 9.81, 2.0, 0.5, 0.4, 0.01
 ROUNDING = 1e-15  # of forces over the weight, both of order one
+TURN = math.asin(G * DT)  # by how much weight may turn a slip of 1 m/s within a step [rad]
 STAGE = Scene(
     bodies=(
         Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),)),
@@ -88,8 +89,8 @@ def test_an_open_contact_without_force_is_none() -> None:
 @pytest.mark.parametrize(
     ("along", "across", "error"),
     [
-        (KINETIC, 0.0, 2 * KINETIC),
-        (0.0, KINETIC, math.sqrt(2) * KINETIC),
+        (KINETIC, 0.0, 2 * KINETIC * math.cos(TURN / 2)),
+        (0.0, KINETIC, 2 * KINETIC * math.sin((math.pi / 2 - TURN) / 2)),
         (-KINETIC / 2, 0.0, KINETIC / 2),
         (0.0, 0.0, KINETIC),
     ],
@@ -143,3 +144,17 @@ def test_missing_contacts_samples_and_weight_are_not_measurable(metric: Metric) 
         metric(STAGE, slide().between(5.0, 6.0))
     with pytest.raises(NotMeasurable, match="weight"):
         metric(replace(STAGE, gravity=(0.0, 0.0, 0.0)), slide())
+
+
+@pytest.mark.parametrize(("share", "missed"), [(0.99, 0.0), (2.0, 2 * math.sin(TURN / 2))])
+def test_a_force_may_follow_the_slip_of_any_instant_of_its_step_and_no_other(share: float, missed: float) -> None:
+    """A force turned by twice the angle that weight may turn the slip by is off by the chord of the rest."""
+    angle = share * TURN
+    force = (-KINETIC * MASS * G * math.cos(angle), -KINETIC * MASS * G * math.sin(angle), MASS * G)
+    assert DISSIPATION_RESIDUAL(STAGE, slide(force=force)) == pytest.approx(KINETIC * missed, abs=ROUNDING)
+
+
+def test_a_force_along_the_slip_that_is_too_weak_is_off_by_what_it_lacks() -> None:
+    """However uncertain the slip's direction is, a fifth of mu N is missing here."""
+    force = (-0.8 * KINETIC * MASS * G, 0.0, MASS * G)
+    assert DISSIPATION_RESIDUAL(STAGE, slide(speed=0.2, force=force)) == pytest.approx(0.2 * KINETIC, abs=ROUNDING)

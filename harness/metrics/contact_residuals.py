@@ -162,7 +162,7 @@ CONE_RESIDUAL = Metric(
 DISSIPATION_RESIDUAL = Metric(
     name="dissipation_residual",
     unit="1",
-    source="Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, u known to that, over the weight, at worst",
+    source="Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, over the weight, at worst",
     measure=_worst(_dissipation),
 )
 

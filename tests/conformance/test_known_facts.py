@@ -43,7 +43,8 @@ def test_pyramids_and_boxes_of_friction_are_anisotropic_and_their_tuned_tracks_a
     assert askew(default) == pytest.approx(ratio, rel=0.02)
     assert "polar_spread" in default.broken
     assert askew(tuned) == pytest.approx(1.0, abs=1e-3)
-    assert not tuned.broken
+    # What MuJoCo's soft friction misses of mu N beneath a landing corner is another matter, and declared.
+    assert tuned.broken.keys() <= {"dissipation_residual"}
 
 
 def test_the_damping_that_bullet_has_by_default_shows_in_flight_and_in_a_pendulum() -> None:

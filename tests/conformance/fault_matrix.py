@@ -42,13 +42,25 @@ NAMED = (
 
 HEAD = """# Planted faults
 
-An engine is broken in one way and put to the cases that should notice it by their nature. Conformance has to name each of
-these faults as well; here it is the checks of the cases alone that have to see them. The engine is the reference engine on the
-`tuned` track, which passes every check of these cases when it is sound. A fault is looked for at the case's own time step and,
-where that says nothing, at the finest of its ladder. Behind each check that failed stand the value found and its bound.
+An engine is broken in one way, {count} ways in all. `make test` plants every one of them and wants it named by each check that
+stands in its row here, which the sound engine passes: checks of the conformance kit, and for faults in readings the cases.
 
-`python -m tests.conformance.fault_matrix` writes this page, `make test` runs two cases for each of the ten faults that an
-engine is most likely to have, and `make test-all` every row.
+`python -m tests.conformance.fault_matrix` writes this page.
+
+## What names them
+
+| what is broken | fault | named by |
+|---|---|---|
+{rows}
+
+## What cases notice
+
+The same faults are put to the cases that should notice them by their nature; here it is the checks of the cases alone that have
+to see them. The engine is the reference engine on the `tuned` track, which passes every check of these cases when it is sound.
+A fault is looked for at the case's own time step and, where that says nothing, at the finest of its ladder. Behind each check
+that failed stand the value found and its bound.
+
+`make test` runs two cases for each of the ten faults that an engine is most likely to have, and `make test-all` every row.
 
 | fault | case | steps per second | checks that failed: value / bound |
 |---|---|---|---|"""
@@ -115,7 +127,11 @@ def known() -> dict[tuple[str, str], tuple[float, frozenset[str]]]:
 
 def page() -> Iterator[str]:
     """The lines of the page."""
-    yield from HEAD.splitlines()
+    named = "\n".join(
+        f"| {control.fault} | `{control.name}` | {', '.join(f'`{one}`' for one in control.caught_by or control.applies_to_cases)} |"
+        for control in CONTROLS
+    )
+    yield from HEAD.format(count=len(CONTROLS), rows=named).splitlines()
     for control in CONTROLS:
         for case in applied(control):
             found = caught(control, case)

@@ -127,11 +127,11 @@ def known() -> dict[tuple[str, str], tuple[float, frozenset[str]]]:
 
 def page() -> Iterator[str]:
     """The lines of the page."""
-    named = "\n".join(
-        f"| {control.fault} | `{control.name}` | {', '.join(f'`{one}`' for one in control.caught_by or control.applies_to_cases)} |"
-        for control in CONTROLS
-    )
-    yield from HEAD.format(count=len(CONTROLS), rows=named).splitlines()
+    rows = []
+    for control in CONTROLS:
+        namers = ", ".join(f"`{name}`" for name in control.caught_by or control.applies_to_cases)
+        rows.append(f"| {control.fault} | `{control.name}` | {namers} |")
+    yield from HEAD.format(count=len(CONTROLS), rows="\n".join(rows)).splitlines()
     for control in CONTROLS:
         for case in applied(control):
             found = caught(control, case)

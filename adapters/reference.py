@@ -19,8 +19,10 @@ Deviations:
     * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
-      whose gap closes in the same sub-step: of two balls, 100 : 1, dropped 0.1 mm apart from 1 m, e = 1, dt = 1e-3, the upper
-      leaves as fast as the lower; from 0.5 mm on it is right. The solver 'exact' takes such blows in their order.
+      whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart
+      when its step began. Of 160 pairs of balls that fall 1 m (masses 1 : 1 to 1000 : 1, e = 0.3 to 1, 0.1 to 6 mm apart, a
+      step's way being 4.4 mm at dt = 1e-3) the soft solver in four sub-steps has 106 right, in eight 126, exact contacts 136,
+      with Runge-Kutta 145, sequential impulses 59; exact contacts have all those right whose masses are 10 : 1 or more unlike.
     * Boxes tumbling on a plane without friction at e = 1 gain energy in proportion to dt: 0.2 % in 0.5 s at dt = 1e-3.
     * Restitution is Newton's, of normal velocities: u_after = -e u_before. Where friction acts off the centre of mass, that law
       itself can give energy (Kane and Levinson, *Dynamics*, 1985; Stronge, *Impact Mechanics*, 2000): of 300 blows of a
@@ -644,7 +646,7 @@ ADAPTER = _Reference(
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
         "Approaches slower than four times what gravity gives in one sub-step do not bounce.",
-        "Gaps that close in the same sub-step are one blow; the solver 'exact' takes blows in their order.",
+        "Gaps that close in the same sub-step are one blow; the solver 'exact' takes nearly all blows in their order.",
         "Boxes that tumble at e = 1 without friction gain energy in proportion to the step: 0.2 % in 0.5 s at 1e-3.",
         "Restitution is Newton's law, which off the centre of mass gives energy with friction: at e = 1 up to a quarter.",
         "A body that just misses another may be turned aside by speculative contacts, unless collision is swept.",

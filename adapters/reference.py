@@ -23,8 +23,9 @@ Deviations:
       when its step began. Of 160 pairs of balls that fall 1 m (masses 1 : 1 to 1000 : 1, e = 0.3 to 1, 0.1 to 6 mm apart, a
       step's way being 4.4 mm at dt = 1e-3) the soft solver in four sub-steps has 106 right, in eight 126, exact contacts 136,
       with Runge-Kutta 145, sequential impulses 59; exact contacts have all those right whose masses are 10 : 1 or more unlike.
-    * More than three contacts of one body leave open how they share its load. The soft solver shares it evenly where a body stands
-      on what does not move, with one normal, outside of worlds solved island by island; elsewhere the order of bodies decides.
+    * More than three contacts of one body leave open how they share its load. The soft solver shares it evenly where a body
+      stands on what does not move, with one normal, outside of worlds solved island by island; elsewhere the order of bodies
+      decides.
     * Boxes tumbling on a plane without friction at e = 1 gain energy in proportion to dt: 0.2 % in 0.5 s at dt = 1e-3.
     * Restitution is Newton's, of normal velocities: u_after = -e u_before. Where friction acts off the centre of mass, that law
       itself can give energy (Kane and Levinson, *Dynamics*, 1985; Stronge, *Impact Mechanics*, 2000): of 300 blows of a

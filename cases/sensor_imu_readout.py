@@ -78,7 +78,6 @@ def _expected(time: Floats, spin_up: float = SPIN_UP) -> Trajectory:
     return replace(truth, streams=streams)
 
 
-
 def _rounding(dt: float, spin_up: float = SPIN_UP) -> float:  # noqa: ARG001 -- the same at every step
     """Of the greatest spin [rad/s], 64 times over."""
     return 64 * SINGLE * spin_up * DURATION

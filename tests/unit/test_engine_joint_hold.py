@@ -148,6 +148,48 @@ def test_a_four_bar_of_thin_links_stays_closed(inertia: float, integrator: str) 
         assert _gap(world, bodies, joints) < 1e-9
 
 
+def _sarrus(angle: float, inertia: float) -> tuple[list[engine.Body], list[engine.Joint]]:
+    """A platform on two knees at right angles to each other, of links [1 m, 1 kg] at `angle` [rad] from the vertical."""
+    bodies = [engine.Body(name="platform", mass=2.0, inertia=np.eye(3), p_WB=(0, 0, 2 * math.cos(angle)))]
+    joints: list[engine.Joint] = []
+    for name, out, axis in (("x", np.array([1.0, 0, 0]), (0, 1, 0)), ("y", np.array([0, 1.0, 0]), (1, 0, 0))):
+        foot, knee = 0.3 * out, 0.3 * out + math.sin(angle) * out + np.array([0, 0, math.cos(angle)])
+        hip = foot + np.array([0, 0, 2 * math.cos(angle)])
+        for part, low, high in (("shin", foot, knee), ("thigh", knee, hip)):
+            bodies.append(engine.Body(name=name + part, inertia=inertia * np.eye(3), p_WB=(low + high) / 2))
+        chain = [engine.WORLD, name + "shin", name + "thigh", "platform"]
+        for parent, child, anchor in zip(chain, chain[1:], (foot, knee, hip), strict=False):
+            joints.append(engine.Revolute(name=parent + child, parent=parent, child=child, anchor_W=anchor, axis_W=axis))
+    return bodies, joints
+
+
+@TRACKS
+@pytest.mark.parametrize("inertia", [1e-2, 1e-14])
+def test_a_spatial_loop_with_a_constraint_too_many_moves_in_its_straight_line(inertia: float, integrator: str) -> None:
+    """Sarrus's linkage: six hinges take thirty freedoms of thirty, and one is left, the angle of the links from the vertical.
+
+    Round-off of some thousand steps of sums of metres: 1e3 * 1e-16, a hundred times over. Runge-Kutta follows Lagrange's
+    equation: rates of up to 10/s give (w dt)^4 / 120 = 1e-10 a radian, ten times over.
+    """
+    start, m, M = 0.5, 1.0, 2.0
+    bodies, joints = _sarrus(start, inertia)
+    world = _world(bodies, joints, integrator)
+    world.step(350)
+    assert _gap(world, bodies, joints) < 1e-11
+    assert np.abs(world.state()[0, [0, 1, 4, 5, 6]]).max() < 1e-11
+
+    def slope(_: float, y: np.ndarray) -> list[float]:
+        s, c = math.sin(y[0]), math.cos(y[0])
+        A = 2 * (m / 4 + inertia) + 2 * (m * (c * c + 9 * s * s) / 4 + inertia) + 4 * M * s * s
+        return [y[1], (-4 * (m + M) * s * c * y[1] ** 2 + G * s * (4 * m + 2 * M)) / A]
+
+    end = solve_ivp(slope, (0, 0.35), [start, 0.0], method="DOP853", rtol=1e-13, atol=1e-14).y[0, -1]
+    assert start + 0.4 < end < math.pi / 2
+    fallen = math.acos(world.state()[0, 2] / 2)
+    # Semi-implicit Euler: half a step of its rate, up to 5/s, in time, twice over.
+    assert fallen == pytest.approx(end, abs=1e-9 if integrator == "rk4" else 5e-3)
+
+
 def _walk(what: engine.World | engine.Batch, steps: int) -> None:
     """Step by step."""
     for _ in range(steps):

@@ -7,7 +7,8 @@ With the normal force N and the tangential force T on B, the gap g and the slip 
     maximum dissipation  T = -mu_k N u/|u| where u is not 0
 
 A force may follow the slip of any instant of its step: to that of its end, which is known, weight adds g dt at most, and turns
-a slip u by asin(g dt/|u|). Within that angle every direction counts as the slip's.
+a slip u by asin(g dt/|u|); bodies that turn at w take the slips of their points along, by w dt. Within that angle every
+direction counts as the slip's.
 
 Each residual is a force: what would have to be taken away or added for the law to hold, summed over the contacts of an
 instant, over the weight of all movable bodies. The worst instant counts. Depths (g < 0) are the business of `penetration`.
@@ -35,14 +36,16 @@ class _Recorded:
     """The contacts of all samples, one after the other.
 
     Terms:
-        sample (k,): of which sample each is; normal (k,) N; tangent (k, 3) N, on B; slip (k, 3) m/s, of B; open (k,) m: the gap
-        beyond what the pair may close within the step; static, kinetic (k,): coefficients of friction.
+        sample (k,): of which sample each is; normal (k,) N; tangent (k, 3) N, on B; slip (k, 3) m/s, of B; turned (k,) rad: by
+        both bodies within the step; open (k,) m: the gap beyond what the pair may close within the step; static, kinetic (k,):
+        coefficients of friction.
     """
 
     sample: Integers
     normal: Floats
     tangent: Floats
     slip: Floats
+    turned: Floats
     open: Floats
     static: Floats
     kinetic: Floats
@@ -76,7 +79,7 @@ def _joined(contacts: Sequence[Contacts]) -> tuple[Integers, Contacts]:
 
 
 def _recorded(scene: Scene, actual: Trajectory, sample: Integers, contacts: Contacts) -> _Recorded:
-    friction = _friction(scene, contacts)
+    friction, spin = _friction(scene, contacts), np.linalg.norm(actual.w_WB, axis=-1)
     n = contacts.normal_W
     normal = np.sum(contacts.force_W * n, axis=1)
     now = _relative(actual, sample, contacts)
@@ -92,6 +95,7 @@ def _recorded(scene: Scene, actual: Trajectory, sample: Integers, contacts: Cont
         normal=normal,
         tangent=contacts.force_W - normal[:, None] * n,
         slip=now - along[:, None] * n,
+        turned=actual.dt * (spin[sample, contacts.body_A] + spin[sample, contacts.body_B]),
         open=np.maximum(contacts.gap - actual.dt * closing, 0.0),
         static=friction[:, 0],
         kinetic=friction[:, 1],
@@ -141,8 +145,8 @@ def _dissipation(at: _Recorded, slow: float) -> Floats:
     due, rubs = at.kinetic * np.maximum(at.normal, 0.0), np.linalg.norm(at.tangent, axis=1)
     against = -np.sum(at.tangent * at.slip, axis=1) / np.where(slips & (rubs > 0.0), rubs * speed, 1.0)
     # A force may follow the slip of any instant of its step, which differs from that of the end by as much at most.
-    turn = np.arcsin(slow / np.where(slips, speed, np.inf))
-    askew = np.maximum(np.arccos(np.clip(against, -1.0, 1.0)) - turn, 0.0)
+    turn = np.arcsin(slow / np.where(slips, speed, np.inf)) + at.turned
+    askew = np.maximum(np.arccos(np.clip(against, -1.0, 1.0)) - np.minimum(turn, np.pi), 0.0)
     # The law of cosines, as a sum of squares.
     return np.where(slips, np.hypot(rubs - due, 2.0 * np.sqrt(rubs * due) * np.sin(askew / 2)), 0.0)
 

@@ -3,6 +3,7 @@
 import math
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.creep import CREEP_SPEED
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.jitter import RMS_SPEED
@@ -64,6 +65,7 @@ CASE = Case(
     parameters={"angle": ANGLE, "friction": FRICTION, "mass": MASS},
     headline=CREEP_SPEED.name,
     scale=1e-3,
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="what rests stays where it is"),
         Check(
@@ -78,6 +80,7 @@ CASE = Case(
             at_most=lambda dt, angle=ANGLE: 2 * G * math.sin(math.radians(angle)) * dt**2 + 1e-3,
             because=f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
         ),
+        *forces_obey_coulomb(),
     ),
     observe=(RMS_SPEED, POSITION_FINAL),
 )

@@ -16,6 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from harness.case import Axis, Case, Check, Converged
+from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_GAIN
 from harness.metrics.impulse import IMPULSE_MAX
@@ -164,6 +165,8 @@ CASE = Case(
             at_most=1e-6,
             because="friction takes 200 W from the first step on, and nothing gives; 1e-6 for single precision",
         ),
+        forces_keep_momentum(),
+        *forces_obey_coulomb(),
     ),
     observe=(PAINLEVE_COEFFICIENT, VELOCITY_MAX, POSITION_FINAL),
 )

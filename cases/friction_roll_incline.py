@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
@@ -79,6 +80,7 @@ CASE = Case(
     parameters={"angle": ANGLE, "friction": FRICTION, "factors": FACTORS},
     headline=VELOCITY_MAX.name,
     converges="once",
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
         Check(
@@ -96,6 +98,7 @@ CASE = Case(
             at_most=lambda dt, angle=ANGLE, factors=FACTORS: _speed(dt, angle) / (min(factors) * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
+        *forces_obey_coulomb(),
     ),
     observe=(POSITION_FINAL,),
 )

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
@@ -89,6 +90,7 @@ CASE = Case(
     parameters={"speed": SPEED, "coefficients": COEFFICIENTS},
     headline=POSITION_MAX.name,
     converges="once",
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a ball that slows down never diverges"),
         Check(
@@ -109,6 +111,7 @@ CASE = Case(
             because="all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a "
             "step",
         ),
+        *forces_obey_coulomb(),
     ),
     observe=(POSITION_FINAL,),
 )

@@ -8,6 +8,7 @@ has feet and no face, so that no engine's choice of contact points decides.
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL, ANGULAR_VELOCITY_MAX
 from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
@@ -81,6 +82,7 @@ CASE = Case(
     headline=ANGULAR_VELOCITY_MAX.name,
     converges="once",
     scale=SPIN,
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a spin that is braked never diverges"),
         Check(
@@ -104,5 +106,6 @@ CASE = Case(
             at_most=lambda dt, friction=FRICTION: deceleration(friction) * dt,
             because="at rest friction takes any spin that is less than it can take in a step",
         ),
+        *forces_obey_coulomb(),
     ),
 )

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.metrics.velocity import VELOCITY_MAX
@@ -141,6 +142,7 @@ CASE = Case(
     parameters={"static": STATIC, "kinetic": KINETIC, "stiffness": STIFFNESS, "drawn": DRAWN},
     headline=POSITION_MAX.name,
     converges="once",
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="friction and a spring keep the block within reach"),
         Check(
@@ -154,6 +156,7 @@ CASE = Case(
             at_most=_speed,
             because="the swing's acceleration over the time by which it is late, and one step of friction at its end",
         ),
+        *forces_obey_coulomb(),
     ),
     observe=(POSITION_FINAL,),
 )

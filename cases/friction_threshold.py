@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.creep import CREEP_SPEED
 from harness.metrics.threshold import INCLINE_ACCELERATION_ERROR, THRESHOLD_ANGLE_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
@@ -103,6 +104,7 @@ CASE = Case(
     expected=expected,
     parameters={"steepness": STEEPNESS, "friction": FRICTION},
     duration=DURATION,
+    with_contacts=True,
     checks=(
         Check(
             metric=THRESHOLD_ANGLE_ERROR,
@@ -122,6 +124,7 @@ CASE = Case(
             because="a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
             start=DURATION / 2,
         ),
+        *forces_obey_coulomb(),
     ),
     headline="incline_acceleration_error",
     converges="once",

@@ -6,6 +6,7 @@ v' = k/(1 + k) W z x v for a ball with I = k m r^2 that rolls on a table turning
 import numpy as np
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.metrics.radius import RADIUS_MAX
@@ -96,6 +97,7 @@ CASE = Case(
     headline=POSITION_MAX.name,
     converges="once",
     scale=START,
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a circle never diverges"),
         Check(
@@ -109,6 +111,7 @@ CASE = Case(
             at_most=_velocity,
             because="the speed on a circle that much off, and half a step of turning, taken twice",
         ),
+        *forces_obey_coulomb(),
     ),
     observe=(POSITION_FINAL, RADIUS_MAX),
 )

@@ -7,6 +7,7 @@ towards the wall.
 from collections.abc import Sequence
 
 from harness.case import Axis, Case, Check
+from harness.checks.contact_laws import forces_obey_coulomb
 from harness.metrics.creep import CREEP_SPEED
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
@@ -91,6 +92,7 @@ CASE = Case(
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
     headline=POSITION_MAX.name,
     converges="once",
+    with_contacts=True,
     checks=(
         Check(metric=DIVERGENCE, at_most=0.0, because="a sliding box never diverges"),
         Check(
@@ -110,6 +112,7 @@ CASE = Case(
             because="a tenth of a millimetre a second: a gripper that holds an object for ten seconds loses a millimetre. "
             "Coulomb's law allows none",
         ),
+        *forces_obey_coulomb(),
     ),
     observe=(POSITION_FINAL,),
 )

@@ -8,7 +8,7 @@ With the normal force N and the tangential force T on B, the gap g and the slip 
 
 A force may follow the slip of any instant of its step: to that of its end, which is known, weight adds g dt at most, and turns
 a slip u by asin(g dt/|u|); bodies that turn at w take the slips of their points along, by w dt. Within that angle every
-direction counts as the slip's.
+direction counts as the slip's, and the mean over the step of a force that turns along is shorter, by sin(w dt/2)/(w dt/2).
 
 Each residual is a force: what would have to be taken away or added for the law to hold, summed over the contacts of an
 instant, over the weight of all movable bodies. The worst instant counts. Depths (g < 0) are the business of `penetration`.
@@ -147,8 +147,9 @@ def _dissipation(at: _Recorded, slow: float) -> Floats:
     # A force may follow the slip of any instant of its step, which differs from that of the end by as much at most.
     turn = np.arcsin(slow / np.where(slips, speed, np.inf)) + at.turned
     askew = np.maximum(np.arccos(np.clip(against, -1.0, 1.0)) - np.minimum(turn, np.pi), 0.0)
+    nearest = np.clip(rubs, due * np.sinc(np.minimum(at.turned / (2 * np.pi), 1.0)), due)
     # The law of cosines, as a sum of squares.
-    return np.where(slips, np.hypot(rubs - due, 2.0 * np.sqrt(rubs * due) * np.sin(askew / 2)), 0.0)
+    return np.where(slips, np.hypot(rubs - nearest, 2.0 * np.sqrt(rubs * nearest) * np.sin(askew / 2)), 0.0)
 
 
 SIGNORINI_RESIDUAL = Metric(

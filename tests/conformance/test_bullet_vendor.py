@@ -194,3 +194,20 @@ def test_the_mass_matrix_of_some_trees_is_refused(world: World) -> None:
             refused += 1
     # One tree in forty or so: 200 hold five on average, and the numbers are the same each time.
     assert refused > 0
+
+
+@pytest.mark.parametrize(("maximal", "least", "most"), [(MULTIBODY, 1.0 - 1e-9, 1.0 + 1e-9), (MAXIMAL, 1.02, math.sqrt(2))])
+def test_maximal_coordinates_report_friction_beyond_mu_n(world: World, maximal: int, least: float, most: float) -> None:
+    """The greatest T/(mu N) of the points of a box that slides down a box, sqrt(2) being the corner of two bounds apart."""
+    mu = 0.5
+    world.setGravity(G * math.sin(0.6), 0.0, -G * math.cos(0.6))
+    world.setPhysicsEngineParameter(fixedTimeStep=1 / 240, numSolverIterations=200, solverResidualThreshold=0.0)
+    slab = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[5, 5, 0.5])
+    world.body(slab, 0.0, (0, 0, -0.5), maximal, lateralFriction=1.0)
+    flat = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.2, 0.2, 0.05])
+    world.body(flat, 1.0, (0, 0, 0.05), maximal, lateralFriction=mu)
+    shares = []
+    for _ in range(120):
+        world.stepSimulation()
+        shares += [math.hypot(c[10], c[12]) / (mu * c[9]) for c in world.getContactPoints() if c[9] > 0.01 * G]
+    assert least < max(shares) < most

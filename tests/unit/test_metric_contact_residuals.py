@@ -158,3 +158,12 @@ def test_a_force_along_the_slip_that_is_too_weak_is_off_by_what_it_lacks() -> No
     """However uncertain the slip's direction is, a fifth of mu N is missing here."""
     force = (-0.8 * KINETIC * MASS * G, 0.0, MASS * G)
     assert DISSIPATION_RESIDUAL(STAGE, slide(speed=0.2, force=force)) == pytest.approx(0.2 * KINETIC, abs=ROUNDING)
+
+
+@pytest.mark.parametrize(("share", "missed"), [(1.0, 0.0), (0.5, 0.5 * (1 - math.sin(0.3) / 0.3))])
+def test_a_force_that_turns_with_its_body_may_be_its_mean_over_the_step(share: float, missed: float) -> None:
+    """A body that turns by 0.6 rad in a step turns the slip of its points along: what is shorter than that mean is missing."""
+    mean = 1 - (1 - math.sin(0.3) / 0.3) * (2 - share)
+    run = slide(force=(-mean * KINETIC * MASS * G, 0.0, MASS * G))
+    run.w_WB[:, 1, 2] = 0.6 / DT
+    assert DISSIPATION_RESIDUAL(STAGE, run) == pytest.approx(KINETIC * missed, abs=ROUNDING)

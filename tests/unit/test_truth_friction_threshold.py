@@ -83,6 +83,8 @@ def verdicts(run: Trajectory) -> dict[str, bool]:
     return {
         c.metric.name: c.passes(c.metric(scene(), run.between(c.start, 99.0), truth.between(c.start, 99.0)), run.dt)
         for c in CASE.checks
+        # Made by hand, a run has no contact forces: the laws of these have tests of their own.
+        if not c.metric.name.endswith("_residual")
     }
 
 

@@ -21,14 +21,21 @@ Deviations:
   the cone a slip still bends the rebound, while friction stays mu times the normal force. Measured with mu .1 to 1 at 1e-3: a
   slip up to the speed of approach by 5 %, up to three times that by -20..+13 % at e >= .5 and up to +43 % at e = .3; at ten
   times it by -25..+70 % and up to +154 %, at thirty times up to +137 % and +261 %. Neither impratio nor the slip correction
-  changes that; a slower friction would, but stops less of the slip: as it is, a grip leaves up to e^-2 = .135 of it.
-* Springs and drives in a scene where bodies can touch are stepped by the discrete integrator on tuned, which rests where the
-  implicit one jitters, and damps: an arm of 3, 2 and 1 kg on drives of 200 N m/rad and 2 N m s/rad, touching nothing, errs by
-  .016 rad after .25 s at 1/240, by Euler .010, implicitfast .005.
+  changes that; a slower friction does (`friction_steps`), but stops less of the slip: as it is, a grip leaves up to e^-2 =
+  .135 of it. A longer impact does too (`rebound_steps`): askew at e = .6 and mu = .3, 1/240 s, the worst of seven balls errs by
+  .104 of the speed of approach with ten steps of either, by .084 with 40 and 60; heights of bounces err least with ten.
+* Springs and drives in a scene where bodies can touch, and elsewhere those that swing by more than 1.5 rad a step, are stepped
+  by the discrete integrator on tuned: it rests where the implicit one jitters, stands where that one blows up, and damps. An
+  arm of 3, 2 and 1 kg on drives of 200 N m/rad and 2 N m s/rad, touching nothing, errs by .016 rad after .25 s at 1/240, by
+  Euler .010, implicitfast .005.
 * Sliding, torsional and rolling friction share one cone, so that each takes from the others; a coefficient below 1e-5 counts as
   1e-5 where another one is above zero.
-* Friction is soft: what slides, rolls or turns on tuned at 1/480 s and below is at times rubbed by less than mu N against its
-  slip. Cubes on a plane lack .01 to .2 of the weight at worst, balls that roll against friction or on a turntable up to 1.1.
+* Friction is soft. With its time constant tc (on tuned the contact's, 20 ms at most), what slips by less than mu g tc/2 under
+  its own weight is rubbed by a damper, 2 m v/tc; what slips faster by mu N, where N exceeds the weight by m (2 v/tc - mu g)
+  mu/(1 + mu^2), so that it lifts. Neither impratio, the slip correction nor the tolerance changes that. `friction_steps` of
+  2/mu rubs in full from a slip of g dt on, but lifts more (a cube at 3 m/s hops 19 to 37 mm for 1.4 to 2.4), and where balls
+  slip it errs up to four times as much. So tuned lacks .01 to .2 of the weight of cubes at worst at 1/480 s and below, and up
+  to 1.1 where balls roll against friction or on a turntable.
 * The gyroscopic term is part of the bias force and cannot be switched off.
 * Convex hulls and meshes are stored in single precision. A mesh collides as its hull: `Unsupported` in contact if concave.
 * A kinematic body has an armature 1e12 times the mass of the scene: forces move it by that share. A joint between two bodies
@@ -38,6 +45,14 @@ Deviations:
 * Images are rasterised: round shapes are polyhedra, depth is a single-precision buffer, colours have 8 bits, nothing casts
   a shadow, and what a surface mirrors or lets through is taken to be the sky.
 * `contacts` are those that the last step was made with, at its start; under RK4 those of its last stage.
+
+No knobs, though documented, tried over pendulums, loops, stops, impacts, friction, stacks and tunnelling at half the step of
+each case: ls_tolerance, ccd_iterations, ccd_tolerance, multiccd, island and warmstart change no answer by more than rounding;
+fewer ls_iterations lose a turntable; nativeccd off lets pass what must not; eulerdamp off errs by a third more; diagexact errs
+four times as much under a mass ratio and opens a loop; refsafe off means nothing but below two steps, or one with the discrete
+integrator. noslip_tolerance ends what noslip_iterations end too. The override (o_solref, o_solimp) says again what each contact
+is told; margin and gap move the surface; the width of solimp means nothing at constant impedance; sleep, wind and fluids no
+scene asks for; `speculative` follows the scene.
 """
 
 import math
@@ -50,7 +65,7 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Unavailable, Unsupported
+from harness.adapter import Adapter, Diverged, Emulation, Feature, Settings, SettingsError, Unavailable, Unsupported
 from harness.boundary import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
     WORLD,
@@ -83,14 +98,16 @@ from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
 
 __all__ = ["ADAPTER", "MujocoAdapter", "MujocoSimulation"]
 
-INTEGRATORS = ("euler", "rk4", "implicit", "implicitfast", "discrete")
+INTEGRATORS = ("discrete", "euler", "rk4", "implicitfast", "implicit")
+"""A search that turns a knob to the next value meets the discrete one beside Euler, and RK4 where that is refused."""
 SOLVERS = ("pgs", "cg", "newton")
 VENDOR_TIME_CONSTANT = 0.02
 """The time constant of MuJoCo's constraints [s] (solref[0])."""
 LEAST_STEPS = 2.0
 """Time constants below this number of steps are raised to it by the engine, unless its integrator is the discrete one.
 
-Source: MuJoCo, "Modeling", solver parameters (mjDSBL_REFSAFE); the exception is measured.
+Source: MuJoCo, "Modeling", solver parameters; XML reference, option/flag/refsafe (the discrete integrator replaces what no step
+resolves, time constant times damping ratio below a step, by the stiffest row that does not rebound).
 """
 REBOUND_IMPEDANCE = 0.9999
 """Impedance of a contact that rebounds: its reference acceleration is taken as it is, with next to nothing of gravity."""
@@ -107,6 +124,14 @@ For a damper, z = -lambda h: RK4 multiplies by R(-z) = 1 - z + z^2/2 - z^3/6 + z
 truth by e^-z; RK4 is the nearer one up to z = 2, where both say 1/3. For a spring it is so wherever both are stable.
 The half disc |z| <= 2.6 of decaying motion lies in RK4's region of stability (2.785 on the real axis, 2.828 on the imaginary
 one), so that at 2 rates may be off by a factor of 1.3.
+"""
+SPRING_RATE = 1.5
+"""Largest rate w h of undamped springs and drives that the velocity-implicit rule is given: it takes positions explicitly.
+
+Source: MuJoCo, "Computation", numerical integration: stable up to w h = 2; the discrete integrator alone is implicit in
+position, stable at any step, and more damped below the limit. Over a step of w h = z the velocity-implicit rule (cos a =
+1 - z^2/2) errs by 2 sin((a - z)/2), the discrete one by |1/(1 + i z) - e^(-i z)|: .20 against .59 at 1.5, equal at 1.96. At 1.5
+rates may be off by a factor of 1.3, as for RK4.
 """
 EXACT_ROWS = 200
 """Springs and dampers up to which their fastest mode is found exactly rather than bounded."""
@@ -134,11 +159,13 @@ class _Options:
         noslip_iterations, ls_iterations: of the slip correction and the line search.
         contact_steps: time constant of contacts without restitution in steps.
         contact_damping_ratio, contact_impedance: of the same.
+        friction_steps: time constant of friction in steps, where it has rows of its own: on the elliptic cone, which friction
+        with restitution always takes. None: as long as the impact with restitution, that of the contact without.
         limit_steps, limit_damping_ratio, limit_impedance: of the limits of joints and rods.
         loop_steps, loop_impedance: time constant in steps and impedance of loop joints and rods.
-        slowest: what no time constant told in steps exceeds [s]; `resolved` says the time constants that are used.
+        slowest: what no time constant told in steps exceeds [s], but for rebounds; `resolved` says those that are used.
         rebound_steps: duration of an elastic impact in steps.
-        multiccd, nativeccd, island, warmstart, diagexact: flags of the engine. speculative: None follows the scene.
+        refsafe, multiccd, nativeccd, island, warmstart, diagexact: flags of the engine. speculative: None follows the scene.
     """
 
     by_scene: bool = False
@@ -157,6 +184,8 @@ class _Options:
     loop_impedance: float | None = None
     slowest: float | None = None
     rebound_steps: int = 10
+    friction_steps: float | None = None
+    refsafe: bool | None = None
     multiccd: bool | None = None
     nativeccd: bool | None = None
     island: bool | None = None
@@ -184,7 +213,7 @@ _BOUNDS: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "jacobian": _one_of("dense", "sparse", "auto"),
     "noslip_iterations": _integer(0, 10_000),
     "ls_iterations": _integer(1, 10_000),
-    "contact_steps": _number(2, 1e6),
+    "contact_steps": _number(0.01, 1e6),
     "contact_damping_ratio": _number(1e-3, 1e3),
     "contact_impedance": _number(0.001, 0.9999),
     "limit_steps": _number(2, 1e6),
@@ -194,6 +223,7 @@ _BOUNDS: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "loop_impedance": _number(0.001, 0.9999),
     "slowest": _number(1e-9, 1e6),
     "rebound_steps": _integer(4, 1000),
+    "friction_steps": _number(0.01, 1e6),
 }
 
 
@@ -648,13 +678,16 @@ def _law(surface: Surface, effects: Effect, options: _Options, h: float, integra
             raise Unsupported(f"surface {where}: restitution under the discrete integrator", "it damps every rebound")
         # The four stages of Runge and Kutta follow the continuous law, which many fine steps stand for.
         solref = _elastic(e, h, options.rebound_steps, 16 if integrator == "rk4" else 1)
-        # Friction has a reference of its own, whatever the rebound, as slow as the impact lasts: e^-2 of a slip that could be
-        # stopped is left. A faster one stops more of it and, on the cone, bends the rebound the more (see Deviations).
-        firm = (options.rebound_steps * h, 1.0) if condim > 1 else None
+        # Friction has a reference of its own, whatever the rebound, by default as slow as the impact lasts: e^-2 of a slip that
+        # could be stopped is left. A faster one stops more of it and, on the cone, bends the rebound the more (see Deviations).
+        steps = options.rebound_steps if options.friction_steps is None else options.friction_steps
+        firm = (steps * h, 1.0) if condim > 1 else None
         return _Law(condim, (slide, torsion, roll), solref, _impedance(REBOUND_IMPEDANCE), firm)
     constant = _time_constant(options.contact_steps, h, options.slowest)
     impedance = None if options.contact_impedance is None else _impedance(options.contact_impedance)
-    return _Law(condim, (slide, torsion, roll), (constant, options.contact_damping_ratio or 1.0), impedance)
+    own = _friction_constant(options, h) if condim > 1 else None
+    firm = None if own is None else (own, 1.0)
+    return _Law(condim, (slide, torsion, roll), (constant, options.contact_damping_ratio or 1.0), impedance, firm)
 
 
 def _impedance(d: float) -> tuple[float, ...]:
@@ -665,6 +698,13 @@ def _impedance(d: float) -> tuple[float, ...]:
 def _time_constant(steps: float | None, h: float, slowest: float | None) -> float:
     """The time constant [s] that is asked for: told in steps and bounded by `slowest`, or the vendor's."""
     return VENDOR_TIME_CONSTANT if steps is None else min(steps * h, math.inf if slowest is None else slowest)
+
+
+def _friction_constant(options: _Options, h: float) -> float | None:
+    """The time constant [s] of friction that is told of its own; None where it has none: a pyramid has no rows for it."""
+    if options.friction_steps is None or options.cone != "elliptic":
+        return None
+    return _time_constant(options.friction_steps, h, options.slowest)
 
 
 def _touching(scene: Scene) -> dict[frozenset[str], Surface]:
@@ -850,7 +890,7 @@ class _Builder:
         # A reset on NaN would hide it; the filter between parent and child knows nothing of `collide`: excludes stand for it.
         off = {"AUTORESET": True, "FILTERPARENT": True}
         off |= {"CONTACT": Effect.CONTACT not in self.effects, "GRAVITY": Effect.GRAVITY not in self.effects}
-        for name in ("multiccd", "nativeccd", "island", "warmstart"):
+        for name in ("multiccd", "nativeccd", "island", "warmstart", "refsafe"):
             off[name.upper()] = getattr(choice, name) is False
         called = Effect.CONTINUOUS_COLLISION in self.effects
         speculative = choice.by_scene and called if choice.speculative is None else choice.speculative
@@ -1156,7 +1196,8 @@ class _Builder:
             return
         if self.settings.integrator is None:
             if Effect.CONTACT not in self.effects:
-                name = "RK4" if self._stiffest(model) <= RK4_RATE else "IMPLICITFAST"
+                rate, frequency = self._stiffest(model)
+                name = "RK4" if rate <= RK4_RATE else "IMPLICITFAST" if frequency <= SPRING_RATE else "DISCRETE"
             elif self._fastest(model) > RESOLVED_RATE:
                 # The discrete map damps a rebound away; the implicit one jitters in contact, but bears both.
                 name = "IMPLICITFAST" if self.rebounds else "DISCRETE"
@@ -1189,8 +1230,9 @@ class _Builder:
                 rate = max(rate, h * float(np.sqrt(k * w).max()), h * float((c * w).max()))
         return rate
 
-    def _stiffest(self, model: Any) -> float:
-        """A bound of |lambda| h over the modes of springs, dampers and drives, on joint-space inertia, over configurations.
+    def _stiffest(self, model: Any) -> tuple[float, float]:
+        """Bounds of |lambda| h over the modes of springs, dampers and drives, on joint-space inertia, over configurations:
+        as they are, and undamped.
 
         Equation: a mode x of M q'' + C q' + K q = 0 has lambda^2 x'Mx + lambda x'Cx + x'Kx = 0, thus with c and k the largest
         eigenvalues of M^-1 C and M^-1 K, |lambda|^2 <= c |lambda| + k. Source: Tisseur, Meerbergen, SIAM Review 43 (2001).
@@ -1198,10 +1240,10 @@ class _Builder:
         mj = self.mj
         stiffness, damping, _ = self._resisted(model)
         if not (stiffness.any() or damping.any() or model.tendon_stiffness.any() or model.tendon_damping.any()):
-            return 0.0
+            return 0.0, 0.0
         d, random = mj.MjData(model), np.random.default_rng(0)
         rigid = bool((model.jnt_type == _flag(mj, "mjtJoint", "mjJNT_FREE")).all())
-        worst = 0.0
+        worst, undamped = 0.0, 0.0
         for sample in range(1 if rigid else 1 + RATE_SAMPLES):
             if sample:
                 self._scatter(model, d, random)
@@ -1211,8 +1253,8 @@ class _Builder:
                 mj.mju_sparse2dense(lines, d.ten_J, model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind)
             c = self._largest(model, d, damping, model.tendon_damping, lines)
             k = self._largest(model, d, stiffness, model.tendon_stiffness, lines)
-            worst = max(worst, (c + math.sqrt(c * c + 4 * k)) / 2)
-        return worst * self.h
+            worst, undamped = max(worst, (c + math.sqrt(c * c + 4 * k)) / 2), max(undamped, math.sqrt(k))
+        return worst * self.h, undamped * self.h
 
     def _largest(self, model: Any, d: Any, own: Floats, along: Floats, lines: Floats) -> float:
         """The largest eigenvalue of M^-1 (diag(own) + lines' diag(along) lines); of many rows a bound, the largest row sum."""
@@ -1346,8 +1388,10 @@ class _Builder:
 
     def _resolved(self, model: Any) -> Settings:
         mj, option = self.mj, model.opt
-        substeps, choice = self.settings.substeps or 1, self.options
-        least = 0.0 if option.integrator == _flag(mj, "mjtIntegrator", "mjINT_DISCRETE") else LEAST_STEPS * self.h
+        substeps, choice, own = self.settings.substeps or 1, self.options, self.options.friction_steps
+        free = option.integrator == _flag(mj, "mjtIntegrator", "mjINT_DISCRETE") or choice.refsafe is False
+        least = 0.0 if free else LEAST_STEPS * self.h
+        contact = _time_constant(choice.contact_steps, self.h, choice.slowest)
         flags = {
             "disabled": ("mjtDisableBit", "mjDSBL_", option.disableflags),
             "enabled": ("mjtEnableBit", "mjENBL_", option.enableflags),
@@ -1358,8 +1402,10 @@ class _Builder:
             "impratio": float(option.impratio),
             "noslip_iterations": int(option.noslip_iterations),
             "ls_iterations": int(option.ls_iterations),
-            "rebound_steps": self.options.rebound_steps,
-            "contact_time_constant": max(least, _time_constant(choice.contact_steps, self.h, choice.slowest)),
+            "rebound_steps": choice.rebound_steps,
+            "friction_steps": choice.rebound_steps if self.rebounds and own is None else own,
+            "contact_time_constant": max(least, contact),
+            "friction_time_constant": max(least, _friction_constant(choice, self.h) or contact),
             "contact_damping_ratio": self.options.contact_damping_ratio or 1.0,
             "contact_impedance": self.options.contact_impedance or "0.9..0.95",
             "limit_time_constant": max(least, _time_constant(choice.limit_steps, self.h, choice.slowest)),
@@ -1499,22 +1545,35 @@ ADAPTER = MujocoAdapter(
                 "MuJoCo documentation: 'Modeling', preventing slip (elliptic cone, impratio above 1) and solver parameters "
                 "(time constant at least twice the time step; measured here: below 20 steps contacts lift what slides, below "
                 "damping ratio 1.2 they rebound; a stop, along which nothing slides, is held at two steps, and of ratio 1.7 "
-                "returns a rod by .008 rad where one of 1 does by .05); 'Computation', numerical integration (RK4 for smooth "
-                "scenes whose springs and dampers it resolves, implicit for stiffer ones; measured here: in contact the "
-                "implicit one jitters where Euler rests); change log of 4.0.1 (sparse factor of 4.0.0: dense Jacobian)"
+                "returns a rod by .008 rad where one of 1 does by .05; the emulated rebound lasts ten steps: with them bounces "
+                "err least in height over the ladder); 'Computation', numerical integration (RK4 for smooth scenes whose "
+                "springs and dampers it resolves, implicit for stiffer dampers, discrete for stiffer springs; measured here: "
+                "in contact the implicit one jitters where Euler rests); change log of 4.0.1 (sparse factor of 4.0.0: dense "
+                "Jacobian)"
             ),
         ),
     },
     knobs={
         "integrator": INTEGRATORS,
+        "substeps": (1, 2, 4, 8),
         "solver": SOLVERS,
         "iterations": (5, 20, 100),
         "tolerance": (1e-6, 1e-8, 1e-10, 1e-12),
         "options.cone": ("pyramidal", "elliptic"),
         "options.impratio": (1.0, 10.0, 100.0),
         "options.noslip_iterations": (0, 5, 20),
-        "options.contact_steps": (2.0, 5.0, 10.0, 20.0, 40.0),
+        # A search turns a knob to its next value first. Where steps are long, tuned's `slowest` decides what 20 steps and more
+        # are: four of them are the first that tell, and so is a shorter `slowest`.
+        "options.contact_steps": (40.0, 20.0, 4.0, 2.0, 0.5),
+        "options.contact_damping_ratio": (1.0, 1.2, 2.0),
+        "options.contact_impedance": (0.95, 0.999, 0.9999),
+        "options.friction_steps": (2.0, 5.0, 10.0, 20.0, 40.0),
+        "options.rebound_steps": (5, 10, 20, 40, 80),
+        "options.limit_steps": (2.0, 5.0, 20.0),
+        "options.limit_damping_ratio": (1.0, 1.7, 3.0),
         "options.loop_steps": (2.0, 5.0, 20.0),
+        "options.loop_impedance": (0.95, 0.999, 0.9999),
+        "options.slowest": (0.1, VENDOR_TIME_CONSTANT, 0.005, 0.001),
         "options.jacobian": ("auto", "dense", "sparse"),
     },
     known_failures={
@@ -1552,12 +1611,30 @@ ADAPTER = MujocoAdapter(
     },
     loads=("mujoco",),
     orders={"euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1, "rk4": 4},
+    emulated=(
+        Emulation(
+            feature=Feature.RESTITUTION,
+            how="MuJoCo has no coefficient of restitution; the contact is given a stiffness and a damping whose mean rebound "
+            "is e, and friction beside it a time constant of its own",
+        ),
+        Emulation(
+            feature=Feature.KINEMATIC,
+            how="MuJoCo has no body of prescribed velocity; it is a free one with an armature of 1e12 times the scene's mass",
+        ),
+        Emulation(
+            feature=Feature.CLOSED_LOOP,
+            how="MuJoCo closes loops by points and welds; a revolute joint is two points of its axis, each held together",
+            where="where a revolute joint closes the loop",
+        ),
+    ),
     deviations=(
         "contacts, limits and loop joints are soft: they sink, creep and gap",
-        "restitution is a spring and damper calibrated to the mean rebound; single rebounds scatter with the phase of the step",
+        "MuJoCo has no restitution: the adapter emulates it by a spring and damper, calibrated to the mean rebound; single "
+        "rebounds scatter with the phase of the step",
         "a slip bends a rebound: by up to 20 % up to three times the speed of approach (43 % at e = .3), by more where faster",
         "without restitution a contact is critically damped and cannot pull: it gives back up to .135 of the speed of impact",
         "sliding, torsional and rolling friction share one cone",
+        "friction is soft: a damper to slips below half of mu g times its time constant; faster ones press bodies apart",
         "the gyroscopic term cannot be switched off",
         "meshes and hulls are held in single precision, and a mesh collides as its hull",
     ),

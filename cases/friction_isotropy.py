@@ -12,7 +12,7 @@ import numpy as np
 from harness.case import Case, Check
 from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.isotropy import HEADING_ERROR, POLAR_SPREAD
-from harness.metrics.slide import LIFT_OFF, STOP_DISTANCE_ERROR
+from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -107,6 +107,6 @@ CASE = Case(
         forces_keep_momentum(),
         *forces_obey_coulomb(),
     ),
-    observe=(LIFT_OFF,),
+    observe=(CENTRE_RISE,),
     headline="polar_spread",
 )

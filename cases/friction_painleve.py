@@ -155,7 +155,7 @@ CASE = Case(
         Check(metric=POSITION_MAX, at_most=lambda dt, **rod: 2 * _first_order(**rod)[0] * dt, because=FIRST_ORDER),
         Check(
             metric=IMPULSE_MAX,
-            at_most=lambda dt, speed=SPEED: 2 * MASS * float(np.sqrt(speed**2 + 2 * G * HALF)) + MASS * G * dt,
+            at_most=lambda _dt, outer, speed=SPEED: 2 * MASS * float(np.sqrt(speed**2 + 2 * G * HALF)) + MASS * G * outer,
             because="an impulse is the change of momentum less that by weight, and without energy from nowhere the centre is "
             "never faster than v^2 = v0^2 + 2 g l: m times twice that speed, and m g dt. A law that is solved for forces where "
             "it has none has no bound at all",

@@ -10,8 +10,9 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from harness.checks.rest import GIVE
 from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.slide import LIFT_OFF, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
+from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -67,9 +68,9 @@ def _way(dt: float, frictions: Sequence[float] = FRICTIONS, speed: float = SPEED
     return 1.5 * speed * dt / (speed**2 / (2 * max(frictions) * G))
 
 
-def _time(dt: float, frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> float:
-    """Two steps over the shortest time to a tenth of the speed."""
-    return 2 * dt / (0.9 * speed / (max(frictions) * G))
+def _time(dt: float, outer: float, frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> float:
+    """A step and the one between two calls over the shortest time to a tenth of the speed."""
+    return (dt + outer) / (0.9 * speed / (max(frictions) * G))
 
 
 CASE = Case(
@@ -94,14 +95,14 @@ CASE = Case(
         Check(
             metric=STOP_TIME_ERROR,
             at_most=_time,
-            because="one step without a contact at the start, one step's resolution at the end; relative to the shortest time "
-            "to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
+            because="one step without a contact at the start, the resolution of what is told at the end; relative to the "
+            "shortest time to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
         ),
         Check(
-            metric=LIFT_OFF,
-            at_most=lambda dt: G * dt**2,
+            metric=CENTRE_RISE,
+            at_most=lambda dt: G * dt**2 + GIVE,
             because="nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
-            "moves at most g dt for dt",
+            "moves at most g dt for dt; and one that gives way by a millimetre may swing up by as much",
         ),
         Check(
             metric=RMS_SPEED,

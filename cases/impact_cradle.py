@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 
 from harness.case import Case, Check
+from harness.checks.contact_laws import SOLVED
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_FINAL, ENERGY_GAIN
 from harness.metrics.momentum import MOMENTUM_MAX
@@ -48,6 +49,11 @@ def scene(gaps: Sequence[float] = GAPS, balls: int = BALLS, speed: float = SPEED
     )
 
 
+def _handed_on(_dt: float, balls: int = BALLS) -> float:
+    """By how much the speed of the last ball may be off, as a share."""
+    return SOLVED * (balls - 1) + 1e-6
+
+
 CASE = Case(
     name="impact_cradle",
     title="Newton's cradle",
@@ -65,9 +71,10 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
         Check(
             metric=LAST_SHARE_ERROR,
-            at_most=1e-6,
+            at_most=_handed_on,
             because="where a step is shorter than the way across a gap there is one pair at a time, whose exchange has no "
-            "error of the step; 1e-6 for single precision",
+            "error of the step: each of the n - 1 blows hands on all but the share to which forces are solved for, 1e-4; 1e-6 "
+            "for single precision",
         ),
         Check(
             metric=MOMENTUM_MAX,
@@ -76,8 +83,9 @@ CASE = Case(
         ),
         Check(
             metric=ENERGY_GAIN,
-            at_most=1e-6,
-            because="no impact makes energy, however many balls touch; 1e-6 for single precision",
+            at_most=lambda _dt, balls=BALLS: 2 * _handed_on(_dt, balls),
+            because="no impact makes energy, however many balls touch; energy, being a square, errs by twice what the speeds "
+            "handed on may err by",
         ),
         Check(
             metric=ENERGY_FINAL,

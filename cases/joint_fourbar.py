@@ -10,6 +10,7 @@ import numpy as np
 from scipy.special import ellipj, ellipk
 
 from harness.case import Case, Check
+from harness.checks.rest import GIVE
 from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
@@ -99,8 +100,11 @@ def _first_order(amplitude: float = AMPLITUDE) -> tuple[float, float, float]:
 
 
 def _gap(dt: float, amplitude: float = AMPLITUDE) -> float:
-    """A step along the tangent leaves the circle by (v dt)^2/(2 r); a solver that takes back a fifth a step keeps five."""
-    return 5 * (_first_order(amplitude)[2] * dt) ** 2 / (2 * CRANK) + 1e-6
+    """A step along the tangent leaves the circle by (v dt)^2/(2 r); a solver that takes back a fifth a step keeps five.
+
+    One that closes the loop by a spring of a fixed time constant is off at any step: a millimetre is granted.
+    """
+    return 5 * (_first_order(amplitude)[2] * dt) ** 2 / (2 * CRANK) + GIVE
 
 
 def _turned(dt: float, amplitude: float = AMPLITUDE) -> float:
@@ -143,7 +147,8 @@ CASE = Case(
             metric=JOINT_GAP_MAX,
             at_most=_gap,
             because="a step along the tangent leaves the circle by (v dt)^2/(2 r), of which a solver that corrects a fifth a "
-            "step keeps five; 1e-6 m for single precision",
+            "step keeps five; and a millimetre, which a joint may give way that closes a loop by a spring: one of a fixed "
+            "time constant T = 0.02 s is off by T^2 times the acceleration that it does not foresee, at any step",
         ),
     ),
     observe=(POSITION_FINAL, ENERGY_STAGGERED),

@@ -123,7 +123,7 @@ def _errors(dt: float, eccentricity: float = ECCENTRICITY) -> dict[str, float]:
 
 
 def _check(metric: Metric) -> Check:
-    return Check(metric=metric, at_most=lambda dt, **orbit: 2 * _errors(dt, **orbit)[metric.name], because=WHY)
+    return Check(metric=metric, at_most=lambda _dt, outer, **orbit: 2 * _errors(outer, **orbit)[metric.name], because=WHY)
 
 
 WHY = (

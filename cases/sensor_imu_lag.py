@@ -65,9 +65,9 @@ def _expected(time: Floats, frequency: float = FREQUENCY) -> Trajectory:
     return replace(truth, streams=streams)
 
 
-def _late(dt: float) -> float:
-    """[s]: a force that is held over a step, or the one told last."""
-    return dt + 1e-6
+def _late(_dt: float, outer: float) -> float:
+    """[s]: a force that is held over a step between two calls, or the one told last."""
+    return outer + 1e-6
 
 
 CASE = Case(

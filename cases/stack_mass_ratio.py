@@ -5,7 +5,7 @@ contact passes on, each time, only what the light body alone can take.
 """
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import settled_speed, stands, supported
+from harness.checks.rest import GIVE, settled_speed, stands, supported
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import STACK_HEIGHT_ERROR
@@ -60,10 +60,11 @@ CASE = Case(
         stands(DURATION, "the stack stands"),
         Check(
             metric=STACK_HEIGHT_ERROR,
-            at_most=lambda dt, ratio=RATIO: 2 * G * dt**2 / (3 * HALF) * (1 + SOFTNESS * ratio),
+            at_most=lambda dt, ratio=RATIO: 2 * (G * dt**2 * (1 + SOFTNESS * ratio) + GIVE) / (3 * HALF),
             because="before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
             "the top would sink by this share of the height of its centre, whatever the ratio; 1e-5 times the ratio more for a "
-            "solver that keeps its matrix regular by such a share (ODE User Guide, Constraint Force Mixing)",
+            "solver that keeps its matrix regular by such a share (ODE User Guide, Constraint Force Mixing); and a millimetre "
+            "for each contact, which it may give way under weight",
         ),
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),

@@ -4,7 +4,7 @@ A box that creeps by a micrometre a second passes every check of a few seconds; 
 """
 
 from harness.case import Case, Check
-from harness.checks.rest import settled_speed, stands
+from harness.checks.rest import GIVE, settled_speed, stands
 from harness.metrics.energy import ENERGY_GAIN
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.stack import LEAN, STACK_HEIGHT_ERROR
@@ -56,10 +56,10 @@ CASE = Case(
         stands(DURATION, "the tower stands"),
         Check(
             metric=STACK_HEIGHT_ERROR,
-            at_most=lambda dt, n=BOXES: G * dt**2 * n * (n + 1) / 2 / ((2 * n - 1) * HALF),
+            at_most=lambda dt, n=BOXES: (G * dt**2 * n * (n + 1) / 2 + n * GIVE) / ((2 * n - 1) * HALF),
             because="boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
-            "support after k steps, in which it falls k (k + 1)/2 g dt^2, over the height of its centre; that does not grow "
-            "in ten minutes",
+            "support after k steps, in which it falls k (k + 1)/2 g dt^2, over the height of its centre; and a millimetre for "
+            "each contact, which it may give way under weight. Neither grows in ten minutes",
         ),
         settled_speed(SETTLED, "a box"),
     ),

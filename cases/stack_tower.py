@@ -1,7 +1,7 @@
 """A tower of n boxes, built exactly touching: does it stand, at its height, with its weight on the ground?"""
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import settled_speed, supported
+from harness.checks.rest import GIVE, settled_speed, supported
 from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY, STACK_HEIGHT_ERROR, STANDING_HEIGHT
@@ -57,10 +57,11 @@ CASE = Case(
         Check(metric=STANDING_HEIGHT, at_most=0.5, because="the definition of a collapse: the top below half its height"),
         Check(
             metric=STACK_HEIGHT_ERROR,
-            at_most=lambda dt, n=BOXES: G * dt**2 * n * (n + 1) / 2 / ((2 * n - 1) * HALF),
+            at_most=lambda dt, n=BOXES: (G * dt**2 * n * (n + 1) / 2 + n * GIVE) / ((2 * n - 1) * HALF),
             because="boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
             "so that the ground shows first and box k sees its support only after k steps, in which it falls "
-            "k (k + 1)/2 g dt^2; the top, k = n, over the height of its centre",
+            "k (k + 1)/2 g dt^2; the top, k = n, over the height of its centre; and a millimetre for each contact, which it "
+            "may give way under weight",
         ),
         Check(
             metric=RESIDUAL_KINETIC_ENERGY,

@@ -10,8 +10,6 @@ from harness.scene import Scene
 from harness.stage import stage
 
 ORIGIN, DURATION = 1e6, 1.0
-SUBSTEPS = 16
-"""Of one step: as many as the engines are run with, twice over."""
 
 
 def scene(origin: float = ORIGIN) -> Scene:  # noqa: ARG001 -- of its retelling
@@ -39,9 +37,9 @@ CASE = Case(
         Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
         Check(
             metric=POSITION_DIFFERENCE["moved"],
-            at_most=lambda dt, origin=ORIGIN: float(np.sqrt(3) * SUBSTEPS * (DURATION / dt + 1) * np.spacing(origin) / 2),
-            because="a sub-step rounds each coordinate by at most half the spacing of the numbers there, 1.2e-10 m at 1e6 m: "
-            "all roundings the same way, three coordinates, sixteen sub-steps a step. Velocities are of the size of the stage "
+            at_most=lambda dt, origin=ORIGIN: float(np.sqrt(3) * (DURATION / dt + 1) * np.spacing(origin) / 2),
+            because="a step rounds each coordinate by at most half the spacing of the numbers there, 1.2e-10 m at 1e6 m: "
+            "all roundings the same way, three coordinates, in every sub-step. Velocities are of the size of the stage "
             "and lose nothing; a gap that is wrong by a rounding is righted by as much",
         ),
     ),

@@ -20,6 +20,8 @@ The contract, proven by `harness.conformance`:
 * Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as 'surplus: ...'.
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
+* What comes back is checked too: quaternions have norm 1, `resolved` and `warnings()` hold text, Python's own numbers and lists
+  and names of such. What breaks that is a crash with a reason, and costs its own cell.
 * Arrays that are handed in are checked at one door, `harness.boundary`: `wrench`, `cast`, `caster`, `command` and `state` raise
   `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
@@ -34,13 +36,24 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import Flag, auto
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from harness.batch import Batch, Turns
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
-__all__ = ["Adapter", "Diverged", "Feature", "Settings", "SettingsError", "Simulation", "Unavailable", "Unsupported"]
+__all__ = [
+    "Adapter",
+    "Advantage",
+    "Diverged",
+    "Emulation",
+    "Feature",
+    "Settings",
+    "SettingsError",
+    "Simulation",
+    "Unavailable",
+    "Unsupported",
+]
 
 
 class Feature(Flag):
@@ -141,6 +154,11 @@ class Settings:
         if self.tolerance is not None and not 0 <= self.tolerance < 1:
             raise SettingsError(f"settings: tolerance {self.tolerance}, expected 0..1")
 
+    @property
+    def substep(self) -> float:
+        """The step that is really taken [s]: dt over its sub-steps, one where they are left to the engine."""
+        return self.dt / (self.substeps or 1)
+
     def with_dt(self, dt: float) -> "Settings":
         """The same settings at another time step [s]."""
         return replace(self, dt=dt)
@@ -194,6 +212,37 @@ class Simulation(Protocol):
         """Free the engine's memory; may be called twice."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Emulation:
+    """A law that the adapter makes, because its engine has none of its own or none that says the same.
+
+    Terms:
+        feature: one of those that the adapter claims. how: what the engine lacks and what stands for it, as a sentence without
+        its full stop. where: what confines it, as a clause; '' where every scene with the feature has it. tracks: those on
+        which it does.
+    """
+
+    feature: Feature
+    how: str
+    where: str = ""
+    tracks: tuple[str, ...] = ("default", "tuned")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Advantage:
+    """Why an engine errs least in a case: what it is given, and not what it is.
+
+    Terms:
+        by: sub-steps, where it takes several to the others' one; the order of its integrator; construction, where its method
+        keeps or has in it what the truth says; its own law, where others have none; a solver, where another method solves the
+        same equations; defaults, where the others' own ones, or their adapters', add what the scene does not ask for. why: as a
+        sentence without its full stop, with the figures.
+    """
+
+    by: Literal["sub-steps", "order", "construction", "own law", "solver", "defaults"]
+    why: str
+
+
 @dataclass(frozen=True, kw_only=True)
 class Adapter(ABC):
     """One engine.
@@ -204,12 +253,13 @@ class Adapter(ABC):
         users would try. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures.
         trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
         case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
-        deviations: what every answer of this engine carries, whatever the track. orders: what each integrator, by the name that
-        `Simulation.resolved` gives it, promises for smooth motion. compile_allowance [s]: what an engine that
-        compiles itself on first use may take for that, once, beyond a trial's deadline. threads: numbers of threads that one
-        world can be stepped on, by its option 'threads'; none where it takes one. loads: modules that take long to load and
-        say nothing when they are; accuracy runs start with them loaded. single_precision: the engine computes in single
-        precision, so that its states have seven digits.
+        deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
+        adapter makes, with how; all others are the engine's own. advantages: of the engine that the others are compared with,
+        why it errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`,
+        promises for smooth motion. compile_allowance [s]: what an engine that compiles itself on first use may take for that,
+        once, beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads';
+        none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
+        them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
     """
 
     name: str
@@ -221,11 +271,21 @@ class Adapter(ABC):
     known_failures: Mapping[str, str] = field(default_factory=dict)
     trade_offs: Mapping[str, str] = field(default_factory=dict)
     deviations: tuple[str, ...] = ()
+    emulated: tuple[Emulation, ...] = ()
+    advantages: Mapping[str, Advantage] = field(default_factory=dict)
     orders: Mapping[str, int] = field(default_factory=dict)
     compile_allowance: float = 0.0
     threads: tuple[int, ...] = ()
     loads: tuple[str, ...] = ()
     single_precision: bool = False
+
+    def __post_init__(self) -> None:
+        for one in self.emulated:
+            where = f"adapter '{self.name}': emulated {'|'.join(one.feature.names)}"
+            if len(one.feature.names) != 1 or one.feature not in self.features:
+                raise ValueError(f"{where}: expected one feature that the adapter claims")
+            if not one.how.strip() or not one.tracks or not set(one.tracks) <= set(self.tracks):
+                raise ValueError(f"{where}: expected how, and on which of the tracks {', '.join(self.tracks)}")
 
     def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled
         """Compile what this scene needs, where the engine does such a thing; a trial's deadline begins after it.

@@ -25,6 +25,8 @@ Clocks = Literal["work", "reading", "call", "casting", "sensing"]
 range finders, or its steps with all that its sensors read."""
 
 
+OUTER = "outer"
+"""What a bound calls the step between two calls, if it depends on that."""
 OWN: Mapping[str, Any] = MappingProxyType({})
 """In place of parameters: the case's own."""
 
@@ -34,9 +36,11 @@ class Check:
     """A bound on a metric, derived in words.
 
     Terms:
-        at_most: the bound in the metric's unit (at least, where higher is better); either a number or a function of the time
-        step [s], for errors that shrink with it, and of those parameters of the case, by name, that it is derived from; their
-        defaults are the case's own. because: the derivation. start, end [s]: the part of the run that is judged.
+        at_most: the bound in the metric's unit (at least, where higher is better); either a number or a function of the step
+        that the engine really takes [s], its sub-step, for errors that shrink with it; by name `outer`, of the step [s] between
+        two calls, over which states are told and forces from outside are held; and of those parameters of the case, by name,
+        that it is derived from, whose defaults are the case's own. because: the derivation. start, end [s]: the part of the run
+        that is judged.
     """
 
     metric: Metric
@@ -45,26 +49,29 @@ class Check:
     start: float = 0.0
     end: float | None = None
 
-    def bound(self, dt: float, parameters: Mapping[str, Any] = OWN) -> float:
-        """The bound at a time step dt [s] and a case's parameters, its own where they are left out."""
+    def bound(self, dt: float, parameters: Mapping[str, Any] = OWN, substep: float | None = None) -> float:
+        """The bound at a case's parameters, its own where they are left out, for a time step dt [s] that an engine takes in
+        steps of `substep` [s]: in one where that is left out."""
         if not callable(self.at_most):
             return float(self.at_most)
         wanted = _named(self.at_most)
         told = parameters if wanted is None else {name: parameters[name] for name in wanted if name in parameters}
-        return float(self.at_most(dt, **{name: _frozen(value) for name, value in told.items()}))
+        between = {OUTER: dt} if OUTER in signature(self.at_most).parameters else {}
+        taken = dt if substep is None else substep
+        return float(self.at_most(taken, **between, **{name: _frozen(value) for name, value in told.items()}))
 
-    def passes(self, value: float, dt: float, parameters: Mapping[str, Any] = OWN) -> bool:
+    def passes(self, value: float, dt: float, parameters: Mapping[str, Any] = OWN, substep: float | None = None) -> bool:
         """Is the value finite and on the right side of the bound?"""
         if not np.isfinite(value):
             return False
-        bound = self.bound(dt, parameters)
+        bound = self.bound(dt, parameters, substep)
         return value <= bound if self.metric.better == "lower" else value >= bound
 
 
 @cache
 def _named(law: Callable[..., float]) -> tuple[str, ...] | None:
-    """The parameters that a bound takes beside the time step; None where it takes all."""
-    taken = list(signature(law).parameters.values())[1:]
+    """The parameters that a bound takes beside the steps; None where it takes all."""
+    taken = [one for one in list(signature(law).parameters.values())[1:] if one.name != OUTER]
     return None if any(one.kind == Parameter.VAR_KEYWORD for one in taken) else tuple(one.name for one in taken)
 
 

@@ -5,6 +5,7 @@ from typing import Any
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.discover import version_of
+from harness.features import features_of
 
 __all__ = ["describe_case", "describe_engine"]
 
@@ -19,6 +20,7 @@ def describe_case(case: Case) -> dict[str, Any]:
         "question": case.question,
         "truth": case.truth,
         "effects": list(scene.effects.names),
+        "features": list(features_of(scene).names),
         "source": case.source,
         "parameters": dict(case.parameters),
         "bodies": len(scene.bodies),
@@ -73,5 +75,11 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
         "known_failures": dict(engine.known_failures),
         "trade_offs": dict(engine.trade_offs),
         "deviations": list(engine.deviations),
+        "emulated": [
+            {"feature": one.feature.names[0], "how": one.how, "where": one.where, "tracks": list(one.tracks)}
+            for one in engine.emulated
+        ],
+        "advantages": {name: {"by": one.by, "why": one.why} for name, one in engine.advantages.items()},
+        "batch": type(engine).build_batch is not Adapter.build_batch,
         "orders": dict(engine.orders),
     }

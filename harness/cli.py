@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from harness import tables
+from harness.interrupt import listen
 from harness.listing import print_csv, print_json, print_markdown, print_table
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ class _Guarded(click.Group):
     """Turns the errors that people can mend into a line and an exit code; anything else keeps its trace."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command."""
+        """Run the command. Requests to stop are heard even where the shell has told its children to ignore them."""
+        listen()
         try:
             return super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError):
@@ -79,6 +81,13 @@ def engines(as_json: bool) -> None:
     print_table("Engines", ("name", "engine", "version", "features"), shown)
 
 
+def _left_out(*kinds: str) -> list[str]:
+    """Third parties' plug-ins of these kinds that cannot be loaded, in words."""
+    from harness import discover
+
+    return [f"{kind[:-1]} '{name}' is left out: {said}" for kind in kinds for name, said in discover.left_out(kind).items()]
+
+
 @main.command()
 @click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 def cases(as_json: bool) -> None:
@@ -87,6 +96,8 @@ def cases(as_json: bool) -> None:
     from harness.catalogue import describe_case
 
     rows = [describe_case(case) for case in discover.cases().values()]
+    for sentence in _left_out("cases"):
+        click.echo(sentence, err=True)
     if as_json:
         print_json(rows)
         return
@@ -154,6 +165,8 @@ def _study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[st
         ladder = Experiment(name="scene", dt=(1 / 240, 1 / 480, 1 / 960))
         needs = Experiment(name="effects", tracks=("tuned",), effects=True, samples=3, sample_seconds=0.01)
         return Study(name="scene", title=case.title, experiments=(ladder, needs)), {case.name: case}
+    for sentence in _left_out("cases", "metrics", "pages"):
+        click.echo(sentence, err=True)
     study, found = load_study(name), discover.cases()
     for glob in globs:
         if not any(fnmatchcase(case, glob) for case in found):
@@ -193,12 +206,10 @@ def run(
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
     from harness import discover
     from harness.campaign import carry_out
-    from harness.interrupt import listen
 
     plan, chosen = _study_and_cases(study, globs)
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
-    listen()
     try:
         store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume, shard=shard)
     except KeyboardInterrupt:

@@ -1,19 +1,23 @@
 """Finding plug-ins: adapters, cases and metrics, by walking a folder and by entry points; nothing is listed by hand.
 
-A name found twice, or a file that does not end in its constant, is an error; an import error is raised, never hidden.
+A name found twice, or a file that does not end in its constant, is an error; an import error is raised, never hidden. A third
+party's plug-in that cannot be loaded is named with the reason, and costs no other one: an engine is unavailable then, a case or
+a metric is left out.
 """
 
 import importlib
 import pkgutil
-from importlib.metadata import EntryPoint, entry_points
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.adapter import Adapter, Unavailable
+from harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from harness.case import Case
 from harness.metric import Metric
+from harness.outside import points, trouble
+from harness.scene import Scene
 
-__all__ = ["SCENE_PREFIX", "PluginError", "adapter", "adapters", "case", "cases", "metrics", "names", "version_of"]
+__all__ = ["SCENE_PREFIX", "PluginError", "adapter", "adapters", "case", "cases", "left_out", "metrics", "names", "version_of"]
 
 SCENE_PREFIX = "scene:"
 """How the name of a case says that it lies in a file."""
@@ -29,17 +33,13 @@ def _folder(package: str) -> dict[str, str]:
     return {m.name: f"{package}.{m.name}" for m in pkgutil.iter_modules(paths) if not m.name.startswith("_")}
 
 
-def _outside(group: str) -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=group)}
-
-
 def names(kind: str) -> tuple[str, ...]:
     """The names of all plug-ins of a kind ('adapters' or 'cases'), without importing one.
 
     Raises:
         PluginError: where a third party's plug-in takes a built-in name.
     """
-    inside, outside = _folder(kind), _outside(f"plumbline.{kind}")
+    inside, outside = _folder(kind), points(f"plumbline.{kind}")
     for name in inside.keys() & outside.keys():
         raise PluginError(
             f"entry point plumbline.{kind} '{name}' ({outside[name].value}): the name is built in; choose another"
@@ -53,9 +53,11 @@ def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | typ
         found = getattr(importlib.import_module(inside[name]), constant, None)
         where = inside[name]
     else:
-        point = _outside(f"plumbline.{kind}").get(name)
+        point = points(f"plumbline.{kind}").get(name)
         if point is None:
             raise PluginError(f"{kind[:-1]} '{name}': not found, expected one of {', '.join(names(kind))}")
+        if said := trouble(point):
+            raise PluginError(f"{kind[:-1]} '{name}': {said}")
         found, where = point.load(), point.value
     if not isinstance(found, expected):
         raise PluginError(f"{where}: {constant} is {type(found).__name__}, expected {expected.__name__}")
@@ -64,8 +66,25 @@ def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | typ
     return found
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Lost(Adapter):
+    """In the place of a third party's adapter that cannot be loaded. Terms: reason: why."""
+
+    reason: str
+
+    def version(self) -> str:
+        raise Unavailable(self.reason)
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:  # noqa: ARG002  # none can be built
+        raise Unavailable(self.reason)
+
+
 def adapter(name: str) -> Adapter:
-    """The adapter of that name. Raises: PluginError."""
+    """The adapter of that name; a third party's that cannot be loaded is unavailable. Raises: PluginError."""
+    point = points("plumbline.adapters").get(name)
+    if point is not None and name not in _folder("adapters") and (said := trouble(point)):
+        tracks = {"default": Settings(), "tuned": Settings()}
+        return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=said)
     found: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
     return found
 
@@ -86,15 +105,22 @@ def adapters() -> dict[str, Adapter]:
 
 
 def cases() -> dict[str, Case]:
-    """All cases by name."""
-    return {name: case(name) for name in names("cases")}
+    """All cases by name, but for those that are left out."""
+    lost = left_out("cases")
+    return {name: case(name) for name in names("cases") if name not in lost}
+
+
+def left_out(kind: str) -> dict[str, str]:
+    """Third parties' plug-ins of a kind ('cases', 'metrics', 'pages') that cannot be loaded, each with the reason."""
+    return {name: said for name, point in points(f"plumbline.{kind}").items() if (said := trouble(point))}
 
 
 def metrics() -> dict[str, Metric]:
     """All metrics by name, of every file in harness/metrics and of entry points. Raises: PluginError."""
     found: dict[str, Metric] = {}
     modules = [getattr(importlib.import_module(path), "METRIC", None) for path in _folder("harness.metrics").values()]
-    for group in (*modules, *(point.load() for point in _outside("plumbline.metrics").values())):
+    outside = [point.load() for point in points("plumbline.metrics").values() if not trouble(point)]
+    for group in (*modules, *outside):
         for metric in group if isinstance(group, tuple) else (group,):
             if not isinstance(metric, Metric):
                 raise PluginError(f"METRIC is {type(metric).__name__}, expected Metric")
@@ -110,3 +136,5 @@ def version_of(engine: Adapter) -> tuple[str, str | None]:
         return engine.version(), None
     except Unavailable as error:
         return "none", str(error)
+    except Exception as error:
+        return "none", f"{type(error).__name__}: {error}"

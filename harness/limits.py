@@ -20,7 +20,7 @@ from harness.record import Record
 from harness.remedies import remedied
 from harness.study import Limit, Trial, axis_of
 
-__all__ = ["Bracket", "Ruler", "bracket", "next_trials", "ruler", "value_of"]
+__all__ = ["BROKE", "Bracket", "Ruler", "bracket", "next_trials", "ruler", "value_of"]
 
 REMEDY_VALUES = 3
 """Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""
@@ -143,7 +143,8 @@ def _search(trial: Trial, case: Case) -> str:
     settings = replace(trial.settings, source="").plain()
     if axis.parameter == "dt":
         settings.pop("dt")
-    return repr((trial.experiment.name, trial.case, others, trial.engine, trial.track, settings, trial.remedy, trial.remedied))
+    side = (trial.engine, trial.track, trial.parts, trial.remedy, trial.remedied)
+    return repr((trial.experiment.name, trial.case, others, side, settings))
 
 
 def _next_of(

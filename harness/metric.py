@@ -20,6 +20,8 @@ class Metric:
 
     Terms:
         name: unique, snake case. unit: SI, '1' for none. source: book, paper or definition. better: which way is good.
+        verdict: where the name says that something happened (a collapse, a passage), what has to happen for it to count, in
+        words; '' for a plain measure.
         measure: (scene, actual, expected or None) to the number; non-finite input gives a non-finite number, never a good one.
     """
 
@@ -28,6 +30,7 @@ class Metric:
     source: str
     measure: Callable[[Scene, Trajectory, Trajectory | None], float]
     better: Literal["lower", "higher"] = "lower"
+    verdict: str = ""
 
     def __call__(self, scene: Scene, actual: Trajectory, expected: Trajectory | None = None) -> float:
         """The number, in the metric's unit."""

@@ -12,11 +12,12 @@ from pathlib import Path
 from harness import discover
 from harness.alteration import ALONE
 from harness.interrupt import stop_if_asked
+from harness.message import BrokenMessage, Inbox, read_record, readable, send
 from harness.record import Record
 from harness.run import outcome
 from harness.servers import context, start_apart, start_loaded
 from harness.study import Trial
-from harness.worker import exit_code, isolated_trial, roughly_clocked
+from harness.worker import end, exit_code, isolated_trial, roughly_clocked
 
 __all__ = ["run_isolated"]
 
@@ -33,7 +34,7 @@ def _tail(log: Path) -> str:
         return ""
     with log.open("rb") as stream:
         stream.seek(max(0, log.stat().st_size - _TAIL))
-        return stream.read().decode("utf-8", errors="replace").strip()
+        return readable(stream.read().decode("utf-8", errors="replace").strip())
 
 
 def _trim(log: Path, record: Record) -> None:
@@ -54,6 +55,14 @@ def _late(trial: Trial, log: Path) -> Record:
     return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
 
 
+def _named(number: int) -> str:
+    """A signal's name; those of real time have none of their own."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
 def _expired(trial: Trial, code: int | None, log: Path) -> Record:
     detail = _tail(log)
     if "bad_alloc" in detail or "MemoryError" in detail:
@@ -61,7 +70,7 @@ def _expired(trial: Trial, code: int | None, log: Path) -> Record:
     if code == -signal.SIGALRM:
         return _late(trial, log)
     if code is not None and code < 0:
-        return outcome(trial, "crashed", f"killed by {signal.Signals(-code).name}", detail)
+        return outcome(trial, "crashed", f"killed by {_named(-code)}", detail)
     return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
 
 
@@ -70,26 +79,30 @@ class _Child:
     """A process at work on a trial.
 
     Terms:
-        pipe: its record comes here, the last word counts. until: the end of its time, on the monotonic clock. said: what has
-        come so far. ended: has it said its last word, or died?
+        inbox: its record comes here, the last word counts. until: the end of its time, on the monotonic clock. said: what has
+        come so far. broken: what it said that no child may say; it is heard no more. ended: has it said its last word, or died?
     """
 
     trial: Trial
     process: BaseProcess
-    pipe: Connection
+    inbox: Inbox
     log: Path
     until: float
     said: Record | None = None
+    broken: str = ""
     ended: bool = False
 
     def listen(self) -> bool:
         """Take what has come: has it said its last word or died, or is it late?"""
         try:
-            while self.pipe.poll():
-                self.said = self.pipe.recv()
-        except (EOFError, OSError):
-            self.ended = True
-        return self.ended or time.monotonic() > self.until
+            for kind, value in self.inbox.lines():
+                if kind != "record":
+                    raise BrokenMessage(f"a '{readable(kind, 80)}', expected a record")
+                self.said = read_record(self.trial, value)
+            self.ended = self.inbox.ended
+        except BrokenMessage as error:
+            self.broken = f"broken contract: {error}"
+        return self.ended or bool(self.broken) or time.monotonic() > self.until
 
     def record(self) -> Record:
         """Its record, or what became of it; the process has ended then."""
@@ -97,24 +110,30 @@ class _Child:
             code = exit_code(self.process) if self.ended else None
             if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
                 return self.said
-            end = _expired(self.trial, code, self.log) if self.ended else _late(self.trial, self.log)
+            end = self._end(code)
             if self.said is None or code == 0:
                 return self.said or end
             return replace(self.said, warnings=(*self.said.warnings, f"rough cost: none: {end.reason}"))
         finally:
             self.stop()
 
+    def _end(self, code: int | None) -> Record:
+        if self.broken:
+            return outcome(self.trial, "crashed", self.broken, _tail(self.log))
+        return _expired(self.trial, code, self.log) if self.ended else _late(self.trial, self.log)
+
     def stop(self) -> None:
-        """End the process, whatever it does."""
-        if self.process.is_alive():
-            self.process.kill()
-            self.process.join()
-        self.pipe.close()
+        """End the process, whatever it does, and what it started."""
+        end(self.process)
+        self.inbox.pipe.close()
 
 
 def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
     for record in isolated_trial(trial, folder, log):
-        pipe.send(record)
+        try:
+            send(pipe, "record", record)
+        except (TypeError, ValueError) as error:
+            send(pipe, "record", outcome(trial, "crashed", f"broken contract: {error}"))
     pipe.close()
 
 
@@ -133,7 +152,7 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int) -> _Child:
         start_loaded(process, adapter.loads, foreseen)
     theirs.close()
     patience = trial.experiment.deadline + adapter.compile_allowance
-    return _Child(trial, process, ours, log, time.monotonic() + patience)
+    return _Child(trial, process, Inbox(ours), log, time.monotonic() + patience)
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
@@ -148,7 +167,7 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
                 trial = waiting.pop()
                 running.append(_start(trial, folder, logs, engines[trial.engine]))
             soonest = min(child.until for child in running) - time.monotonic()
-            wait([child.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
+            wait([child.inbox.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
             stop_if_asked()
             for child in [child for child in running if child.listen()]:
                 running.remove(child)

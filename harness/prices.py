@@ -1,27 +1,33 @@
-"""The price list: what an error costs on each engine in each case, interpolated between time steps, or "never reached".
+"""The price list: what an error costs on each engine in each case, interpolated between time steps, or "not
+within the ladder".
 
 An engine's price is that of its cheapest group of settings. Between two time steps of one group it is interpolated, where the
 error converges and does not jump; between two groups nothing lies that could be bought.
 
 Errors are those of the case's headline, as shares of the case's scale; costs are CPU seconds per simulated second (of a unit
 where that is no step). Both have error bars: costs those of their samples, errors that of the truth itself.
+
+An error that no run comes down to is none that an engine could never reach: where the error of one of its settings shrinks
+with the step, the step at which that trend would get there is foreseen.
 """
 
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
+from harness.effort import Ended, efforts
 from harness.front import on_front, price
 from harness.store import Store
 from harness.trajectory import Floats
+from harness.trend import fit_order
 
-__all__ = ["PER_SECOND", "TARGETS", "Point", "Price", "Prices", "unit_of"]
+__all__ = ["PER_SECOND", "TARGETS", "Foreseen", "Point", "Price", "Prices", "foreseen", "unit_of"]
 
 TARGETS = tuple(10.0**-k for k in range(1, 9))
 """Errors, as shares of a case's scale."""
@@ -30,9 +36,12 @@ LEAST = 1e-9
 DRAWS = 400
 """Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""
 
+FORESIGHT = 1e-6
+"""Share of the finest step that was run beyond which no trend is followed: rounding grows with the steps, and comes first."""
+
 PER_SECOND = "simulated second"
 
-Verdict = Literal["priced", "at most", "within the truth's error", "never reached", "not clocked", "no answer"]
+Verdict = Literal["priced", "at most", "within the truth's error", "not within the ladder", "not clocked", "no answer"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,9 +49,9 @@ class Point:
     """One trial on the plane of error and cost.
 
     Terms:
-        error: share of the scale; off: by how much the truth may be off, likewise. cost, low, high: CPU seconds per simulated
-        second or unit, with the 95 % interval; of an unclocked trial the rough cost alone. front: does no clocked point of the
-        same engine beat it? best: none of any engine?
+        substep [s]: the step that was really taken. error: share of the scale; off: by how much the truth may be off,
+        likewise. cost, low, high: CPU seconds per simulated second or unit, with the 95 % interval; of an unclocked trial the
+        rough cost alone. front: does no clocked point of the same engine beat it? best: none of any engine?
     """
 
     case: str
@@ -59,6 +68,7 @@ class Point:
     unstable: bool
     status: str
     trial: str
+    substep: float
     front: bool
     best: bool
 
@@ -69,12 +79,17 @@ class Price:
 
     Terms:
         target: share of the scale. verdict: priced; at most: the cheapest point already errs less; within the truth's error:
-        the target is smaller than what the truth is known to; never reached; not clocked: no point that gets there has a time,
-        and reason says what it roughly costs, where that is known; no answer: no trial gave an error, and reason says why.
+        the target is smaller than what the truth is known to; not within the ladder: no step and setting that was run gets
+        there; not clocked: no point that gets there has a time, and reason says what it roughly costs, where that is known; no
+        answer: no trial gave an error, and reason says why.
         unit: what cost counts: 'simulated second', or 'ray' and the like. cost with the 95 % interval low..high; ratio: over
         the cheapest engine at this target, with its interval; 1 for
-        that engine itself. best_error: the smallest of all its clocked points. track, dt, trial: the point at or below the
-        target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
+        that engine itself. best_error: the smallest of all its clocked points. finest_dt [s]: the finest step of all its
+        points.
+        foreseen_dt [s]: of a target not within the ladder, the step at which it is met if the error of the settings
+        foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt, trial:
+        the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
+        tried: settings of the engine in this case whose answers differ; ended: why there are no more.
     """
 
     case: str
@@ -91,11 +106,17 @@ class Price:
     ratio_high: float | None
     cheapest: bool
     best_error: float | None
+    finest_dt: float | None
+    foreseen_dt: float | None
+    foreseen_order: float | None
+    foreseen_track: str
     track: str
     dt: float | None
     trial: str
     unstable: bool
     reason: str
+    tried: int
+    ended: Ended
 
 
 def number(value: Any) -> float:
@@ -187,6 +208,7 @@ class Prices:
             unstable=clocked and bool(row["unstable_timing"]),
             status=row["status"],
             trial=row["trial"],
+            substep=float(row["dt"]) if math.isnan(number(row.get("substep"))) else float(row["substep"]),
             front=False,
             best=False,
         )
@@ -207,6 +229,7 @@ class Prices:
         lists = {
             engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(part["engine"])
         }
+        spent = efforts(self._store, part)
         for k, target in enumerate(TARGETS):
             reached = {engine: one.middle[k] for engine, one in lists.items() if math.isfinite(one.middle[k])}
             cheapest = min(reached, key=lambda engine: reached[engine], default="")
@@ -214,6 +237,8 @@ class Prices:
                 blank: dict[str, Any] = {f.name: None for f in fields(Price)}
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
                 row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
+                row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
+                row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in here if p.engine == engine), default=None)}
                 if one.best is None:
                     yield Price(**(row | without(part[part["engine"] == engine], here, engine)))
                     continue
@@ -221,11 +246,14 @@ class Prices:
                 if engine not in reached:
                     close = [p for p in here if p.engine == engine and p.error <= target]
                     least = min(close, key=lambda p: p.cost, default=one.best)
-                    said = (
+                    said: dict[str, Any] = (
                         {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"}
                         if close
-                        else {"verdict": "never reached"}
+                        else {"verdict": "not within the ladder"}
                     )
+                    trend = None if close else foreseen([p for p in here if p.engine == engine], target)
+                    if trend is not None:
+                        said |= {f"foreseen_{key}": value for key, value in asdict(trend).items()}
                     yield Price(**(row | said | {"trial": least.trial, "track": least.track, "dt": least.dt}))
                     continue
                 under, over = one.beside(k, target)
@@ -237,6 +265,37 @@ class Prices:
                 row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
                 row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Foreseen:
+    """Where a trend meets a target. Terms: dt [s]; order: of its error in the step; track: the settings that follow it."""
+
+    dt: float
+    order: float
+    track: str
+
+
+def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
+    """The cheapest step at which an error of these points of one engine, none of which comes down to it, would be `target`.
+
+    Settings count whose error shrinks with the step down to the finest that was run: the fit reaches no floor, its interval
+    leaves out an order of zero, and its three finest points alone have half of its order or more. The trend is followed from
+    the finest point on, no farther than to `FORESIGHT` of its step, and a step that is finer by a factor costs that many times
+    more.
+    """
+    found: list[tuple[float, Foreseen]] = []
+    for track in dict.fromkeys(point.track for point in points):
+        mine = [point for point in points if point.track == track]
+        fit = fit_order([point.dt for point in mine], [point.error for point in mine])
+        last = min(mine, key=lambda point: point.dt)
+        if fit is None or fit.floor is not None or fit.low <= 0 or fit.at_fine_end < fit.order / 2:
+            continue
+        finer = (target / last.error) ** (1 / fit.order)
+        if finer < FORESIGHT:
+            continue
+        found.append((last.cost / finer, Foreseen(dt=last.dt * finer, order=fit.order, track=track)))
+    return min(found, key=lambda one: one[0], default=(0.0, None))[1]
 
 
 def unit_of(part: pd.DataFrame) -> str:

@@ -111,7 +111,8 @@ class Record:
         of a sweep, or of an ensemble, which tables of limits show as rough. rough_ratio: the same over that of the engine's
         default track (tuned, where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
-        clocks, workers, round, members, remedy, remedied: of the trial. alteration: JSON, of the scene; empty for none.
+        substep [s]: the step that the engine really took, dt over the sub-steps that it says it used; None without an answer.
+        clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.
     """
 
     trial: str
@@ -152,6 +153,8 @@ class Record:
     members: int = 1
     remedy: str = ""
     remedied: str = ""
+    substep: float | None = None
+    parts: int = 0
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 

@@ -34,10 +34,14 @@ def remedied(sick: Trial, case: Case, adapter: Adapter, number: int) -> Iterator
         return tried(remedy, settings=replace(sick.settings, **settings, source=f"remedy: {remedy}"))
 
     knobs, now = adapter.knobs, sick.settings
-    if axis_of(sick.experiment, case).parameter != "dt":
-        yield settled(f"time step / {SPLIT}", dt=now.dt / SPLIT)
+    along_step = axis_of(sick.experiment, case).parameter == "dt"
     if "substeps" in knobs:
         yield settled(f"sub-steps x {SPLIT}", substeps=SPLIT * (now.substeps or 1))
+        if not along_step:
+            yield settled(f"time step / {SPLIT}", dt=now.dt / SPLIT)
+    elif not along_step:
+        # Without sub-steps of its own an engine takes shorter steps: the same to it as to divide the time step.
+        yield settled(f"sub-steps x {SPLIT}", dt=now.dt / SPLIT)
     most = max((value for value in knobs.get("iterations", ()) if value is not None), default=0)
     if most > (now.iterations or 0):
         yield settled("more iterations", iterations=most)

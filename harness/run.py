@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Feature, SettingsError, Simulation, Unavailable, Unsupported
+from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
 from harness.batch import WorldOf, spread
 from harness.case import Case, Converged, Rays
 from harness.control import Controlled
@@ -47,6 +47,7 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         members=trial.members,
         remedy=trial.remedy,
         remedied=trial.remedied,
+        parts=trial.parts,
         status=status,
         reason=reason,
         detail=detail,
@@ -142,6 +143,10 @@ class Answer:
         """Whole steps taken."""
         return round(float(self.actual.time[-1]) / self.actual.dt) if len(self.actual) else 0
 
+    def substep(self, asked: Settings) -> float:
+        """The step that the engine really took [s]: by what it says it used; by what was asked where it said nothing."""
+        return asked.dt / (self.resolved.get("substeps") or asked.substeps or 1)
+
 
 def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answer:
     """Build and step: what the engine of a trial makes of a scene that belongs to the trial's case.
@@ -221,11 +226,13 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
     expected = None if truth is None else truth.trajectory
     measurements: tuple[Measurement, ...] = ()
     if broke is None:
-        measurements = judge(bounded(case, trial.settings.dt, trial.parameters, folder), scene, actual, truth)
+        told = bounded(case, trial.settings.dt, answer.substep(trial.settings), trial.parameters, folder)
+        measurements = judge(told, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     return replace(
         outcome(trial, status, reason),
         resolved=answer.resolved,
+        substep=answer.substep(trial.settings),
         warnings=warnings,
         measurements=measurements,
         sim_seconds=answer.steps * trial.settings.dt,

@@ -7,7 +7,14 @@ from harness.scene import Scene
 from harness.sensors.recorder import SensorRecorder
 from harness.trajectory import Contacts, Floats, State, Trajectory
 
-__all__ = ["simulate", "steps_between_samples"]
+__all__ = ["BrokenContract", "simulate", "steps_between_samples"]
+
+UNIT = 1e-6
+"""How far the norm of a quaternion may be off 1: ten times what one that is normalised in single precision leaves."""
+
+
+class BrokenContract(Exception):
+    """An engine's answer is none: not of the kind that its adapter promises."""
 
 
 def steps_between_samples(interval: float, dt: float) -> int:
@@ -42,6 +49,16 @@ class _Log:
         return Trajectory(t.time[:n], t.p_WB[:n], t.q_WB[:n], t.v_WB[:n], t.w_WB[:n], dt=dt, contacts=contacts, streams=streams)
 
 
+def _promised(trajectory: Trajectory, scene: Scene) -> Trajectory:
+    """The trajectory, whose quaternions are turns. Raises: BrokenContract."""
+    off = np.abs(np.linalg.norm(trajectory.q_WB, axis=2) - 1)
+    if off.max(initial=0.0) > UNIT:
+        sample, place = np.unravel_index(np.argmax(off > UNIT), off.shape)
+        norm, body = np.linalg.norm(trajectory.q_WB[sample, place]), scene.bodies[place].name
+        raise BrokenContract(f"q_WB of body '{body}' at t = {trajectory.time[sample]:.6g} s: got norm {norm:.6g}, expected 1")
+    return trajectory
+
+
 def simulate(
     simulation: Simulation,
     scene: Scene,
@@ -52,7 +69,7 @@ def simulate(
     with_contacts: bool,
     seed: int,
 ) -> tuple[Trajectory, str | None]:
-    """Step a simulation to its end; the trajectory and, where it diverged, when and how."""
+    """Step a simulation to its end; the trajectory and, where it diverged, when and how. Raises: BrokenContract."""
     steps = max(1, round(duration / dt))
     every = steps_between_samples(sample_interval, dt)
     log = _Log(steps, every, dt, len(scene.bodies), with_contacts)
@@ -76,5 +93,5 @@ def simulate(
                 simulation.state(reading)
                 sensors.read(here * dt, reading)
     except Diverged as error:
-        return log.result(dt, {}), f"by step {here + 1} of {steps} (t = {here * dt:.6g} s): {error}"
-    return log.result(dt, {} if sensors is None else sensors.streams()), None
+        return _promised(log.result(dt, {}), scene), f"by step {here + 1} of {steps} (t = {here * dt:.6g} s): {error}"
+    return _promised(log.result(dt, {} if sensors is None else sensors.streams()), scene), None

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import os
 import tomllib
 import zipfile
@@ -23,10 +24,10 @@ _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
-_SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": ""}
+_SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0}
 """What the trials of a store from before there were these columns mean by their absence."""
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
-_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost")
+_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep")
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as validated
@@ -79,6 +79,8 @@ class Limit:
         tried one after the other before the first bracket is halved. within: the ratio of a bracket's ends at which it is close
         enough; along an axis that starts at 0, one more than their distance over the extreme. members: starts of each value.
         remedies: the tracks on which what is said to help is tried where a case breaks.
+        parts: of the time step, each a search of its own on 'tuned' in place of that track as it comes, so that all engines are
+        compared at equal sub-steps: an engine that takes sub-steps takes so many, another one steps of dt / parts.
     """
 
     along: str = "axis"
@@ -88,6 +90,7 @@ class Limit:
     within: float = Field(default=1.25, gt=1.0, le=100.0)
     members: int = Field(default=16, ge=2, le=100_000)
     remedies: tuple[Track, ...] = ()
+    parts: tuple[Annotated[int, Field(ge=1, le=1000)], ...] = ()
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -143,6 +146,10 @@ class Experiment:
                 raise ValueError(
                     f"limit.remedies: '{track}', expected one of the experiment's tracks: {', '.join(self.tracks)}"
                 )
+        if self.limit is not None and self.limit.along == "dt" and set(self.limit.parts) - {1}:
+            raise ValueError(
+                f"limit.parts: {list(self.limit.parts)} along 'dt', expected none, or 1: the step itself is sought"
+            )
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -171,7 +178,7 @@ class Study:
         """All trials, engine by engine innermost so that engines are interleaved; every cell of the matrix is there."""
         for experiment in self.experiments:
             engines = [e for e in adapters.values() if any(fnmatchcase(e.name, pattern) for pattern in experiment.engines)]
-            sides = list(self._sides(experiment, engines))
+            sides = [part for side in self._sides(experiment, engines) for part in _divided(experiment, side)]
             for case in cases.values():
                 if not experiment.asks(case.name):
                     continue
@@ -182,7 +189,7 @@ class Study:
                     members = 1 if experiment.limit is None else experiment.limit.members
                     question = _question(case, parameters)
                     clocked = list(_clocked(experiment, case, parameters))
-                    for dt, (track, engine, settings) in product(steps_of(experiment, case), sides):
+                    for dt, (track, engine, settings, parts) in product(steps_of(experiment, case), sides):
                         for clocks, workers in clocked:
                             trial = Trial(
                                 study=self.name,
@@ -193,7 +200,8 @@ class Study:
                                 engine=engine.name,
                                 engine_version=versions[engine.name],
                                 track=track,
-                                settings=settings.with_dt(dt),
+                                settings=in_parts(settings.with_dt(dt), engine, parts),
+                                parts=parts,
                                 seed=seed,
                                 clocks=clocks,
                                 workers=workers,
@@ -215,6 +223,24 @@ class Study:
             for name, variant in self.variants.get(engine.name, {}).items():
                 if any(fnmatchcase(f"{engine.name}/{name}", pattern) for pattern in experiment.variants):
                     yield name, engine, variant.over(engine.tracks)
+
+
+Side: TypeAlias = tuple[str, Adapter, Settings]
+
+
+def _divided(experiment: Experiment, side: Side) -> Iterator[tuple[str, Adapter, Settings, int]]:
+    """A track or variant as it comes (0), or once for each number of parts that a limit is sought at."""
+    parts = experiment.limit.parts if experiment.limit is not None and side[0] == "tuned" else ()
+    yield from ((*side, count) for count in parts or (0,))
+
+
+def in_parts(settings: Settings, engine: Adapter, parts: int) -> Settings:
+    """The settings with their time step taken in so many parts; as they are for none."""
+    if not parts:
+        return settings
+    if "substeps" in engine.knobs:
+        return replace(settings, substeps=parts)
+    return settings.with_dt(settings.dt / parts)
 
 
 def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str, Any], int]]:
@@ -341,7 +367,7 @@ class Trial:
         clocks: what its timing run clocks, in `workers` processes side by side. round: of the search that proposed it, 0 for
         what the study names itself. alteration: how its scene departs from the case's. members: starts of the scene, each in a
         random phase, of which it says how many held; 1 for the scene as it is. remedy: what it tries to help with, where the
-        trial `remedied` broke.
+        trial `remedied` broke. parts: that the time step of the search was taken in, 0 where that is left to its settings.
     """
 
     study: str
@@ -362,6 +388,7 @@ class Trial:
     members: int = 1
     remedy: str = ""
     remedied: str = ""
+    parts: int = 0
 
     def scene(self, case: Case) -> Scene:
         """What is put to the engine."""
@@ -387,6 +414,7 @@ class Trial:
             "alteration": (self.alteration.plain(), AS_IT_IS.plain()),
             "members": (self.members, 1),
             "remedied": (self.remedied, ""),
+            "parts": (self.parts, 0),
         }
         return replace(self, trial=digest(asked | {name: value for name, (value, plain) in unusual.items() if value != plain}))
 

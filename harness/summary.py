@@ -1,9 +1,12 @@
 """Two short answers beside the tables: junit.xml for build servers, and summary.md for people."""
 
+from collections.abc import Mapping
+from typing import Any
 from xml.etree import ElementTree
 
 import pandas as pd
 
+from harness.emulations import whose
 from harness.store import Store, write_atomically
 
 __all__ = ["write_summary"]
@@ -37,7 +40,7 @@ def _cell(text: object) -> str:
     return _printable(str(text)).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
 
 
-def _markdown(trials: pd.DataFrame) -> bytes:
+def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
     table = trials.groupby(["engine", "track", "status"]).size().unstack(fill_value=0)
     lines = ["# Outcomes", "", "| engine | track | " + " | ".join(table.columns) + " |"]
     lines.append("|---" * (2 + len(table.columns)) + "|")
@@ -49,11 +52,12 @@ def _markdown(trials: pd.DataFrame) -> bytes:
             "",
             "# What did not pass",
             "",
-            "| case | engine | track | dt | status | reason |",
-            "|---|---|---|---|---|---|",
+            "| case | engine | track | dt | status | reason | by the adapter |",
+            "|---|---|---|---|---|---|---|",
         ]
         for row in notable.itertuples():
-            cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason)
+            law = whose(catalogue, row.engine, row.case, row.track)
+            cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason, law)
             lines.append("| " + " | ".join(map(_cell, cells)) + " |")
     return ("\n".join(lines) + "\n").encode()
 
@@ -61,4 +65,4 @@ def _markdown(trials: pd.DataFrame) -> bytes:
 def write_summary(store: Store) -> None:
     """Write junit.xml and summary.md into the run folder."""
     write_atomically(store.folder / "junit.xml", _junit(store.trials))
-    write_atomically(store.folder / "summary.md", _markdown(store.trials))
+    write_atomically(store.folder / "summary.md", _markdown(store.trials, store.catalogue))

@@ -1,10 +1,12 @@
-"""Which settings to try for work-precision: a coarse design, then steps along the Pareto front until it stays where it is.
+"""Which settings to try for work-precision: a coarse design, then steps along the Pareto front, as many for every engine.
 
 For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares is
 turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, means nothing here and is left
 alone. From then on each point of the front tries its neighbours: twice and half its time step, and the next value to both
-sides of every knob that matters. That ends when a round brings nothing to the front and no exact answer on it is left to
-try at twice its step, or the experiment's number of points is spent; knobs that mean nothing here are not counted. Costs are
+sides of every knob that matters. Where a round brings nothing to the front, exact answers on it are tried at twice their step,
+then the neighbours of what lies next behind it: an engine whose front stays early is given as many points as one whose front
+goes on. That ends when the experiment's number of points is spent, or nothing is left to try; knobs that mean nothing here are
+not counted. Costs are
 rough: each is clocked beside its accuracy run, in turns with a yardstick, the default track at the case's own step, and what
 is compared are the ratios. They say nothing about differences of a few per cent; what they leave near the front is clocked
 properly afterwards.
@@ -25,7 +27,7 @@ from harness.front import near_front
 from harness.record import Record
 from harness.study import Trial
 
-__all__ = ["SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
+__all__ = ["RUNS", "SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
@@ -35,6 +37,8 @@ TELLING = 1.2
 Each was off by some 5 % between two runs, one of them under load, so the ratio of two by 7 %: nearly three times that."""
 PER_ROUND = 4
 """New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
+RUNS = 2
+"""Runs that a search may take for each of its points: some settings give the answer of others."""
 LONGEST = 4.0
 """A run that is foreseen to take more CPU seconds than this is not tried; one whose knob is turned is foreseen to take as long
 as before."""
@@ -129,7 +133,7 @@ def _smoothed(found: Sequence[Point]) -> list[Point]:
 def next_trials(
     trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
 ) -> list[Trial]:
-    """The next round over all cases and engines; empty when every front stays where it is."""
+    """The next round over all cases and engines; empty when all points are spent, or nothing is left to try."""
     found: list[Trial] = []
     for group in groups(trials):
         found += _next_of_group(group, records, cases[group[0].case], adapters[group[0].engine])
@@ -142,19 +146,20 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
         return []
     last = max(trial.round for trial in group)
     base = _base(here, case)
-    counted = [t for t in group if t.round > 1 or (t.round == 1 and not _means_nothing(records.get(t.trial), base))]
-    room = group[0].experiment.sweep - len(counted)
-    if room <= 0:
+    room = group[0].experiment.sweep - _others(group, records)
+    if room <= 0 or sum(trial.round > 0 for trial in group) >= RUNS * group[0].experiment.sweep:
         return []
-    if last == 0:
-        wanted = list(_screening(base, adapter))
-    elif last > 1 and not _moved(here, last):
-        wanted = list(_coarser_still(here, case))
-    else:
-        wanted = list(_neighbours(here, _live(group, records, base, adapter), case, adapter))
+    wanted = list(_screening(base, adapter)) if last == 0 else []
+    screens = bool(wanted)
+    if not screens:
+        live = _live(group, records, base, adapter)
+        stays = last > 1 and not _moved(here, last)
+        wanted = list(_coarser_still(here, case)) if stays else []
+        for layer in _layers(_apart(here)):
+            wanted += _neighbours(layer, live, case, adapter)
     tried = [_key(trial.settings) for trial in group]
     found: list[Trial] = []
-    limit = room if last == 0 else min(room, PER_ROUND)
+    limit = room if screens else min(room, PER_ROUND)
     for origin, settings in wanted:
         if _key(settings) not in tried and len(found) < limit:
             tried.append(_key(settings))
@@ -257,11 +262,35 @@ def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, S
             yield point.trial, point.trial.settings.with_dt(dt)
 
 
-def _neighbours(here: Sequence[Point], live: Sequence[str], case: Case, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
-    """Around each point of the front, in turn: the time step first, then knob after knob."""
+def _others(group: Group, records: Mapping[str, Record]) -> int:
+    """How many answers were found beyond those of the design: what leaves every bit as it was is no other answer."""
+    answers = [(trial.round, records[trial.trial].trajectory_hash) for trial in group if trial.trial in records]
+    first = {answer for number, answer in answers if number == 0}
+    return len({answer for number, answer in answers if number} - first - {None})
+
+
+def _apart(here: Sequence[Point]) -> list[Point]:
+    """Of points with one and the same answer the earliest alone."""
+    found: dict[object, Point] = {}
+    for point in sorted(here, key=lambda point: point.trial.round):
+        found.setdefault(point.record.trajectory_hash or point.trial.trial, point)
+    return list(found.values())
+
+
+def _layers(here: Sequence[Point]) -> Iterator[list[Point]]:
+    """The front, then that of what is left without it, and so on."""
+    left = list(here)
+    while left:
+        front = _front(left)
+        yield front
+        left = [point for point in left if point not in front]
+
+
+def _neighbours(front: Sequence[Point], live: Sequence[str], case: Case, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+    """Around each point of a front, in turn: the time step first, then knob after knob."""
     coarsest, finest = BEYOND * max(case.ladder), min(case.ladder) / BEYOND
     moves: list[list[tuple[Trial, Settings]]] = []
-    for point in _front(here):
+    for point in front:
         settings, taken = point.trial.settings, point.cost * case.duration
         near: list[tuple[Trial, Settings]] = []
         for dt in (settings.dt * 2, settings.dt / 2):

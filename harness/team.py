@@ -20,10 +20,11 @@ import numpy as np
 
 from harness import discover
 from harness.bench import Bench, calibrate
+from harness.message import BrokenMessage, Inbox, read_sample, readable, send
 from harness.record import Sample
 from harness.servers import context, start_apart
 from harness.study import Trial
-from harness.worker import confine, exit_code
+from harness.worker import confine, end, exit_code
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]
 
@@ -63,18 +64,18 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
             if not bench.steady:
                 bench.stop()
             benches[number] = bench
-            pipe.send(steps)
+            send(pipe, "steps", steps)
         except Exception as error:
-            pipe.send(_told(error, place))
+            send(pipe, "trouble", _told(error, place))
     if place.core is not None:
         os.sched_setaffinity(0, {place.core})
     gc.disable()
     while (order := pipe.recv()) is not None:
         try:
             number, block, steps = order
-            pipe.send(_sample(benches[number], block, steps, place, trials[number].experiment.deadline))
+            send(pipe, "sample", _sample(benches[number], block, steps, place, trials[number].experiment.deadline))
         except Exception as error:
-            pipe.send(_told(error, place))
+            send(pipe, "trouble", _told(error, place))
     for bench in benches.values():
         bench.stop()
 
@@ -106,37 +107,50 @@ class Clocked:
     """The parent's end of one child. Terms: trouble: what it died of; it serves nobody then."""
 
     process: BaseProcess
-    pipe: Connection
+    inbox: Inbox
     trouble: str = ""
 
     def ask(self, number: int, block: int, steps: int) -> None:
         """Ask for a sample of so many steps; that a child has died while it waited is for `answer` to say."""
         with contextlib.suppress(BrokenPipeError, ConnectionError):
-            self.pipe.send((number, block, steps))
+            self.inbox.pipe.send((number, block, steps))
 
-    def answer(self, seconds: float) -> object:
+    def answer(self, seconds: float) -> int | Sample | str:
         """The next message, a text where something went wrong; `trouble` is set after death or the deadline."""
         try:
-            if self.pipe.poll(seconds):
-                return self.pipe.recv()
+            if (told := self.inbox.next(seconds)) is not None:
+                return _read(*told)
             self.trouble = f"no answer within {seconds:g} s"
             self.process.kill()
-        except (EOFError, ConnectionError):
+        except EOFError:
             self.trouble = f"process ended with exit code {exit_code(self.process)}"
+        except BrokenMessage as error:
+            self.trouble = f"broken contract: {error}"
+            self.process.kill()
         return self.trouble
 
     def stop(self) -> None:
         """End the child, by force after a second; may be called twice."""
-        if self.pipe.closed:
+        pipe = self.inbox.pipe
+        if pipe.closed:
             return
         if not self.trouble:
             with contextlib.suppress(BrokenPipeError, ConnectionError):
-                self.pipe.send(None)
+                pipe.send(None)
             self.process.join(1.0)
-        if self.process.is_alive():
-            self.process.kill()
-            self.process.join()
-        self.pipe.close()
+        end(self.process)
+        pipe.close()
+
+
+def _read(kind: str, value: object) -> int | Sample | str:
+    """What a child told: the steps of a sample, a sample, or what went wrong. Raises: BrokenMessage."""
+    if kind == "sample":
+        return read_sample(value)
+    if kind == "steps" and type(value) is int and value > 0:
+        return value
+    if kind == "trouble" and isinstance(value, str):
+        return readable(value)
+    raise BrokenMessage(f"{readable(kind, 80)}: got {readable(repr(value), 80)}, expected 'steps', a 'sample' or 'trouble'")
 
 
 def joined(samples: Sequence[Sample]) -> Sample:
@@ -187,7 +201,7 @@ class Team:
         samples = [answer for answer in answers if isinstance(answer, Sample)]
         return joined(samples) if len(samples) == len(answers) else None
 
-    def _note(self, answers: Iterable[object]) -> None:
+    def _note(self, answers: Iterable[int | Sample | str]) -> None:
         self.trouble = "; ".join(dict.fromkeys(answer for answer in answers if isinstance(answer, str)))
 
     def stop(self) -> None:
@@ -220,7 +234,7 @@ def _start(trials: Sequence[Trial], folder: Path, server: int) -> Iterator[Team]
             process = forkserver.Process(target=_child, args=(theirs, served, place, log), daemon=True)
             start_apart(process, server)
             theirs.close()
-            children.append(Clocked(process, ours))
+            children.append(Clocked(process, Inbox(ours)))
         yield from (Team(trial, children, number, gate) for number, trial in enumerate(served))
 
 

@@ -59,17 +59,19 @@ def truth_of(case: Case, scene: Scene, time: Floats, parameters: Mapping[str, An
     return truth
 
 
-def bounded(case: Case, dt: float, parameters: Mapping[str, Any], folder: Path | None) -> Case:
-    """The case with its bounds as they are at a time step dt [s] and these parameters; kept under `folder` where they take
-    long."""
+def bounded(case: Case, dt: float, substep: float, parameters: Mapping[str, Any], folder: Path | None) -> Case:
+    """The case with its bounds as they are at these parameters and a time step dt [s] that the engine takes in steps of
+    `substep` [s]; kept under `folder` where they take long."""
     if not any(callable(check.at_most) for check in case.checks):
         return case
-    kept = _place(folder, {"case": case.name, "bounds at": dt, "parameters": dict(parameters), "laws": _laws(case)}, "json")
+    kept = _place(
+        folder, {"case": case.name, "bounds at": [dt, substep], "parameters": dict(parameters), "laws": _laws(case)}, "json"
+    )
     if kept is not None and kept.is_file():
         bounds = json.loads(kept.read_text(encoding="utf-8"))
     else:
         start = clock.monotonic()
-        bounds = [check.bound(dt, parameters) for check in case.checks]
+        bounds = [check.bound(dt, parameters, substep) for check in case.checks]
         if kept is not None and clock.monotonic() - start > LONG:
             kept.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(kept, json.dumps(bounds).encode())

@@ -23,7 +23,7 @@ from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
 
-__all__ = ["confine", "exit_code", "isolated_trial", "roughly_clocked"]
+__all__ = ["confine", "end", "exit_code", "isolated_trial", "roughly_clocked"]
 
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
@@ -40,16 +40,27 @@ def exit_code(process: BaseProcess) -> int | None:
     """
     process.join(_LEAVES)
     if process.exitcode is None:
+        end(process)
+    return process.exitcode
+
+
+def end(process: BaseProcess) -> None:
+    """End a process that was confined, and every other one that was started in it and stayed in its group."""
+    if process.is_alive():
         process.kill()
         process.join()
-    return process.exitcode
+    with suppress(ProcessLookupError, PermissionError):
+        if process.pid:
+            os.killpg(process.pid, signal.SIGKILL)
 
 
 def confine(memory: float, log: Path) -> None:
     """Limit the growth of this process to `memory` [MB] of addresses and send its output to `log`.
 
-    An interrupt is the parent's affair; a parent that is killed takes this process along.
+    An interrupt is the parent's affair; a parent that is killed takes this process along. What is started in it is of its
+    group, which ends with it.
     """
+    os.setpgid(0, 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)

@@ -1,12 +1,13 @@
 """What a store holds: its cases by family, its engines and its tracks, also where the catalogue lacks one."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["FAMILIES", "cases", "engines", "families", "named_tracks", "tracks"]
+__all__ = ["FAMILIES", "cases", "engines", "families", "more_is_better", "named_tracks", "ours", "tracks"]
 
 FAMILIES: dict[str, str] = {
     "flight": "Free flight",
@@ -41,6 +42,7 @@ CASE: dict[str, Any] = {
     "hard": None,
     "checks": [],
     "bodies": None,
+    "features": [],
 }
 ENGINE: dict[str, Any] = {
     "title": "",
@@ -52,6 +54,9 @@ ENGINE: dict[str, Any] = {
     "tracks": {},
     "known_failures": {},
     "deviations": [],
+    "emulated": [],
+    "batch": False,
+    "advantages": {},
 }
 
 
@@ -91,6 +96,16 @@ def engines(store: "Store") -> dict[str, dict[str, Any]]:
         engine["title"] = engine["title"] or name
         found[name] = engine
     return dict(sorted(found.items(), key=lambda pair: not pair[1]["ours"]))
+
+
+def ours(store: "Store") -> list[str]:
+    """The engines that are ours: the yardstick, and no contestant."""
+    return [name for name, engine in engines(store).items() if engine["ours"]]
+
+
+def more_is_better(case: Mapping[str, Any]) -> bool:
+    """Is the headline of a case a share or the like, of which more is better?"""
+    return any(one["metric"] == case["headline"] and one.get("better") == "higher" for one in case["checks"])
 
 
 def tracks(store: "Store") -> list[str]:

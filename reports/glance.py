@@ -1,6 +1,9 @@
-"""Engines side by side: what each passed, what it cost and how large its errors were, on cases that all answered."""
+"""Engines side by side: what each passed, what it cost and how large its errors were, on cases that all answered.
 
-from collections.abc import Iterable, Mapping
+What people can deploy is ranked among itself. Our own engine is the yardstick: it stands beside them on their scale.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -9,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from reports.answers import answers, at_own_step
-from reports.contents import cases, engines, named_tracks
+from reports.contents import cases, engines, more_is_better, named_tracks, ours
 from reports.verdict import totals
 
 if TYPE_CHECKING:
@@ -26,9 +29,10 @@ class Glance:
     """One engine on one track.
 
     Terms:
-        counts: status to trials. relative_cost [1]: geometric mean over the shared cases of its CPU time over the cheapest
-        engine's; relative_error [1]: likewise for the headline error, not below `EXACT`. shared: the number of those cases.
-        best: cases in which its headline error is the smallest. None where it cannot be computed.
+        counts: status to trials. relative_cost [1]: geometric mean over the shared cases of its CPU time over that of the
+        cheapest engine that is not ours; relative_error [1]: likewise for the headline error, not below `EXACT`. shared: the
+        number of those cases. best: cases in which its headline error is the smallest of the engines that are not ours; None
+        for ours. None where it cannot be computed.
     """
 
     engine: str
@@ -37,7 +41,7 @@ class Glance:
     relative_cost: float | None
     relative_error: float | None
     shared: int
-    best: int
+    best: int | None
 
     @property
     def trials(self) -> int:
@@ -62,27 +66,30 @@ def shared_cases(frame: pd.DataFrame, present: list[str]) -> pd.DataFrame:
     return whole[np.isfinite(whole.to_numpy(dtype=np.float64)).all(axis=1) & (whole > 0).all(axis=1)]
 
 
-def ratios(frame: pd.DataFrame) -> dict[str, float]:
-    """Geometric mean, over the rows, of each column over the smallest of its row."""
+def ratios(frame: pd.DataFrame, yardsticks: Collection[str] = ()) -> dict[str, float]:
+    """Geometric mean, over the rows, of each column over the smallest of its row, in which yardsticks do not count."""
+    ranked = frame.drop(columns=[name for name in yardsticks if name in frame.columns])
     if frame.empty:
         return {}
-    logs = np.log(frame.div(frame.min(axis=1), axis=0))
+    logs = np.log(frame.div((frame if ranked.columns.empty else ranked).min(axis=1), axis=0))
     return {str(name): float(np.exp(value)) for name, value in logs.mean().items()}
 
 
 @lru_cache(maxsize=1)
 def glances(store: "Store") -> list[Glance]:
     """All engines on all tracks that were run. One with fewer than half of the cases has no ratios."""
-    rows, found = answers(store), []
+    rows, found, yardsticks = answers(store), [], ours(store)
+    fewer = [name for name, case in cases(store).items() if not more_is_better(case)]
     own, counts = at_own_step(store, rows), totals(store)
     for track in named_tracks(store):
         part = own[own["track"] == track]
-        errors, costs = table(part, "error"), table(part, "cpu_per_sim_s")
+        errors, costs = table(part[part["case"].isin(fewer)], "error"), table(part, "cpu_per_sim_s")
         scales = pd.Series({name: case["scale"] or 1.0 for name, case in cases(store).items()}, dtype=np.float64)
         notable = errors.div(scales.reindex(errors.index), axis=0).clip(lower=EXACT)
         even, priced = (shared_cases(frame, regular(frame, engines(store))) for frame in (notable, costs))
-        by_error, by_cost = ratios(even), ratios(priced)
-        winners = errors.dropna(how="all").idxmin(axis=1) if not errors.empty else pd.Series(dtype=object)
+        by_error, by_cost = ratios(even, yardsticks), ratios(priced, yardsticks)
+        deployed = errors.drop(columns=[name for name in yardsticks if name in errors.columns]).dropna(how="all")
+        winners = deployed.idxmin(axis=1) if not deployed.empty else pd.Series(dtype=object)
         for engine in engines(store):
             if (engine, track) in counts:
                 found.append(
@@ -93,7 +100,7 @@ def glances(store: "Store") -> list[Glance]:
                         relative_cost=by_cost.get(engine),
                         relative_error=by_error.get(engine),
                         shared=len(priced) if engine in by_cost else 0,
-                        best=int((winners == engine).sum()),
+                        best=None if engine in yardsticks else int((winners == engine).sum()),
                     )
                 )
     return sorted(found, key=lambda one: list(engines(store)).index(one.engine))

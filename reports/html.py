@@ -3,13 +3,14 @@
 import os
 import re
 import shutil
-from collections.abc import Mapping
+import sys
+from collections.abc import Collection, Mapping
 from functools import cache
 from pathlib import Path
 
 from harness.store import Store
 from reports.figure import VEGA_LITE
-from reports.page import pages
+from reports.page import Page, asked, failed, pages
 
 __all__ = ["write_report"]
 
@@ -27,22 +28,29 @@ def vega_bundle() -> str:
 
 
 def rendered(store: Store) -> Mapping[str, str]:
-    """The texts of all pages by file name.
-
-    Raises:
-        ValueError: a page names a file outside the report, of an unknown kind, or one that another page has written.
-    """
+    """The texts of all pages by file name; a page that fails is one that says so."""
     texts: dict[str, str] = {}
-    for page in pages():
-        if not page.concerns(store):
-            continue
-        for name, text in page.render(store).items():
-            if not FILE_NAME.fullmatch(name):
-                raise ValueError(f"page {page.name!r}: file {name!r}, expected a plain name, at most one folder deep")
-            if name in texts:
-                raise ValueError(f"page {page.name!r}: file {name!r} is written twice")
-            texts[name] = text
+    found = pages()
+    for page in found:
+        if asked(page, store):
+            try:
+                texts |= _texts(page, store, {*texts, *(f"{one.name}.html" for one in found if one is not page)})
+            except Exception as error:
+                print(f"page '{page.name}': {type(error).__name__}: {error}", file=sys.stderr)
+                texts |= failed(page.name, page.title, f"{type(error).__name__}: {error}", store)
     return texts
+
+
+def _texts(page: Page, store: Store, others: Collection[str]) -> Mapping[str, str]:
+    """The texts of a page. Raises: ValueError, of a file outside the report, of an unknown kind, or of another page."""
+    page.concerns(store)
+    made = page.render(store)
+    for name in made:
+        if not FILE_NAME.fullmatch(name):
+            raise ValueError(f"file {name!r}, expected a plain name, at most one folder deep")
+        if name in others:
+            raise ValueError(f"file {name!r} is another page's")
+    return made
 
 
 def write_report(folder: Path) -> Path:

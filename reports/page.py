@@ -2,16 +2,21 @@
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib.metadata import entry_points
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
+
+from harness.outside import points, trouble
 
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["Page", "navigation", "pages"]
+__all__ = ["Page", "asked", "failed", "navigation", "pages"]
+
+LAST = 1000
+"""The place in the navigation of a page that cannot be loaded."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +41,7 @@ def pages() -> tuple[Page, ...]:
     """All pages, in order: each module in `reports/pages` ends in `PAGE`; others come by entry point `plumbline.pages`.
 
     Raises:
-        ImportError, AttributeError: a page that cannot be loaded is an error, never left out.
+        ImportError, AttributeError: a page of ours that cannot be loaded is an error; a third party's says so in its place.
         ValueError: two pages of one name.
     """
     import reports.pages as package
@@ -44,14 +49,49 @@ def pages() -> tuple[Page, ...]:
     found: list[Page] = [
         importlib.import_module(f"reports.pages.{module.name}").PAGE for module in pkgutil.iter_modules(package.__path__)
     ]
-    found += [entry.load() for entry in entry_points(group="plumbline.pages")]
+    found += [_outside(name) for name in points("plumbline.pages")]
     names = [page.name for page in found]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"pages: name {twice[0]!r} is taken twice, expected each name once")
     return tuple(sorted(found, key=lambda page: (page.order, page.name)))
 
 
+PLAIN = re.compile(r"[A-Za-z0-9_-]{1,40}")
+
+
+def _outside(name: str) -> Page:
+    """A third party's page, or one in its place that says why it is not there."""
+    point = points("plumbline.pages")[name]
+    said = trouble(point)
+    if said:
+        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, said))
+    page = point.load()
+    if not isinstance(page, Page) or not PLAIN.fullmatch(page.name):
+        said = f"{point.value}: got {page!r:.100}, expected a Page with a plain name"
+        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, said))
+    return page
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]", "-", name)[:40]
+
+
+def failed(name: str, title: str, reason: str, store: "Store") -> Mapping[str, str]:
+    """In the place of a page that could not be made: why."""
+    from reports.template import fill  # late: it knows the navigation, and so this module
+
+    return {f"{name}.html": fill("failed.html", store, title=title, reason=reason, here=name)}
+
+
+def asked(page: Page, store: "Store") -> bool:
+    """Does a page belong to the report of this store? One that fails at that question says so in its place."""
+    try:
+        return page.concerns(store)
+    except Exception:
+        return True
+
+
 @lru_cache(maxsize=1)
 def navigation(store: "Store") -> tuple[Page, ...]:
     """The pages that stand in the navigation of a report; asked once for a report, since every page of it shows them."""
-    return tuple(page for page in pages() if page.listed and page.concerns(store))
+    return tuple(page for page in pages() if page.listed and asked(page, store))

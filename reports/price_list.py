@@ -1,7 +1,7 @@
 """The price list as people read it: a row for each scene and error, a column for each engine."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from reports.work_precision import priced
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["SHOWN", "Entry", "Line", "heat", "price_list", "wins"]
+__all__ = ["SHOWN", "Entry", "Line", "Tried", "heat", "price_list", "tried", "wins"]
 
 SHOWN = 1e-2
 """The error that the list shows at first: every scene has a line for it."""
@@ -54,7 +54,7 @@ def price_list(store: "Store") -> list[Line]:
     for (case, where), targets in found.items():
         title = titled(store, case, where)
         for target, prices in sorted(targets.items(), reverse=True):
-            last = target <= SHOWN and all(price.verdict in ("never reached", "no answer") for price in prices.values())
+            last = target <= SHOWN and all(price.verdict in ("not within the ladder", "no answer") for price in prices.values())
             unit = next(iter(prices.values())).unit
             shown = "" if unit == PER_SECOND else f"per {unit}"
             entries = {engine: entry(price) for engine, price in prices.items()}
@@ -62,6 +62,29 @@ def price_list(store: "Store") -> list[Line]:
             if last:
                 break
     return lines
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """Of one scene, by engine: how many settings were tried, and why no more. Terms: apart: the most over the least."""
+
+    case: str
+    title: str
+    engines: Mapping[str, Price]
+    apart: float
+
+
+def tried(store: "Store") -> list[Tried]:
+    """A row for each scene."""
+    found: dict[tuple[str, str], dict[str, Price]] = {}
+    for price in priced(store).prices:
+        found.setdefault((price.case, price.where), {}).setdefault(price.engine, price)
+    made = []
+    for (case, where), engines in found.items():
+        counts = [price.tried for price in engines.values() if price.verdict != "no answer"]
+        apart = max(counts) / max(1, min(counts)) if counts else 1.0
+        made.append(Tried(case, titled(store, case, where), engines, apart))
+    return made
 
 
 def heat(price: Price) -> str:
@@ -74,9 +97,9 @@ def heat(price: Price) -> str:
 def entry(price: Price) -> Entry:
     """One price in words."""
     if price.cost is None:
-        best = f" (best {amount(price.best_error, 2)})" if price.best_error is not None else ""
-        text = f"never{best}" if price.verdict == "never reached" else price.verdict
-        return Entry(price, text, "", "", "out", price.reason or f"{price.verdict}{best}; {price.track}")
+        if price.verdict == "not within the ladder":
+            return _outside(price)
+        return Entry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
     sign = {"at most": "≤ ", "within the truth's error": "≈ "}.get(price.verdict, "")
     shown = price.low is not None and price.high is not None and math.isfinite(price.low) and math.isfinite(price.high)
     between = f"{duration(price.low)} to {duration(price.high)}" if shown else ""
@@ -87,9 +110,30 @@ def entry(price: Price) -> Entry:
     return Entry(price, sign + duration(price.cost), ratio, between, heat(price), hint)
 
 
-def wins(prices: Sequence[Price]) -> list[tuple[str, int]]:
-    """How many errors each engine reaches at the lowest price, most first."""
-    counts = {price.engine: 0 for price in prices}
+def _outside(price: Price) -> Entry:
+    """An error that no run comes down to: how far they came, and the step at which a trend would get there."""
+    finest, best = f"{amount(1e3 * (price.finest_dt or math.nan))} ms", amount(price.best_error, 2)
+    hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {price.track}"
+    trend = ""
+    if price.foreseen_dt is not None:
+        trend = f"trend: {amount(1e3 * price.foreseen_dt, 2)} ms"
+        hint += (
+            f"; {price.foreseen_track}, of order {amount(price.foreseen_order, 2)}, would at {trend.removeprefix('trend: ')}"
+        )
+    else:
+        hint += "; of no setting does the error shrink steadily with the step"
+    return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)
+
+
+def wins(prices: Sequence[Price], yardsticks: Collection[str] = ()) -> list[tuple[str, int]]:
+    """How many errors each engine reaches at the lowest price, most first; yardsticks do not count."""
+    counts = {price.engine: 0 for price in prices if price.engine not in yardsticks}
+    least: dict[tuple[str, str, float], Price] = {}
     for price in prices:
-        counts[price.engine] += price.cheapest
+        if price.engine in counts and price.cost is not None:
+            pair = price.case, price.where, price.target
+            if pair not in least or price.cost < (least[pair].cost or math.inf):
+                least[pair] = price
+    for price in least.values():
+        counts[price.engine] += 1
     return sorted(counts.items(), key=lambda pair: -pair[1])

@@ -1,11 +1,12 @@
 """How far engines go, as people read it: a line for each axis, a map where it was sought at several values of another."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from harness.emulations import whose
+from harness.leads import Lead, Reach, reaches
 from harness.searches import Search
 from harness.tables.remedies import Remedied
 from reports.contents import cases
@@ -17,12 +18,11 @@ from reports.text import amount, slug
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["Cell", "Line", "Tally", "lines", "maps", "tally", "wins"]
+__all__ = ["Cell", "Line", "Standing", "Tally", "lines", "maps", "standings", "tally", "worded"]
 
 Row = dict[str, Any]
-TRACKS = ("tuned", "default")
-AS_FAR = 1e-9
-"""Shares of an axis that count as equal."""
+VERDICTS = {"beyond the extreme": "held to the end of the axis", "not even the easiest": "broke at the easy end"}
+"""What a search says of an axis, in words that claim nothing of what was not tried."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +37,12 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One axis, with a cell for each engine and track."""
+    """One axis, with a cell for each engine under each condition: a sub-step, a CPU time, or a track as it comes."""
 
     case: str
     title: str
     axis: str
-    tracks: Sequence[str]
+    conditions: Sequence[str]
     cells: Mapping[tuple[str, str], Cell]
 
 
@@ -68,33 +68,80 @@ def lines(store: "Store", searches: Sequence[Search]) -> list[Line]:
         unit = "" if first.unit == "1" else f" {first.unit}"
         title = cases(store)[case]["title"] + (f", {where}" if where else "")
         axis = f"{first.axis.replace('_', ' ')} {amount(first.easy)} … {amount(first.extreme)}{unit}"
-        tracks = [track for track in TRACKS if any(one.track == track for one in group)]
-        made.append(Line(case, title, axis, tracks, {(one.engine, one.track): cell(one) for one in group}))
+        laws = {(one.engine, one.track): whose(store.catalogue, one.engine, case, one.track) for one in group}
+        cells = {(one.engine, one.setting): cell(one, laws[one.engine, one.track]) for one in sorted(group, key=_order)}
+        cells |= {(one.engine, worded(one)): _within(one) for one in reaches(group) if one.at == "equal time"}
+        made.append(Line(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
     return made
 
 
-def cell(one: Search) -> Cell:
-    """One search in words."""
+def _order(one: Search) -> tuple[bool, int, str]:
+    """Equal sub-steps first, the coarsest of them at the top; then tracks as they come."""
+    return not one.parts, one.parts, one.track
+
+
+def worded(one: Reach) -> str:
+    """A condition in words."""
+    if one.parts:
+        return "sub-step dt" + (f"/{one.parts}" if one.parts > 1 else "")
+    return f"≤ {amount(1e3 * one.condition)} ms a step"
+
+
+def _within(one: Reach) -> Cell:
+    """What an engine held for so much time, and how."""
+    if one.held is None or one.cost is None:
+        return Cell(0.0, "none", "", "nothing was held at this price")
+    hint = f"{one.setting}; {amount(1e3 * one.cost)} ms of CPU time for a time step of the case, roughly"
+    return Cell(one.reach, amount(one.held), one.setting, hint)
+
+
+def cell(one: Search, law: str = "") -> Cell:
+    """One search in words; law: whose laws it is about, where they are not all the engine's own."""
     if one.verdict == "beyond the extreme":
         text, why = f"≥ {amount(one.held)}", ""
     elif one.held is None:
-        text, why = one.verdict if one.broke is None else f"< {amount(one.easy)}", one.signs or one.reason
+        text, why = (
+            VERDICTS.get(one.verdict, one.verdict) if one.broke is None else f"< {amount(one.easy)}",
+            one.signs or one.reason,
+        )
     else:
         text, why = amount(one.held), one.signs if one.broke is not None else one.verdict
     share = "" if one.share is None else f"; {100 * one.share:.0f} % held at {amount(one.broke)}"
-    cost = "" if one.cost is None else f"; {amount(one.cost)} CPU s per simulated s at the limit"
-    hint = f"{one.verdict}{share}{cost}; {one.values} values, {one.members} starts each; {one.reason or one.signs}"
-    return Cell(one.reach, text, why.partition(":")[0][:40], hint)
+    cost = "" if one.step_cost is None else f"; {amount(1e3 * one.step_cost)} ms of CPU time a time step at the limit"
+    taken = "" if one.substep is None else f"; steps of {amount(1e3 * one.substep)} ms taken"
+    verdict = VERDICTS.get(one.verdict, one.verdict)
+    hint = f"{verdict}{share}{cost}{taken}; {one.values} values, {one.members} starts each; {one.reason or one.signs}"
+    # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
+    own = "the case's own start holds" if one.own_holds and one.broke is not None else ""
+    hint = "; ".join(word for word in (hint, own, *one.noticed) if word)
+    words = "; ".join(word for word in (why.partition(":")[0][:40], own, law) if word)
+    return Cell(one.reach, text, words, f"{hint}; {law}" if law else hint)
 
 
-def wins(shown: Sequence[Line]) -> list[tuple[str, int]]:
-    """On how many axes an engine goes as far as the best, in its better setting; the most first."""
-    count: Counter[str] = Counter()
-    for line in shown:
-        best = max((one.reach for one in line.cells.values()), default=0.0)
-        for engine in dict.fromkeys(name for name, _ in line.cells):
-            count[engine] += any(one.reach >= best - AS_FAR for (name, _), one in line.cells.items() if name == engine)
-    return count.most_common()
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Under one condition, by engine: how often it leads alone and with others, with ours and without."""
+
+    what: str
+    condition: str
+    of: int
+    engines: Mapping[str, tuple[Lead, Lead | None]]
+
+
+def standings(leads: Sequence[Lead]) -> list[Standing]:
+    """A row for each condition."""
+    found: dict[tuple[str, str, str], dict[str, dict[bool, Lead]]] = {}
+    for one in leads:
+        found.setdefault((one.what, one.at, one.condition), {}).setdefault(one.engine, {})[one.ours] = one
+    return [
+        Standing(
+            what,
+            f"{at}{f': {condition}' if condition else ''}",
+            max(one[True].of for one in by.values()),
+            {engine: (one[True], one.get(False)) for engine, one in by.items()},
+        )
+        for (what, at, condition), by in found.items()
+    ]
 
 
 def _mapped(searches: Sequence[Search]) -> list[list[Search]]:
@@ -128,25 +175,26 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
     import altair as alt  # late: half a second that only a report needs
 
     first = group[0]
-    rest = sorted({_rest(one) for one in group})
+    rest = sorted({(_rest(one), one.parts) for one in group})
     figures = []
-    for other in rest:
+    for told, parts in rest:
         rows: list[Row] = []
+        other = ", ".join(word for word in (told, f"sub-step dt/{parts}" if parts > 1 else "") if word)
         for one in group:
             name, value = _beside(one)
-            if _rest(one) != other or value is None or one.verdict in ("unsupported", "unavailable"):
+            if (_rest(one), one.parts) != (told, parts) or value is None or one.verdict in ("unsupported", "unavailable"):
                 continue
             rows.append(
                 {
                     "engine": labels(store)[one.engine],
                     "track": one.track,
-                    "series": f"{one.engine} {one.track}",
+                    "series": f"{one.engine} {one.setting}",
                     "beside": 1e3 * value if name == "dt" else value,
                     "held": one.held if one.held is not None else one.easy,
                     "broke": one.broke if one.broke is not None else one.extreme,
-                    "mark": "beyond" if one.verdict == "beyond the extreme" else "none holds" if one.held is None else "limit",
+                    "mark": "held" if one.verdict == "beyond the extreme" else "none holds" if one.held is None else "limit",
                     "signs": one.signs,
-                    "verdict": one.verdict,
+                    "verdict": VERDICTS.get(one.verdict, one.verdict),
                 }
             )
         if not rows:
@@ -159,7 +207,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
         x = logarithmic(alt.X, "beside", title_x, decades(row["beside"] for row in rows))
         spread = [row[key] for row in rows for key in ("held", "broke")]
         y = logarithmic(alt.Y, "held", title_y, decades(spread))
-        told = [
+        shown = [
             alt.Tooltip("engine:N"),
             alt.Tooltip("track:N"),
             alt.Tooltip("beside:Q", title=title_x, format=".4~g"),
@@ -168,7 +216,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
             alt.Tooltip("signs:N", title="broke by"),
             alt.Tooltip("verdict:N"),
         ]
-        channels = style.channels() | {"tooltip": told}
+        channels = style.channels() | {"tooltip": shown}
         layers = [
             chart(rows)
             .mark_line(strokeWidth=1.6)

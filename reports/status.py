@@ -27,7 +27,12 @@ STATUSES: dict[str, Outcome] = {
     for one in (
         Outcome(name="passed", symbol="✓", meaning="every check of the case holds", rank=0, answered=True),
         Outcome(name="failed", symbol="✕", meaning="at least one check does not hold", rank=4, answered=True),
-        Outcome(name="diverged", symbol="∞", meaning="NaN, infinity, or a state that the engine reset in silence", rank=5),
+        Outcome(
+            name="diverged",
+            symbol="∞",
+            meaning="NaN, infinity, a joint that stays open, or a state that the engine reset in silence",
+            rank=5,
+        ),
         Outcome(name="unsupported", symbol="∅", meaning="the engine cannot express the scene; nothing is approximated", rank=1),
         Outcome(name="unavailable", symbol="○", meaning="the engine could not be loaded on this machine", rank=2),
         Outcome(name="timeout", symbol="◷", meaning="stopped at its deadline", rank=6),

@@ -1,11 +1,17 @@
 """The findings of a run in sentences, made from the tables alone."""
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
-from harness.tables import determinism, effects, limits
+from harness.emulations import whose
+from harness.leads import axis_leads, reaches
+from harness.searches import searches
+from harness.tables import determinism, effects
 from harness.tables.orders import convergences
 from reports.contents import cases, engines, named_tracks
+from reports.contents import ours as yardsticks
 from reports.glance import Glance, glances
+from reports.leads import NO_REASON, leads
 from reports.status import STATUSES
 from reports.text import TIMES, amount, join_words, plural
 from reports.verdict import Verdict, verdicts
@@ -15,6 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["sentences"]
 
+WORDS = {"order": "the order of its integrator", "own law": "a law that the others lack", "defaults": "the vendors' defaults"}
+"""What an advantage is called in a sentence, where its name is too short."""
+
 
 def sentences(store: "Store") -> list[str]:
     """The summary, most important first; a sentence without anything to say is left out."""
@@ -22,18 +31,55 @@ def sentences(store: "Store") -> list[str]:
         return ["The store holds no trial."]
     seen, cells = glances(store), verdicts(store)
     written = [*leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells), *promises(store)]
-    return [*written, *studied(store), *ours(store, cells), *silence(store), size(store)]
+    return [*written, *studied(store), *ours(store, cells), *leading(store), *silence(store), size(store)]
 
 
 def studied(store: "Store") -> list[str]:
     """What the studies of limits, effects and determinism say in a line each; their pages say the rest."""
     written = []
-    if (found := limits.rows(store)) and (told := limits.sentences(found)):
-        written.append(told[-1])
+    if told := farthest(store):
+        written.append(told)
     if found := effects.rows(store):
         written += [sentence for sentence in effects.sentences(found) if "Audit:" not in sentence or " of " in sentence]
     if found := determinism.rows(store):
         written += determinism.sentences(found)
+    return written
+
+
+def farthest(store: "Store") -> str:
+    """How often each engine that people can deploy goes farthest at equal sub-steps, and ours among them; '' without limits."""
+    found = [one for one in axis_leads(reaches(searches(store))) if one.at == "equal sub-step"]
+    if not found:
+        return ""
+    titles, condition = engines(store), found[-1].condition
+    level = [one for one in found if one.condition == condition]
+    ranked = sorted((one for one in level if not one.ours), key=lambda one: -(one.alone + one.shared))
+    counted = ", ".join(f"{titles[one.engine]['title']} {one.alone + one.shared}" for one in ranked)
+    beside = "".join(
+        f"; the yardstick, {titles[one.engine]['title']}, as far or farther on {one.alone + one.shared}"
+        for one in level
+        if one.ours and one.engine in yardsticks(store)
+    )
+    return (
+        f"Of {plural(max(one.of for one in level), 'axis', 'axes')} along which cases were made harder, at sub-steps of "
+        f"{condition}, farthest alone or with others: {counted}{beside}."
+    )
+
+
+def leading(store: "Store") -> list[str]:
+    """In how many cases our own engine errs least, and by what: nobody should take the ruler for a contestant."""
+    found: dict[str, Counter[str]] = {}
+    for lead in leads(store).values():
+        found.setdefault(lead.track, Counter())[lead.by] += 1
+    written = []
+    for track, counts in found.items():
+        given = [f"{WORDS.get(by, by)} in {count}" for by, count in counts.most_common() if by != NO_REASON]
+        parts = [f"by {join_words(given)}"] if given else []
+        parts += [f"with {NO_REASON} in {counts[NO_REASON]}"] if counts[NO_REASON] else []
+        written.append(
+            f"On the {track} track the yardstick errs least in {plural(counts.total(), 'case')}: {', '.join(parts)}; "
+            "their pages say more."
+        )
     return written
 
 
@@ -48,13 +94,19 @@ def size(store: "Store") -> str:
 
 
 def leaders(store: "Store", seen: list[Glance]) -> list[str]:
-    """Who passes most, on each track."""
+    """Who passes most of the engines that people can deploy, on each track; our own stands beside them, unranked."""
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
     for track in reversed(named_tracks(store)):
-        judged = [one for one in seen if one.track == track and one.counts["passed"] + one.counts["failed"]]
+        answered = [one for one in seen if one.track == track and one.counts["passed"] + one.counts["failed"]]
+        judged = [one for one in answered if one.engine not in yardsticks(store)]
         if len(judged) < 2:
             continue
+        beside = "".join(
+            f"; the yardstick, {titles[one.engine]}, {one.counts['passed']}/{one.trials}"
+            for one in answered
+            if one.engine in yardsticks(store)
+        )
         share = {one.engine: one.counts["passed"] / one.trials for one in judged}
         order = sorted(judged, key=lambda one: -share[one.engine])
         first = [one for one in order if share[one.engine] == share[order[0].engine]]
@@ -63,13 +115,13 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
         written.append(
             f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most: "
             f"{first[0].counts['passed']} of {plural(first[0].trials, 'trial')}{' each' if len(first) > 1 else ''}"
-            f"{f' ({rest})' if rest else ''}."
+            f"{f' ({rest})' if rest else ''}{beside}."
         )
     return written
 
 
 def price(store: "Store", seen: list[Glance]) -> list[str]:
-    """Who is cheapest where all answered, and in the same breath whose errors are the smallest."""
+    """Who is cheapest where all answered, and in the same breath whose errors are the smallest; ours on the others' scale."""
     track = named_tracks(store)[-1]
     priced = [one for one in seen if one.track == track and one.relative_cost is not None]
     if len(priced) < 2:
@@ -83,10 +135,12 @@ def price(store: "Store", seen: list[Glance]) -> list[str]:
 
 
 def ranked(store: "Store", ratios: dict[str, float]) -> str:
-    """'A 1x, B 2.3x': from the best, relative to the best of each case."""
-    titles = engines(store)
-    order = sorted(ratios, key=lambda name: ratios[name])
-    return ", ".join(f"{titles[name]['title']} {amount(ratios[name], 2)}{TIMES}" for name in order) or "none measured"
+    """'A 1x, B 2.3x (the yardstick C 0.5x)': from the best, relative to the best of each case, ours in brackets."""
+    titles, beside = engines(store), [name for name in ratios if name in yardsticks(store)]
+    order = sorted((name for name in ratios if name not in beside), key=lambda name: ratios[name])
+    told = {name: f"{titles[name]['title']} {amount(value, 2)}{TIMES}" for name, value in ratios.items()}
+    yard = "".join(f" (the yardstick, {told[name]})" for name in beside)
+    return (", ".join(told[name] for name in order) or "none measured") + yard
 
 
 def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
@@ -117,7 +171,8 @@ def extremes(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list
             nobody.append(case["title"])
     written = []
     if nobody:
-        written.append(f"No engine passes {join_words(f'“{title}”' for title in nobody[:4])}{more(nobody)}.")
+        names = join_words(f"“{title}”" for title in nobody[:4])
+        written.append(f"At no step and setting that was run does any engine pass {names}{more(nobody)}.")
     if everybody:
         written.append(
             f"Every engine that answers passes {join_words(f'“{title}”' for title in everybody[:4])}{more(everybody)}."
@@ -131,13 +186,15 @@ def promises(store: "Store") -> list[str]:
     broken: dict[tuple[str, str], list[str]] = {}
     for row in told:
         if row.verdict == "broken":
-            broken.setdefault((row.engine, row.track), []).append(cases(store)[row.case]["title"])
+            law = whose(store.catalogue, row.engine, row.case, row.track)
+            told_case = f"“{cases(store)[row.case]['title']}”{f' ({law})' if law else ''}"
+            broken.setdefault((row.engine, row.track), []).append(told_case)
     if not told:
         return []
     if not broken:
         return [f"The order of convergence that an integrator promises is kept on all {plural(len(told), 'ladder')} that tell."]
     parts = [
-        f"{engines(store)[engine]['title']} ({track}) in {join_words(f'“{title}”' for title in titles[:4])}{more(titles)}"
+        f"{engines(store)[engine]['title']} ({track}) in {join_words(titles[:4])}{more(titles)}"
         for (engine, track), titles in broken.items()
     ]
     count = sum(map(len, broken.values()))

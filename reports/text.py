@@ -80,9 +80,9 @@ def power(exponent: int) -> str:
     return str(10**exponent) if exponent in (0, 1) else f"10{str(exponent).translate(SUPERSCRIPT)}"
 
 
-def plural(count: int, noun: str) -> str:
-    """'1 case', '2 cases'."""
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+def plural(count: int, noun: str, several: str = "") -> str:
+    """'1 case', '2 cases'; `several` where it is not the noun and an s: '2 axes'."""
+    return f"{count} {noun}" if count == 1 else f"{count} {several or noun + 's'}"
 
 
 def join_words(words: Iterable[str]) -> str:

@@ -5,10 +5,12 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.known_prices import KnownPrices, run_known_prices
+if TYPE_CHECKING:
+    from tests.known_prices import KnownPrices
 
 PLUGINS = Path(__file__).parent / "stress" / "plugins"
 """A folder with installed-looking plug-ins; on PYTHONPATH it is found like any package."""
@@ -41,6 +43,8 @@ def plumbline(with_plugins: Mapping[str, str]) -> Command:
 
 
 @pytest.fixture(scope="session")
-def known_prices(tmp_path_factory: pytest.TempPathFactory) -> KnownPrices:
+def known_prices(tmp_path_factory: pytest.TempPathFactory) -> "KnownPrices":
     """A run of engines whose price of an error is known, and the laws that they follow."""
+    from tests.known_prices import run_known_prices  # late: scripts in a vendor's words need nothing of ours
+
     return run_known_prices(tmp_path_factory.mktemp("known_prices") / "run")

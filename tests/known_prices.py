@@ -15,7 +15,7 @@ from harness.campaign import carry_out
 from harness.store import Store
 from harness.study import Experiment, Study, Variant
 
-__all__ = ["CASE", "LADDER", "LAWS", "KnownPrices", "Law", "run_known_prices"]
+__all__ = ["CASE", "LADDER", "LAWS", "PLUGINS", "KnownPrices", "Law", "run_known_prices"]
 
 PLUGINS = Path(__file__).parent / "unit" / "plugins"
 """A folder with an installed-looking plug-in."""

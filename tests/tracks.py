@@ -13,8 +13,9 @@ the largest of
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -49,12 +50,28 @@ LADDER = "/ladder"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """One trial. Terms: error: of the headline, nan without one; off: the truth's own error; status, reason: as recorded."""
+    """One trial.
+
+    Terms: error: of the headline, nan without one; off: the truth's own error; status, reason: as recorded. substep [s]: the
+    step that was taken, None without an answer. values: of what was judged, by metric, with how far the truth may be off.
+    """
 
     status: str
     error: float = math.nan
     off: float = 0.0
     reason: str = ""
+    substep: float | None = None
+    values: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def passes(self, case: Case, dt: float, substep: float | None) -> bool:
+        """Does it keep the bounds of a run in steps of `substep` [s]? Its own, where these are what it took."""
+        if self.status != "failed" or substep is None or self.substep is None or substep <= self.substep:
+            return self.status == "passed"
+        judged = ((check, *self.values[check.metric.name]) for check in case.checks if check.metric.name in self.values)
+        return all(
+            check.passes(value - (off if check.metric.better == "lower" else 0.0), dt, substep=substep)
+            for check, value, off in judged
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,11 +110,14 @@ def compare(case: Case, dt: float, default: Sequence[Answer], tuned: Sequence[An
     elif headline.better == "higher":
         ratio = before / after if after > 0 else (math.inf if before > 0 else 1.0)
     else:
-        bounds = [check.bound(dt) for check in case.checks if check.metric.name == case.headline]
+        taken = max((one.substep for one in (*default, *tuned) if one.substep is not None), default=dt)
+        bounds = [check.bound(dt, substep=taken) for check in case.checks if check.metric.name == case.headline]
         off = max(one.off for one in (*default, *tuned))
         floor = max(off, LEAST * case.scale, SHARE * max([0.0, *bounds]))
         ratio = max(after, floor) / max(before, floor)
-    lost = all(one.status == "passed" for one in default) and not all(one.status == "passed" for one in tuned)
+    # A bound is the stricter, the shorter the steps that are taken: what took more of them is not worse for that alone.
+    coarse = max((one.substep for one in default if one.substep is not None), default=None)
+    lost = all(one.status == "passed" for one in default) and not all(one.passes(case, dt, coarse) for one in tuned)
     reason = next((one.reason or one.status for one in tuned if one.status != "passed"), "")
     return Comparison(case=case.name, dt=dt, default=before, tuned=after, ratio=ratio, lost=lost, reason=reason)
 
@@ -118,15 +138,24 @@ def run_both_tracks(
 
 def comparisons(store: Store, cases: Mapping[str, Case]) -> dict[str, list[Comparison]]:
     """All of a run, by engine; cases at their own parameters."""
-    errors = {(row["trial"], row["metric"]): row for row in store.measurements.to_dict("records")}
+    errors: dict[str, dict[str, Mapping[str, Any]]] = {}
+    for row in store.measurements.to_dict("records"):
+        errors.setdefault(row["trial"], {})[row["metric"]] = row
     found: dict[tuple[str, str, float], dict[str, list[Answer]]] = {}
     for row in store.trials.to_dict("records"):
-        measured = errors.get((row["trial"], cases[row["case"]].headline), {})
+        told = errors.get(row["trial"], {})
+        measured = told.get(cases[row["case"]].headline, {})
         answer = Answer(
             status=row["status"],
             error=number(measured.get("value")),
             off=float(np.nan_to_num(number(measured.get("truth_error")))),
             reason=str(row["reason"] or ""),
+            substep=None if math.isnan(number(row["substep"])) else float(row["substep"]),
+            values={
+                name: (number(one["value"]), number(one["truth_error"]))
+                for name, one in told.items()
+                if one["passed"] in (True, False)
+            },
         )
         tracks = found.setdefault((row["engine"], row["case"], float(row["dt"])), {})
         tracks.setdefault(row["track"], []).append(answer)

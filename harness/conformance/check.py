@@ -13,7 +13,7 @@ __all__ = ["Comparison", "ConformanceCheck", "Finding", "NotApplicable", "judge"
 
 
 class NotApplicable(Exception):
-    """The check has nothing to ask of this engine; the text says why."""
+    """The check has nothing to ask of this engine, or it refuses by name what is asked; the text says why."""
 
 
 @dataclass(frozen=True, slots=True)

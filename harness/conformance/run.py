@@ -18,7 +18,7 @@ class Outcome:
 
     Terms:
         status: passed; failed; known (fails as declared in `known_failures`); improved (declared, but passes: the declaration
-        must go); not_applicable (the engine does not claim what the check needs, and refuses it).
+        must go); not_applicable (the engine does not claim what the check needs, and refuses it; or it refuses this scene).
         message: got against expected, or why.
     """
 

@@ -130,7 +130,11 @@ GROWTH_EXPONENT_ERROR = Metric(
     name="growth_exponent_error", unit="1", source=f"{SOURCE}; over the truth's, less 1, median of the starts", measure=_growth
 )
 LOST_STARTS = Metric(
-    name="lost_start_share", unit="1", source="definition: share of the starts that are not followed", measure=_lost
+    name="lost_start_share",
+    unit="1",
+    source="definition: share of the starts that are not followed",
+    measure=_lost,
+    verdict="a ball leaves to another side, or at another time, than its start says",
 )
 SMALLEST_FOLLOWED = Metric(
     name="smallest_followed_start", unit="rad", source="definition: start from which on all are followed", measure=_smallest

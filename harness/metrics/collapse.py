@@ -4,7 +4,8 @@ The signs, each with its name:
 
     energy        kinetic energy above a thousand times what is available: that of the start, with that of its springs, and the
                   fall of every body to the lowest place of the scene, or as far as its joints may let it
-    penetration   a point of contact deeper than half of the thinnest movable body
+    penetration   two bodies in one another by more than half of the thinner movable one of the two, from poses and shapes; by
+                  the engine's own points of contact where such shapes' depth is not known exactly
     height        a body of those that start highest below half of its height over z = 0
     drive         a drive more than half a radian off its target
 
@@ -17,9 +18,10 @@ from collections.abc import Collection, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.depths import pair_depths
 from harness.kinematics import joint_coordinate, movable, rotate_back
 from harness.metric import Metric, NotMeasurable
-from harness.scene import Revolute, Scene, width
+from harness.scene import Body, Revolute, Scene, width
 from harness.trajectory import Floats, Trajectory
 
 __all__ = ["COLLAPSE_TIME", "METRIC", "SIGNS", "first_break"]
@@ -60,6 +62,29 @@ def _sprung(scene: Scene, start: Trajectory) -> float:
     return held
 
 
+def _thickness(body: Body) -> float:
+    """Least width [m] of a body that can move; infinite for another, which holds however deep one stands in it."""
+    return min((width(placed.shape) for placed in body.collision), default=math.inf) if body.movable else math.inf
+
+
+def _sunk(scene: Scene, actual: Trajectory) -> NDArray[np.bool_]:
+    """Where two bodies stand in one another by more than half of the thinner, (t,)."""
+    thin = np.array([_thickness(body) for body in scene.bodies])
+    sunk = np.zeros(len(actual), dtype=np.bool_)
+    for a, b, deep in pair_depths(scene, actual):
+        allowed = min(thin[a], thin[b]) / 2
+        sunk |= _listed(actual, {a, b}, allowed) if deep is None else deep > allowed
+    return sunk
+
+
+def _listed(actual: Trajectory, pair: set[int], allowed: float) -> NDArray[np.bool_]:
+    """Where the engine lists a point between two bodies that is deeper than allowed [m], or no number, (t,)."""
+    if actual.contacts is None:
+        return np.zeros(len(actual), dtype=np.bool_)
+    own = [c.gap[np.isin(c.body_A, list(pair)) & np.isin(c.body_B, list(pair))] for c in actual.contacts]
+    return np.array([bool(np.any(~(gap >= -allowed))) for gap in own])
+
+
 def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.bool_]]]:
     """Each sign's name and where it shows, (t,) of bool."""
     bodies = [body for body in scene.bodies if body.movable]
@@ -74,10 +99,7 @@ def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.b
     available = float(_kinetic(scene, start)[0]) + falls + swings + _sprung(scene, start)
     if available > 0:
         yield "energy", _kinetic(scene, actual) > ENERGY_FACTOR * available
-    if actual.contacts is not None:
-        thin = min((width(placed.shape) for body in bodies for placed in body.collision), default=math.inf)
-        depth = np.array([-c.gap.min(initial=0.0) for c in actual.contacts])
-        yield "penetration", ~(depth <= thin / 2)
+    yield "penetration", _sunk(scene, actual)
     top = max(body.p_WB[2] for body in bodies)
     highest = [place for place in movable(scene).tolist() if math.isclose(scene.bodies[place].p_WB[2], top, rel_tol=1e-9)]
     if top > 0 and any(pull):
@@ -111,6 +133,8 @@ COLLAPSE_TIME = Metric(
     "the run where none does",
     measure=_measure,
     better="higher",
+    verdict="where bodies should stand, a highest sinks below half its height, a drive is half a radian off, one is in another "
+    "by half of the thinner, or energy is a thousandfold",
 )
 
 METRIC = COLLAPSE_TIME

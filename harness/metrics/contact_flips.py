@@ -44,6 +44,7 @@ CONTACT_FLIPS = Metric(
     unit="1/step",
     source="points that begin or cease to carry force, per step: sum over pairs of bodies of the change of their number",
     measure=_measure,
+    verdict="a point begins or ceases to carry force",
 )
 
 METRIC = CONTACT_FLIPS

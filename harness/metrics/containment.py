@@ -44,6 +44,7 @@ ESCAPED_SHARE = Metric(
     unit="1",
     source="definition: share of spheres whose centre ends outside the box that bounds the container's walls",
     measure=_escaped,
+    verdict="a centre ends outside the outer faces of the walls",
 )
 
 METRIC = ESCAPED_SHARE

@@ -16,5 +16,9 @@ def _divergence(_scene: Scene, actual: Trajectory, _expected: Trajectory | None)
 
 
 METRIC = DIVERGENCE = Metric(
-    name="divergence", unit="1", source="definition: 0 if all states are finite, else infinite", measure=_divergence
+    name="divergence",
+    unit="1",
+    source="definition: 0 if all states are finite, else infinite",
+    measure=_divergence,
+    verdict="a number is not finite",
 )

@@ -30,4 +30,5 @@ METRIC = EJECTION_SPEED = Metric(
     unit="m/s",
     source="energy of a throw: sqrt(2 g h) of the greatest height h of a centre of mass over where the truth has it at rest",
     measure=_measure,
+    verdict="a centre rises over where the truth has it at rest",
 )

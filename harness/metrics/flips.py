@@ -26,9 +26,12 @@ def _flips(scene: Scene, trajectory: Trajectory) -> Floats:
     if not moments[0] < moments[1] < moments[2]:
         raise NotMeasurable("two principal moments are equal: there is no middle axis")
     along = rotate_back(trajectory.q_WB[:, bodies[0]], trajectory.w_WB[:, bodies[0]]) @ axes[:, 1]
-    before = np.flatnonzero(np.sign(along[:-1]) * np.sign(along[1:]) < 0)
-    share = along[before] / (along[before] - along[before + 1])
-    instants: Floats = trajectory.time[before] + share * (trajectory.time[before + 1] - trajectory.time[before])
+    # A sample at zero belongs to neither side.
+    aside = np.flatnonzero(along)
+    turns = np.flatnonzero(np.sign(along[aside[:-1]]) * np.sign(along[aside[1:]]) < 0)
+    before, after = aside[turns], aside[turns + 1]
+    share = along[before] / (along[before] - along[after])
+    instants: Floats = trajectory.time[before] + share * (trajectory.time[after] - trajectory.time[before])
     return instants
 
 
@@ -51,9 +54,10 @@ def _period(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> fl
     return float(abs((answer[-1] - answer[0]) / (len(answer) - 1) * (len(truth) - 1) / (truth[-1] - truth[0]) - 1))
 
 
-FLIP_COUNT_ERROR = Metric(name="flip_count_error", unit="1", source=SOURCE, measure=_count)
+VERDICT = "the spin's component along the middle axis changes its sign"
+FLIP_COUNT_ERROR = Metric(name="flip_count_error", unit="1", source=SOURCE, measure=_count, verdict=VERDICT)
 FLIP_PERIOD_ERROR = Metric(
-    name="flip_period_error", unit="1", source=f"{SOURCE}; mean distance over the truth's", measure=_period
+    name="flip_period_error", unit="1", source=f"{SOURCE}; mean distance over the truth's", measure=_period, verdict=VERDICT
 )
 
 METRIC = (FLIP_COUNT_ERROR, FLIP_PERIOD_ERROR)

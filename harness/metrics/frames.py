@@ -71,7 +71,8 @@ def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) ->
     # Where all stand the threshold is taken for half of the least friction's; where all fall, for twice the greatest.
     falls = max([0.0, *(frame.friction for frame in frames if math.isfinite(frame.stood))])
     most = 2 * max(frame.friction for frame in frames)
-    stands = min([most, *(frame.friction for frame in frames if math.isinf(frame.stood))])
+    # What stands with less friction than one that falls is no threshold: a pair of wrong fates would make up for each other.
+    stands = min([most, *(frame.friction for frame in frames if math.isinf(frame.stood) and frame.friction > falls)])
     return abs((falls + stands) / 2 - 1)
 
 
@@ -85,8 +86,10 @@ def _standing(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> 
 FRAME_FRICTION_ERROR = Metric(
     name="frame_friction_error",
     unit="1",
-    source=f"{SOURCE}; middle between the greatest friction that falls and the least that stands, over the critical, less 1",
+    source=f"{SOURCE}; middle between the greatest friction that falls and the least above it that stands, over the "
+    "critical, less 1",
     measure=_threshold,
+    verdict="a card of a frame sinks below half of its height",
 )
 FRAME_STANDING_TIME = Metric(
     name="frame_standing_time",
@@ -94,6 +97,7 @@ FRAME_STANDING_TIME = Metric(
     source=f"{SOURCE}; the least time for which a frame stands that should; the run's length where all do",
     measure=_standing,
     better="higher",
+    verdict="a card of a frame that has the friction to stand sinks below half of its height",
 )
 
 METRIC = (FRAME_FRICTION_ERROR, FRAME_STANDING_TIME)

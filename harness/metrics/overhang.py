@@ -54,8 +54,9 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
         raise NotMeasurable("no samples")
     if not actual.finite:
         return math.nan
-    # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest.
-    standing, falling = 0.0, 2 * max(overhang for overhang, _ in stacks)
+    # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest. What stands
+    # beyond the first that falls is no limit: else short ones that fall and long ones that stand would make up for each other.
+    stood, falling = [0.0], 2 * max(overhang for overhang, _ in stacks)
     for overhang, bricks in stacks:
         start = np.array([scene.bodies[i].p_WB[2] for i in bricks])
         # A brick has fallen when it has sunk by its own half thickness: what tips over the edge below does.
@@ -63,13 +64,16 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
         if np.any(start - actual.p_WB[-1, bricks, 2] > thick):
             falling = min(falling, overhang)
         else:
-            standing = max(standing, overhang)
+            stood.append(overhang)
+    standing = max(overhang for overhang in stood if overhang < falling)
     return abs((standing + falling) / 2 - 1)
 
 
 METRIC = OVERHANG_LIMIT_ERROR = Metric(
     name="overhang_limit_error",
     unit="1",
-    source="Hall 2005; middle between the longest overhang that stands and the shortest that falls, over the limit, less 1",
+    source="Hall 2005; middle between the shortest overhang that falls and the longest below it that stands, over the limit, "
+    "less 1",
     measure=_measure,
+    verdict="a brick ends lower by more than its half thickness",
 )

@@ -1,12 +1,17 @@
-"""Passage: which bodies went on where the truth stops them?
+"""Passage: which bodies got through what the truth stops them at, and how deep do those that did not stand in it?
 
 The way along which a body is stopped is the change of its velocity in the truth, from start to end, turned round: for a body
-that falls on a plate while it slides along it, that is straight down. A body that spins about an axis against stops is judged
-by its angle. It is stopped unless it ends beyond the truth by more than half of the thinnest body, so that one which is
-left embedded counts as not stopped. Two bodies that may both move share that depth.
+that falls on a plate while it slides along it, that is straight down. A body has passed
+
+* what stands still, if its centre ends beyond the middle of that along the way (beyond the surface of a half space);
+* another that comes towards it, if the two centres have changed sides;
+* stops that it turns against, if it ends with its middle beyond theirs, by the angle that it has turned.
+
+One that is left deep in what stopped it has not passed. How far it sank is a number of its own, in half widths of the body.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +20,7 @@ from harness.metric import Metric, NotMeasurable
 from harness.proportion import wilson_interval
 from harness.reduction import matched
 from harness.scene import Body, Scene, width
+from harness.touching import reach
 from harness.trajectory import Floats, Trajectory
 
 __all__ = [
@@ -24,23 +30,26 @@ __all__ = [
     "PASSAGE_PROBABILITY_HIGH",
     "PASSAGE_PROBABILITY_LOW",
     "REST_SPEED",
+    "SINK_DEPTH",
 ]
 
-SOURCE = "share of bodies that end beyond where the truth stops them by more than half of the thinnest body"
+SOURCE = "share of bodies whose centre ends beyond the middle of what the truth stops them at"
 
 
-def _thickness(body: Body) -> float:
-    """The thinnest of a body's shapes along an axis of its own, m; infinite for a half space."""
-    return min((width(placed.shape) for placed in body.collision), default=math.inf)
+@dataclass(frozen=True, slots=True)
+class _Shot:
+    """A body that the truth stops.
+
+    Terms: passed: did it get through? sunk: by how much it ends beyond the truth, in half its width [1].
+    """
+
+    passed: bool
+    sunk: float
 
 
-def _allowance(scene: Scene) -> float:
-    """How far beyond the truth a stopped body may end, m."""
-    solid = [body for body in scene.bodies if body.collision]
-    if not solid:
-        raise NotMeasurable("no body can be stopped: none has a shape")
-    share = 0.5 if all(body.movable for body in solid) else 1.0
-    return share * min(_thickness(body) for body in solid) / 2
+def _half_width(body: Body) -> float:
+    """Half of the thinnest of a body's shapes along an axis of its own, m; infinite for a half space."""
+    return min((width(placed.shape) for placed in body.collision), default=math.inf) / 2
 
 
 def _stopped_ways(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Trajectory, list[tuple[int, Floats]]]:
@@ -57,23 +66,45 @@ def _stopped_ways(scene: Scene, actual: Trajectory, expected: Trajectory | None)
     return truth, ways
 
 
-def _overshoot(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    """How far [m] each body that the truth stops ends beyond it, (n,); of a spin, the way of the stops about the axis."""
+def _beyond(scene: Scene, actual: Trajectory, truth: Trajectory, place: int, ways: list[tuple[int, Floats]]) -> bool:
+    """Does a body end beyond what stops it on its way?"""
+    body, way = scene.bodies[place], dict(ways)[place]
+    coming = [k for k, other in ways if other @ way < 0 and scene.collides(body, scene.bodies[k])]
+    if coming:
+        met = min(coming, key=lambda k: float(np.linalg.norm(truth.p_WB[-1, k] - truth.p_WB[-1, place])))
+        return bool((actual.p_WB[-1, place] - actual.p_WB[-1, met]) @ way > 0)
+    still = [other for other in scene.bodies if not other.movable and other.collision and scene.collides(body, other)]
+    if not still:
+        raise NotMeasurable(f"body '{body.name}' meets nothing that could stop it")
+    front = float(truth.p_WB[-1, place] @ way) + _half_width(body)
+    stop = min(still, key=lambda other: abs(-reach(other, -way) - front))
+    near, far = -reach(stop, -way), reach(stop, way)
+    return bool(actual.p_WB[-1, place] @ way > ((near + far) / 2 if math.isfinite(far) else near))
+
+
+def _shots(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> list[_Shot]:
+    """Each body that the truth stops; of a spin, on the way that its stops are off its axis."""
     truth, ways = _stopped_ways(scene, actual, expected)
-    if ways:
-        return np.array([float((actual.p_WB[-1, k] - truth.p_WB[-1, k]) @ way) for k, way in ways])
-    stops = [np.array(body.p_WB) for body in scene.bodies if not body.movable and body.collision]
-    beyond = []
-    for place in movable(scene):
-        spin = np.array(scene.bodies[place].w_WB)
-        if not spin.any() or truth.w_WB[-1, place].any() or not stops:
+    found = []
+    for k, way in ways:
+        sunk = float((actual.p_WB[-1, k] - truth.p_WB[-1, k]) @ way) / _half_width(scene.bodies[k])
+        found.append(_Shot(_beyond(scene, actual, truth, k, ways), sunk))
+    stops = [] if found else [body for body in scene.bodies if not body.movable and body.collision]
+    for place in movable(scene) if stops else ():
+        body = scene.bodies[place]
+        spin = np.array(body.w_WB)
+        if not spin.any() or truth.w_WB[-1, place].any():
             continue
         axis = spin / np.linalg.norm(spin)
-        lever = min(float(np.linalg.norm(np.cross(axis, stop - np.array(scene.bodies[place].p_WB)))) for stop in stops)
-        beyond.append(lever * (_turned(actual, place, axis) - _turned(truth, place, axis)))
-    if not beyond:
+        levers = [float(np.linalg.norm(np.cross(axis, np.array(stop.p_WB) - np.array(body.p_WB)))) for stop in stops]
+        lever, stop = min(zip(levers, stops, strict=True), key=lambda one: one[0])
+        turned = _turned(actual, place, axis) - _turned(truth, place, axis)
+        # Where the truth leaves it, its middle is off the stop's by both half widths.
+        between = math.asin(min(1.0, (_half_width(body) + _half_width(stop)) / lever))
+        found.append(_Shot(turned > between, lever * turned / _half_width(body)))
+    if not found:
         raise NotMeasurable("the truth stops no body")
-    return np.array(beyond)
+    return found
 
 
 def _turned(trajectory: Trajectory, place: int, axis_W: Floats) -> float:
@@ -88,9 +119,18 @@ def _turned(trajectory: Trajectory, place: int, axis_W: Floats) -> float:
 
 
 def _count(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[int, int]:
-    """How many went on, of how many."""
-    beyond = _overshoot(scene, actual, expected)
-    return int(np.sum(beyond > _allowance(scene))), len(beyond)
+    """How many got through, of how many."""
+    shots = _shots(scene, actual, expected)
+    return sum(shot.passed for shot in shots), len(shots)
+
+
+def _sink(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    sunk = [shot.sunk for shot in _shots(scene, actual, expected) if not shot.passed]
+    if not actual.finite:
+        return math.nan
+    if not sunk:
+        raise NotMeasurable("no body is stopped")
+    return max(0.0, *sunk)
 
 
 def _probability(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -108,10 +148,9 @@ def _speeds(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> li
     truth, ways = _stopped_ways(scene, actual, expected)
     if not actual.finite:
         return [(np.full(3, np.nan), np.full(3, np.nan))]
-    allowed = _allowance(scene)
     found = []
     for place, way in ways:
-        if float((actual.p_WB[-1, place] - truth.p_WB[-1, place]) @ way) <= allowed:
+        if not _beyond(scene, actual, truth, place, ways):
             found.append((way, actual.v_WB[-1, place] - truth.v_WB[-1, place]))
     if not found:
         raise NotMeasurable("no body is stopped")
@@ -126,18 +165,27 @@ def _rest(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> floa
     return float(np.max([abs(miss @ way) for way, miss in _speeds(scene, actual, expected)]))
 
 
-PASSAGE_PROBABILITY = Metric(name="passage_probability", unit="1", source=SOURCE, measure=_probability)
+VERDICT = "a centre ends beyond the middle of what should stop it"
+PASSAGE_PROBABILITY = Metric(name="passage_probability", unit="1", source=SOURCE, measure=_probability, verdict=VERDICT)
 PASSAGE_PROBABILITY_LOW = Metric(
     name="passage_probability_low",
     unit="1",
     source="lower 95 % bound of Wilson (1927) on passage_probability",
     measure=lambda s, a, e: _bounds(s, a, e)[0],
+    verdict=VERDICT,
 )
 PASSAGE_PROBABILITY_HIGH = Metric(
     name="passage_probability_high",
     unit="1",
     source="upper 95 % bound of Wilson (1927) on passage_probability",
     measure=lambda s, a, e: _bounds(s, a, e)[1],
+    verdict=VERDICT,
+)
+SINK_DEPTH = Metric(
+    name="sink_depth",
+    unit="1",
+    source="definition: greatest way by which a stopped body ends beyond where the truth stops it, in half its thinnest width",
+    measure=_sink,
 )
 LATERAL_KICK = Metric(
     name="lateral_kick",
@@ -152,4 +200,4 @@ REST_SPEED = Metric(
     measure=_rest,
 )
 
-METRIC = (PASSAGE_PROBABILITY, PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH, LATERAL_KICK, REST_SPEED)
+METRIC = (PASSAGE_PROBABILITY, PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH, SINK_DEPTH, LATERAL_KICK, REST_SPEED)

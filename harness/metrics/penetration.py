@@ -1,17 +1,36 @@
-"""Penetration: how deep bodies stand in one another, as the engine's own contacts say."""
+"""Penetration: how deep bodies stand in one another, from their poses and shapes; and, apart, as the engine's contacts say.
+
+An engine's contacts may be told for the pose before the step, be cut short, or hold margins and slops; poses cannot.
+"""
 
 import math
 
 import numpy as np
 
+from harness.depths import pair_depths
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "PENETRATION"]
+__all__ = ["METRIC", "PENETRATION", "REPORTED_PENETRATION"]
 
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    if len(actual) == 0:
+        raise NotMeasurable("no samples")
+    if not actual.finite:
+        return math.nan
+    if not any(scene.collides(a, b) for i, a in enumerate(scene.bodies) for b in scene.bodies[:i]):
+        raise NotMeasurable("no two bodies can touch")
+    deepest = 0.0
+    for a, b, deep in pair_depths(scene, actual):
+        if deep is None:
+            raise NotMeasurable(f"no exact depth is known of '{scene.bodies[a].name}' in '{scene.bodies[b].name}'")
+        deepest = max(deepest, float(np.max(deep)))
+    return deepest
+
+
+def _reported(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     if actual.contacts is None:
         raise NotMeasurable("no contacts were recorded")
     if len(actual) == 0:
@@ -25,8 +44,17 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
 PENETRATION = Metric(
     name="penetration",
     unit="m",
-    source="impenetrability: greatest depth (negative gap) of any point of contact, 0 where nothing overlaps",
+    source="impenetrability: the shortest way that would part two bodies (Ericson, Real-Time Collision Detection, section "
+    "4.4), from their poses and shapes, greatest of all pairs and samples; 0 where nothing overlaps",
     measure=_measure,
+    verdict="two bodies share space, by where they are and what shapes they have",
+)
+REPORTED_PENETRATION = Metric(
+    name="reported_penetration",
+    unit="m",
+    source="definition: greatest depth (negative gap) of any point of contact that the engine reports, 0 where none is deep",
+    measure=_reported,
+    verdict="the engine lists a point of contact with a negative gap",
 )
 
-METRIC = PENETRATION
+METRIC = (PENETRATION, REPORTED_PENETRATION)

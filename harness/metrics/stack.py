@@ -11,31 +11,31 @@ from harness.trajectory import Floats, Trajectory
 __all__ = ["LEAN", "METRIC", "RESIDUAL_KINETIC_ENERGY", "STACK_HEIGHT_ERROR", "STANDING_HEIGHT"]
 
 
-def _top(scene: Scene, actual: Trajectory) -> int:
-    """The place of the movable body that starts highest."""
-    movable = [place for place, body in enumerate(scene.bodies) if body.movable]
-    if not movable or len(actual) == 0:
+def _tops(scene: Scene, actual: Trajectory) -> tuple[list[int], float]:
+    """The places of the movable bodies that start highest, of which there may be several alike, and their height [m]."""
+    heights = {place: body.p_WB[2] for place, body in enumerate(scene.bodies) if body.movable}
+    if not heights or len(actual) == 0:
         raise NotMeasurable("no movable body or no samples")
-    return max(movable, key=lambda place: scene.bodies[place].p_WB[2])
+    top = max(heights.values())
+    return [place for place, height in heights.items() if math.isclose(height, top, rel_tol=1e-9)], top
 
 
 def _sag(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    top = _top(scene, actual)
+    tops, start = _tops(scene, actual)
     if not actual.finite:
         return math.nan
-    start = scene.bodies[top].p_WB[2]
-    return float(np.max(np.abs(actual.p_WB[:, top, 2] - start))) / start
+    return float(np.max(np.abs(actual.p_WB[:, tops, 2] - start))) / start
 
 
 def _standing(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    top = _top(scene, actual)
+    tops, start = _tops(scene, actual)
     if not actual.finite:
         return math.nan
-    return float(np.min(actual.p_WB[:, top, 2])) / scene.bodies[top].p_WB[2]
+    return float(np.min(actual.p_WB[:, tops, 2])) / start
 
 
 def _lean(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    _top(scene, actual)
+    _tops(scene, actual)
     if not actual.finite:
         return math.nan
     movable = [place for place, body in enumerate(scene.bodies) if body.movable]
@@ -53,7 +53,7 @@ def _turning(actual: Trajectory, place: int, inertia: Floats) -> Floats:
 
 
 def _kinetic(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    _top(scene, actual)
+    _tops(scene, actual)
     if not actual.finite:
         return math.nan
     total, mass = np.zeros(len(actual)), 0.0
@@ -68,15 +68,16 @@ def _kinetic(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
 STACK_HEIGHT_ERROR = Metric(
     name="stack_height_error",
     unit="1",
-    source="impenetrability: greatest change of the top body's height over the window, relative to its start over z = 0",
+    source="impenetrability: greatest change of the height of the top bodies over the window, relative to its start over z = 0",
     measure=_sag,
 )
 STANDING_HEIGHT = Metric(
     name="standing_height",
     unit="1",
-    source="least height of the top body over the window, relative to its start over z = 0; below 1/2 the stack has collapsed",
+    source="least height of the top bodies over the window, relative to its start over z = 0; below 1/2 it has collapsed",
     measure=_standing,
     better="higher",
+    verdict="one of the bodies that start highest sinks: below half of its height it has collapsed",
 )
 LEAN = Metric(name="lean", unit="m", source="greatest horizontal way of any movable body from its start", measure=_lean)
 RESIDUAL_KINETIC_ENERGY = Metric(

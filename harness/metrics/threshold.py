@@ -52,8 +52,9 @@ def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) ->
     # A box slides when it covers half the way that the incline nearest to the threshold makes: more than creep, and still less
     # than what any incline beyond a wrong threshold would show.
     least = min(abs(true) for _, _, true, _ in slopes) / 2
-    sticking = max([0.0, *(angle for angle, _, _, found in slopes if found <= least)])
     sliding = min([math.pi / 2, *(angle for angle, _, _, found in slopes if found > least)])
+    # What holds on a steeper incline than one that slides is no threshold: wrong fates would make up for each other.
+    sticking = max([0.0, *(angle for angle, _, _, found in slopes if found <= least and angle < sliding)])
     true_angle = math.atan(slopes[0][1])
     return abs((sticking + sliding) / 2 - true_angle) / true_angle
 
@@ -71,8 +72,10 @@ def _acceleration(scene: Scene, actual: Trajectory, expected: Trajectory | None)
 THRESHOLD_ANGLE_ERROR = Metric(
     name="threshold_angle_error",
     unit="1",
-    source=f"{SOURCE}; middle between the steepest incline that holds and the flattest that does not, relative to atan(mu)",
+    source=f"{SOURCE}; middle between the flattest incline that does not hold and the steepest below it that does, "
+    "relative to atan(mu)",
     measure=_threshold,
+    verdict="a box covers half the way that it would on the incline nearest to the threshold",
 )
 INCLINE_ACCELERATION_ERROR = Metric(
     name="incline_acceleration_error",

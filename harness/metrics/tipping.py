@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from harness.kinematics import angle_between
+from harness.kinematics import rotate as rotate_along
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Box, Scene, rotate
 from harness.trajectory import Trajectory
@@ -20,7 +20,8 @@ __all__ = ["METRIC", "TIPPING_ANGLE_ERROR", "WRONG_FATES"]
 
 SOURCE = "Meriam, Kraige, Statics, section 6/3: tips iff tan(angle) > b/h before it slides at tan(angle) = mu"
 TIPPED = 0.5
-"""Turn from the start [rad] from which a box has tipped: more than b/h of a tall box."""
+"""Tilt of a box's upward axis from its start [rad] from which it has tipped: more than b/h of a tall box. One that slides may
+turn about that axis as far as it likes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,8 @@ def _fates(scene: Scene, actual: Trajectory) -> list[_Fate]:
         true: Literal["holds", "slides", "tips"] = "holds"
         if slope > min(mu, tips_at):
             true = "tips" if tips_at <= mu else "slides"
-        turned = float(np.max(angle_between(np.broadcast_to(np.array(body.q_WB), (len(actual), 4)), actual.q_WB[:, place])))
+        upward = rotate_along(actual.q_WB[:, place], np.array([0.0, 0.0, 1.0]))
+        turned = float(np.max(np.arctan2(np.linalg.norm(np.cross(upward, normal), axis=1), upward @ normal)))
         way = float((actual.p_WB[-1, place] - np.array(body.p_WB)) @ along)
         # Half of the way that it would make in truth, and a tenth of its length where it should not slide at all.
         least = (pull - mu * load) * float(actual.time[-1]) ** 2 / 4 if true == "slides" else shape.half_extents[0] / 5
@@ -79,8 +81,10 @@ def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) ->
         raise NotMeasurable("no incline is steep enough to tip a box")
     tips_at = tall[0].tips_at
     alike = [fate for fate in fates if fate.tips_at == tips_at and fate.true != "slides"]
-    upright = max([0.0, *(math.atan(fate.slope) for fate in alike if fate.found != "tips")])
     tipped = min([math.pi / 2, *(math.atan(fate.slope) for fate in alike if fate.found == "tips")])
+    # What stays upright on a steeper incline than one that tips is no threshold: wrong fates would make up for each other.
+    slopes = [math.atan(fate.slope) for fate in alike if fate.found != "tips"]
+    upright = max([0.0, *(slope for slope in slopes if slope < tipped)])
     return abs((upright + tipped) / 2 / math.atan(tips_at) - 1)
 
 
@@ -89,13 +93,15 @@ WRONG_FATES = Metric(
     unit="1",
     source=f"{SOURCE}; number of boxes that hold, slide or tip (by 0.5 rad) where they should not",
     measure=_wrong,
+    verdict="a box tilts by half a radian, or slides by half its due way or a tenth of its length",
 )
 TIPPING_ANGLE_ERROR = Metric(
     name="tipping_angle_error",
     unit="1",
-    source=f"{SOURCE}; middle between the steepest incline on which a box stays upright and the flattest on which it tips, "
+    source=f"{SOURCE}; middle between the flattest incline on which a box tips and the steepest below it on which none does, "
     "over atan(b/h), less 1",
     measure=_threshold,
+    verdict="a box tilts by half a radian",
 )
 
 METRIC = (WRONG_FATES, TIPPING_ANGLE_ERROR)

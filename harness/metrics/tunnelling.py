@@ -1,4 +1,4 @@
-"""Tunnelling: which of the spheres shot at a wall did it not stop?"""
+"""Tunnelling: which of the spheres shot at a wall got through it, their centre beyond its middle?"""
 
 import math
 
@@ -10,7 +10,6 @@ from harness.scene import Body, Box, Scene, Sphere, rotate
 from harness.trajectory import Trajectory
 
 __all__ = [
-    "EMBEDDED_SHARE",
     "METRIC",
     "STOP_GAP",
     "TUNNEL_PROBABILITY",
@@ -18,7 +17,7 @@ __all__ = [
     "TUNNEL_PROBABILITY_LOW",
 ]
 
-SOURCE = "share of spheres that end beyond the wall or in it (deeper than half its thickness)"
+SOURCE = "share of spheres whose centre ends beyond the middle of the wall"
 
 
 def _wall(scene: Scene) -> tuple[Body, Box]:
@@ -28,8 +27,8 @@ def _wall(scene: Scene) -> tuple[Body, Box]:
     raise NotMeasurable("no wall: a fixed body of one box")
 
 
-def _depths(scene: Scene, actual: Trajectory) -> list[tuple[float, float, float]]:
-    """Of each sphere that is shot: how far [m] its front ends past the wall's face, half the wall's thickness, its radius.
+def _ends(scene: Scene, actual: Trajectory) -> list[tuple[float, float]]:
+    """Of each sphere that is shot: how far [m] its centre ends past the wall's middle, and where it is if it touches the face.
 
     The wall's extent along the shot is that of its box, which lies across the shot.
     """
@@ -43,65 +42,59 @@ def _depths(scene: Scene, actual: Trajectory) -> list[tuple[float, float, float]
         if body.movable and any(body.v_WB) and len(shapes) == 1 and isinstance(shapes[0], Sphere):
             way = np.array(body.v_WB) / np.linalg.norm(body.v_WB)
             half = float(sum(abs(way @ axis) * extent for axis, extent in zip(axes, box.half_extents, strict=True)))
-            depth = float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way) + half + shapes[0].radius
-            found.append((depth, half, shapes[0].radius))
+            found.append((float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way), -half - shapes[0].radius))
     if not found:
         raise NotMeasurable("no sphere is shot")
     return found
 
 
-def _count(scene: Scene, actual: Trajectory) -> tuple[int, int, int]:
-    """How many passed, how many are left embedded, and how many were shot."""
-    depths = _depths(scene, actual)
-    passed = sum(depth >= 2 * (half + radius) for depth, half, radius in depths)
-    unstopped = sum(depth > half for depth, half, _ in depths)
-    return passed, unstopped - passed, len(depths)
+def _count(scene: Scene, actual: Trajectory) -> tuple[int, int]:
+    """How many passed, of how many."""
+    ends = _ends(scene, actual)
+    return sum(place > 0 for place, _ in ends), len(ends)
 
 
 def _probability(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    passed, embedded, shot = _count(scene, actual)
-    return (passed + embedded) / shot if actual.finite else math.nan
+    passed, shot = _count(scene, actual)
+    return passed / shot if actual.finite else math.nan
 
 
 def _low(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    passed, embedded, shot = _count(scene, actual)
-    return wilson_interval(passed + embedded, shot)[0] if actual.finite else math.nan
+    interval = wilson_interval(*_count(scene, actual))
+    return interval[0] if actual.finite else math.nan
 
 
 def _high(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    passed, embedded, shot = _count(scene, actual)
-    return wilson_interval(passed + embedded, shot)[1] if actual.finite else math.nan
-
-
-def _embedded(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    _, embedded, shot = _count(scene, actual)
-    return embedded / shot if actual.finite else math.nan
+    interval = wilson_interval(*_count(scene, actual))
+    return interval[1] if actual.finite else math.nan
 
 
 def _stop_gap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    depths = _depths(scene, actual)
+    ends = _ends(scene, actual)
     if not actual.finite:
         return math.nan
-    stopped = [max(0.0, -depth) for depth, half, _ in depths if depth <= half]
+    stopped = [max(0.0, face - place) for place, face in ends if place <= 0]
     if not stopped:
         raise NotMeasurable("no sphere is stopped")
     return max(stopped)
 
 
-TUNNEL_PROBABILITY = Metric(name="tunnel_probability", unit="1", source=SOURCE, measure=_probability)
+VERDICT = "a centre ends beyond the middle of the wall"
+TUNNEL_PROBABILITY = Metric(name="tunnel_probability", unit="1", source=SOURCE, measure=_probability, verdict=VERDICT)
 TUNNEL_PROBABILITY_LOW = Metric(
-    name="tunnel_probability_low", unit="1", source="lower 95 % bound of Wilson (1927) on tunnel_probability", measure=_low
+    name="tunnel_probability_low",
+    unit="1",
+    source="lower 95 % bound of Wilson (1927) on tunnel_probability",
+    measure=_low,
+    verdict=VERDICT,
 )
 TUNNEL_PROBABILITY_HIGH = Metric(
-    name="tunnel_probability_high", unit="1", source="upper 95 % bound of Wilson (1927) on tunnel_probability", measure=_high
-)
-EMBEDDED_SHARE = Metric(
-    name="embedded_share",
+    name="tunnel_probability_high",
     unit="1",
-    source="share of spheres that end in the wall, deeper than half its thickness",
-    measure=_embedded,
+    source="upper 95 % bound of Wilson (1927) on tunnel_probability",
+    measure=_high,
+    verdict=VERDICT,
 )
-
 STOP_GAP = Metric(
     name="stop_gap",
     unit="m",
@@ -109,4 +102,4 @@ STOP_GAP = Metric(
     measure=_stop_gap,
 )
 
-METRIC = (TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, EMBEDDED_SHARE, STOP_GAP)
+METRIC = (TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, STOP_GAP)

@@ -4,20 +4,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
+from harness.leads import REFERENCE
 from harness.searches import Search, amount, searches
 from harness.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
 
-COLUMNS = tuple(field.name for field in fields(Search) if field.name not in ("remedy", "remedied"))
+COLUMNS = tuple(field.name for field in fields(Search) if field.name not in ("remedy", "remedied", "holds"))
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [{k: v for k, v in asdict(one).items() if k in COLUMNS} for one in searches(store) if not one.remedied]
+    plain = [one for one in searches(store) if not one.remedied]
+    return [
+        {name: value for name, value in asdict(one).items() if name in COLUMNS} | {"noticed": "; ".join(one.noticed)}
+        for one in plain
+    ]
 
 
-BRIEF = ("case", "engine", "setting", "axis", "held", "broke", "share held there", "by", "CPU s per s", "values")
+BRIEF = ("case", "engine", "setting", "axis", "held", "broke", "share held there", "by", "CPU s per s", "ms a step", "values")
 
 
 def brief(row: Mapping[str, Any]) -> list[object]:
@@ -26,33 +31,41 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     return [
         f"{row['case']} {row['where']}".strip(),
         row["engine"],
-        row["track"],
+        _setting(row),
         f"{row['axis']} {row['easy']:.4g}..{row['extreme']:.4g}{'' if row['unit'] == '1' else ' ' + row['unit']}",
         amount(row["held"], "none"),
         row["verdict"] if silent else amount(row["broke"], "none"),
         "" if row["share"] is None else f"{row['share']:.2f}",
-        row["signs"] or row["reason"][:60],
+        f"{row['signs'] or row['reason'][:60]}{'; its own start holds' if row['own_holds'] else ''}",
         amount(row["cost"], ""),
+        "" if row["step_cost"] is None else f"{1e3 * row['step_cost']:.3g}",
         row["values"],
     ]
 
 
+def _setting(row: Mapping[str, Any]) -> str:
+    return row["track"] if not row["parts"] else f"{row['track']}, dt/{row['parts']}"
+
+
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Axis by axis, who goes farthest; and how often that is the reference engine in some setting."""
-    axes: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    """Axis by axis and sub-step by sub-step, who goes farthest of the engines that people can deploy, the ruler beside them.
+
+    Leads are counted by the table `farthest`.
+    """
+    axes: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
     for row in rows:
         if row["verdict"] not in ("unsupported", "unavailable"):
-            axes.setdefault((row["experiment"], row["case"], row["where"], row["axis"]), []).append(row)
-    found, ours, asked = [], 0, 0
-    for (_, case, where, axis), searched in axes.items():
-        farthest = max(row["reach"] for row in searched)
-        best = [f"{row['engine']} ({row['track']})" for row in searched if row["reach"] >= farthest - 1e-9]
-        value = next(row["held"] for row in searched if row["reach"] >= farthest - 1e-9)
-        name = f"{case} {where}".strip()
-        found.append(f"{name}: {axis} up to {amount(value, 'no value')}: {', '.join(best)}.")
-        mine = [row["reach"] for row in searched if row["engine"] == "reference"]
-        if mine:
-            asked, ours = asked + 1, ours + (max(mine) >= farthest - 1e-9)
-    if asked:
-        found.append(f"On {ours} of {asked} axes no other engine goes farther than the reference engine in its better setting.")
+            # Tracks as they come are not compared with what is held to a sub-step.
+            axes.setdefault((row["experiment"], row["case"], row["where"], row["axis"], row["parts"]), []).append(row)
+    found = []
+    for (_, case, where, axis, parts), searched in axes.items():
+        ranked = [row for row in searched if row["engine"] != REFERENCE]
+        mine = max((row for row in searched if row["engine"] == REFERENCE), key=lambda row: row["reach"], default=None)
+        farthest = max((row["reach"] for row in ranked), default=0.0)
+        best = [row for row in ranked if row["reach"] >= farthest - 1e-9 and row["held"] is not None]
+        names = ", ".join(f"{row['engine']} ({_setting(row)})" for row in best) or "nobody"
+        value = best[0]["held"] if best else None
+        beside = "" if mine is None else f"; {REFERENCE}, the yardstick, {amount(mine['held'], 'no value')}"
+        name = f"{case} {where}".strip() + (f", sub-step dt/{parts}" if parts else ", as tracks come")
+        found.append(f"{name}: {axis} up to {amount(value, 'no value')}: {names}{beside}.")
     return found

@@ -98,7 +98,7 @@ def _row(
 ) -> Convergence:
     integrators = sorted({str(_object(text).get("integrator") or "") for text in ladder["resolved"]})
     promised = _promise(about.get("converges", ""), who.get("orders", {}), integrators)
-    by_step = ladder.groupby("dt")["error"].median()
+    by_step = ladder.groupby(_taken(ladder))["error"].median()
     steps, errors = [float(dt) for dt in by_step.index], [float(error) for error in by_step]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, told = verdict(steps, errors, promised, scale, duration)
@@ -121,6 +121,17 @@ def _row(
         verdict=told,
         finding="" if told != "broken" or fit is None or promised is None else _sentence(title, fit, promised, errors[0]),
     )
+
+
+def _taken(ladder: pd.DataFrame) -> "pd.Series[float]":
+    """The steps [s] of a ladder as the engine took them, told in steps of its finest rung.
+
+    An engine that cuts coarse steps into sub-steps takes the same step on several rungs: these are one point of the slope.
+    """
+    substeps = ladder["resolved"].map(lambda text: float(_object(text).get("substeps") or 1))
+    finest = float(substeps[ladder["dt"].idxmin()])
+    # 1/60 s in 4 and 1/240 s in 1 are one step, whatever the last digit says.
+    return (ladder["dt"] * finest / substeps).map(lambda dt: float(f"{dt:.12g}"))
 
 
 def _promise(converges: str, orders: Mapping[str, int], integrators: Sequence[str]) -> int | None:
@@ -160,8 +171,9 @@ def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
             f"largest value; above, it shrinks with order {fit.order:.2f} ({fit.low:.2f} to {fit.high:.2f}), promised is "
             f"{promised}."
         )
+    goes = f"shrinks with order {fit.order:.2f}" if fit.order > 0 else f"grows as the step shrinks, with order {fit.order:.2f}"
     return (
-        f"{title}: the error shrinks with order {fit.order:.2f} ({fit.low:.2f} to {fit.high:.2f}) from a step of "
+        f"{title}: the error {goes} ({fit.low:.2f} to {fit.high:.2f}) from a step of "
         f"{1e3 * fit.coarse:.3g} to {1e3 * fit.fine:.3g} ms, promised is {promised}; at the finest step it is {finest:.2g}."
     )
 

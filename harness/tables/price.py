@@ -17,7 +17,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
     return [asdict(row) for row in Prices(store).prices]
 
 
-BRIEF = ("case", "error", "engine", "CPU s", "95 %", "x cheapest", "95 %", "setting", "step", "marks")
+BRIEF = ("case", "error", "engine", "CPU s", "95 %", "x cheapest", "95 %", "setting", "step", "tried", "marks")
 """What a terminal has room for; marks: * the cheapest, ~ an unstable timing, <= the cheapest point errs less already."""
 
 
@@ -25,9 +25,13 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     """A flat row in short words under BRIEF."""
     case = f"{row['case']} {row['where']}".strip()
     if row["cost"] is None:
-        best = f", best {row['best_error']:.2g}" if row["best_error"] is not None else ""
+        best = (
+            f", best {row['best_error']:.2g} down to {1e3 * row['finest_dt']:.3g} ms" if row["best_error"] is not None else ""
+        )
+        if row["foreseen_dt"] is not None:
+            best += f", trend {1e3 * row['foreseen_dt']:.2g} ms"
         said = f"{row['verdict']}{best}" if not row["reason"] else f"{row['verdict']}: {row['reason']}"
-        return [case, f"{row['target']:.0e}", row["engine"], said, "", "", "", row["track"], "", ""]
+        return [case, f"{row['target']:.0e}", row["engine"], said, "", "", "", row["track"], "", _tried(row), ""]
     marks = ("*" if row["cheapest"] else "") + ("~" if row["unstable"] else "")
     marks += {"at most": "<=", "within the truth's error": "truth"}.get(row["verdict"], "")
     return [
@@ -40,8 +44,13 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         f"{row['ratio_low']:.3g} .. {row['ratio_high']:.3g}",
         row["track"],
         f"{row['dt']:.4g}",
+        _tried(row),
         marks,
     ]
+
+
+def _tried(row: Mapping[str, Any]) -> str:
+    return f"{row['tried']}" + (" (all there are)" if row["ended"] == "nothing left to try" else "")
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -118,13 +118,13 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Remedy by remedy: where it was tried, how often it helped, at what cost in the middle."""
-    found = []
+    """Remedy by remedy, the most helpful first: where it was tried, how often it helped, at what cost in the middle."""
+    found: list[tuple[float, str]] = []
     for remedy in dict.fromkeys(row["remedy"] for row in rows):
         tried = [row for row in rows if row["remedy"] == remedy and row["share_after"] is not None]
         helped = [row for row in tried if row["verdict"] == "helps"]
         costs = sorted(row["cost_ratio"] for row in helped if row["cost_ratio"] is not None)
         if tried:
             price = f", at {costs[len(costs) // 2]:.2g} times the cost" if costs else ""
-            found.append(f"{remedy}: helps in {len(helped)} of {len(tried)} places{price}.")
-    return found
+            found.append((len(helped) / len(tried), f"{remedy}: helps in {len(helped)} of {len(tried)} places{price}."))
+    return [sentence for _, sentence in sorted(found, key=lambda one: -one[0])]

@@ -26,10 +26,11 @@ Below the first two lines iterations must not heal; what was not run heals nothi
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from harness.prices import number
 from harness.store import Store
 
 __all__ = ["BRIEF", "CAUSES", "CHANGES", "COLUMNS", "CURED", "Finding", "Run", "attribute", "brief", "findings", "rows"]
@@ -136,26 +137,25 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
         vibration = mine.get("vibration_rms", {})
         size = float(vibration.get("value", math.nan))
         lost = fallen or not math.isfinite(size)
+        bound = number(vibration.get("at_most"))
         yield (
             row,
             float(stiffness),
             Run(
                 vibration=math.inf if lost else size,
                 frequency=float(mine.get("vibration_frequency", {}).get("value", math.nan)),
-                bound=float(vibration.get("at_most", math.nan)),
+                bound=bound if math.isfinite(bound) else _bound(store, row),
                 trial=row["trial"],
             ),
         )
 
 
-def _bound(store: Store, case: str, dt: float, known: Sequence[Run]) -> float:
-    """The case's bound at a step [rad/s]: as a run of that step recorded it, else scaled from the catalogue's."""
-    recorded = [run.bound for run in known if math.isfinite(run.bound)]
-    if recorded:
-        return recorded[0]
-    told = store.catalogue["cases"][case]
+def _bound(store: Store, row: Mapping[str, Any]) -> float:
+    """The case's bound [rad/s] for a run that recorded none, scaled from the catalogue's to the step that it took."""
+    told = store.catalogue["cases"][row["case"]]
     check = next(check for check in told["checks"] if check["metric"] == "vibration_rms")
-    return float(check["at_most"]) * dt / float(told["dt"])
+    taken = number(row.get("substep"))
+    return float(check["at_most"]) * (taken if math.isfinite(taken) else float(row["dt"])) / float(told["dt"])
 
 
 def findings(store: Store) -> tuple[Finding, ...]:
@@ -171,8 +171,7 @@ def findings(store: Store) -> tuple[Finding, ...]:
         # The softest of a series is there to be compared with, and so is every finer step.
         if " " in track or dt < max(other[-1] for other in together) or "softer" not in changes:
             continue
-        base = replace(run, bound=_bound(store, case, dt, [one for other, one in together.items() if other[-1] == dt]))
-        shares, cause, why = attribute(base, changes)
+        shares, cause, why = attribute(run, changes)
         made.append(
             Finding(
                 case=case,
@@ -180,7 +179,7 @@ def findings(store: Store) -> tuple[Finding, ...]:
                 track=track,
                 stiffness=stiffness,
                 dt=dt,
-                base=base,
+                base=run,
                 shares=shares,
                 cause=cause,
                 why=why,

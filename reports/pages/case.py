@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from harness.emulations import whose
 from harness.tables.orders import Convergence, convergences
 from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
+from reports.laws import laws_of_case
+from reports.leads import leads
 from reports.page import Page
 from reports.price_list import price_list
 from reports.template import case_file, fill
@@ -60,7 +63,10 @@ def render(store: "Store") -> Mapping[str, str]:
             figures=figures,
             prices=listed,
             several=len({line.title for line in listed}) > 1,
-            orders=orders([row for row in ladders if row.case == name], sides),
+            laws=laws_of_case(store, case),
+            leads=[lead for (of, _), lead in leads(store).items() if of == name],
+            orders=(fitted := orders([row for row in ladders if row.case == name], sides)),
+            broken=[(row.finding, whose(store.catalogue, row.engine, name, row.track)) for row in fitted if row.finding],
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
             trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],

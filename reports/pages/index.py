@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from harness.emulations import whose
 from reports.answers import answers, at_own_step
 from reports.charts import across_cases
 from reports.contents import cases, engines, families, named_tracks
@@ -52,6 +53,7 @@ def render(store: "Store") -> Mapping[str, str]:
         glances=glances(store),
         families=[(family, listed) for family, listed in told if listed],
         cells=cells,
+        laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},
         tracks=named_tracks(store),
         figures=figures,
         findings={name: by_reason(engine["known_failures"]) for name, engine in engines(store).items()},

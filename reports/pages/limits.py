@@ -1,15 +1,17 @@
 """The page on limits: how far each engine goes along each axis, maps of two axes, and what helps where it breaks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from harness.searches import searches
+from harness.leads import axis_leads, reaches
+from harness.searches import Search, searches
+from harness.tables import farthest as farthest_table
 from harness.tables import limits as limits_table
 from harness.tables import remedies as remedies_table
 from harness.tables.remedies import remedied
 from reports.contents import engines
 from reports.page import Page
-from reports.reach import lines, maps, tally, wins
+from reports.reach import lines, maps, standings, tally
 from reports.sheet import sheet
 from reports.template import fill
 
@@ -33,9 +35,9 @@ def render(store: "Store") -> Mapping[str, str]:
         "limits.html",
         store,
         title="Limits",
-        names=[name for name in engines(store) if any(one.engine == name for one in plain)],
+        names=_names(store, plain),
         lines=shown,
-        wins=wins(shown),
+        standings=standings(axis_leads(reaches(plain))),
         maps=drawn,
         remedies=helped,
         tally=tally(helped),
@@ -43,9 +45,18 @@ def render(store: "Store") -> Mapping[str, str]:
     )
     sheets = {
         "limits.csv": sheet(limits_table.COLUMNS, limits_table.rows(store)),
+        "farthest.csv": sheet(farthest_table.COLUMNS, farthest_table.rows(store)),
         "remedies.csv": sheet(remedies_table.COLUMNS, remedies_table.rows(store)),
     }
     return {"limits.html": page} | sheets | {figure.path: figure.svg for figure in drawn}
+
+
+def _names(store: "Store", shown: Sequence[Search]) -> list[str]:
+    """The engines that were sought on, the yardstick last: on a narrow screen the first columns are read."""
+    told = engines(store)
+    return sorted(
+        (name for name in told if any(one.engine == name for one in shown)), key=lambda name: bool(told[name]["ours"])
+    )
 
 
 PAGE = Page(name="limits", title="Limits", order=12, render=render, concerns=concerns)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from reports.laws import own_everywhere, told_apart
 from reports.page import Page
 from reports.template import fill
 
@@ -26,7 +27,14 @@ def render(store: "Store") -> Mapping[str, str]:
     }
     return {
         "method.html": fill(
-            "method.html", store, title="Method", machine=store.machine, timing=timing, folder=str(store.folder)
+            "method.html",
+            store,
+            title="Method",
+            machine=store.machine,
+            timing=timing,
+            laws=told_apart(store),
+            own=own_everywhere(store),
+            folder=str(store.folder),
         )
     }
 

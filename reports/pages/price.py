@@ -6,15 +6,19 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from harness.effort import ALIKE
+from harness.leads import pair_leads
 from harness.tables import price as prices_table
 from harness.tables import profile as profile_table
 from harness.tables import steps as steps_table
 from harness.tables.profile import FACTOR, TIME, hinges, profile, without
 from harness.tables.steps import largest_steps
+from reports.contents import ours
 from reports.marks import TRACKS
 from reports.page import Page
-from reports.price_list import SHOWN, price_list, wins
+from reports.price_list import SHOWN, price_list, tried, wins
 from reports.profiles import profile_chart
+from reports.reach import standings
 from reports.sheet import sheet
 from reports.steps import allowances, steps_chart
 from reports.template import fill
@@ -43,11 +47,14 @@ def render(store: "Store") -> Mapping[str, str]:
         "price.html",
         store,
         title="Price",
-        wins=wins(prices),
-        pairs=sum(price.cheapest for price in prices),
+        wins=(counts := wins(prices, ours(store))),
+        standings=standings(pair_leads(prices, priced(store).points)),
+        pairs=sum(count for _, count in counts),
         hinges=[(share, *without(share)) for share in hinges([share for share in shares if share.limit == FACTOR])],
         profiles=profiles,
         lines=price_list(store),
+        tried=tried(store),
+        alike=ALIKE,
         first=power(round(math.log10(SHOWN))),
         miniatures=miniatures(store),
         largest=largest,

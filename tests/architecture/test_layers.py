@@ -50,6 +50,22 @@ def test_vendor_packages_are_imported_inside_functions_only(package: str) -> Non
             assert not tops & (VENDORS - allowed), f"{path.relative_to(ROOT)} imports {tops & VENDORS} at its top"
 
 
+VENDOR_SCRIPTS = sorted((ROOT / "tests" / "vendor").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", VENDOR_SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_in_the_vendor_s_words_uses_nothing_of_ours(path: Path) -> None:
+    nodes = list(ast.walk(ast.parse(path.read_text())))
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
+    ours = [name for name in names if name.split(".")[0] in PACKAGES or (name.startswith("tests.") and ".vendor" not in name)]
+    assert not ours
+    if path.stem.startswith("test_"):
+        engine = path.stem.split("_")[1]
+        assert engine in ("bullet", "dart", "mujoco")
+        assert f"pytestmark = pytest.mark.{engine}\n" in path.read_text(), "the mark that it is chosen by"
+
+
 @pytest.mark.parametrize("kind", ["adapters", "cases"])
 def test_every_plug_in_is_found_and_ends_in_its_constant(kind: str) -> None:
     found = {"adapters": discover.adapters, "cases": discover.cases}[kind]()

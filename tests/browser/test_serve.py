@@ -8,7 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -50,8 +50,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 class Served:
     """A server in a process of its own, as a person starts it."""
 
-    def __init__(self, folder: Path) -> None:
-        command = [sys.executable, "-m", "harness.cli", "serve", str(folder), "--port", "0"]
+    def __init__(self, folder: Path, first: Sequence[str] = ()) -> None:
+        command = [*first, sys.executable, "-m", "harness.cli", "serve", str(folder), "--port", "0"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
@@ -66,8 +66,8 @@ class Served:
         answer = connection.getresponse()
         return answer, answer.read()
 
-    def interrupt(self) -> int:
-        self.process.send_signal(signal.SIGINT)
+    def interrupt(self, by: signal.Signals = signal.SIGINT) -> int:
+        self.process.send_signal(by)
         self.process.communicate(timeout=60)
         return self.process.returncode
 
@@ -80,10 +80,16 @@ def served(folder: Path) -> Iterator[Served]:
         server.interrupt()
 
 
-def test_an_interrupt_stops_the_server_and_frees_its_port(folder: Path) -> None:
-    server = Served(folder)
+IN_THE_BACKGROUND = ("bash", "-c", 'trap "" INT; exec "$@"', "bash")
+"""As a shell without job control starts what is to run in the background: it ignores an interrupt."""
+
+
+@pytest.mark.parametrize("first", [(), IN_THE_BACKGROUND], ids=["in front", "in the background"])
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+def test_a_request_to_stop_stops_the_server_and_frees_its_port(folder: Path, first: Sequence[str], by: signal.Signals) -> None:
+    server = Served(folder, first)
     assert server.ask("/")[0].status == 200
-    assert server.interrupt() in {0, 130}
+    assert server.interrupt(by) in {0, 130}
     with pytest.raises(ConnectionRefusedError):
         server.ask("/")
 

@@ -68,10 +68,11 @@ def put(
             with_contacts=case.with_contacts and Feature.CONTACTS in adapter.features,
             seed=0,
         )
+        substep = simulation.resolved.substep
     finally:
         simulation.close()
     if broke is not None:
         return Answer(scene, actual, (), broke)
     actual = spoil(actual)
-    at, truth = bounded(case, settings.dt, chosen, None), truth_of(case, scene, actual.time, chosen, None)
+    at, truth = bounded(case, settings.dt, substep, chosen, None), truth_of(case, scene, actual.time, chosen, None)
     return Answer(scene, actual, judge(at, scene, actual, truth), None)

@@ -194,7 +194,7 @@ def test_the_mobility_of_a_trees_joints_is_what_bullet_answers_to_unit_efforts(b
         try:
             port = simulation._port
             ((number, actuation),) = simulation._made.actuators.items()
-            mobility = actuation.skeleton.mobility(port, number)
+            mobility = actuation.skeleton.response(port, number, scene.gravity)[0]
             links = [actuator.link for actuator in actuation.actuators]
             efforts = np.eye(len(links))[pushed].tolist()
             port.call("setJointMotorControlArray", number, links, pybullet.TORQUE_CONTROL, forces=efforts)

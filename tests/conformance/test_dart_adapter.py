@@ -45,8 +45,8 @@ from harness.trajectory import Floats, State
 
 pytest.importorskip("dartpy", reason="DART is not installed")
 
-from adapters.dart import ADAPTER, DETECTORS
-from cases import friction_wall_pinch, stand_quadruped
+from adapters.dart import ADAPTER, DETECTORS, SOLVERS
+from cases import friction_wall_pinch, joint_conical_pendulum, spin_heavy_top, stand_quadruped
 from tests.conformance.put import put
 
 TUNED, DEFAULT = ADAPTER.tracks["tuned"], ADAPTER.tracks["default"]
@@ -292,17 +292,87 @@ def test_a_four_bar_linkage_closes_its_loop_the_same_in_every_frame(cut: str) ->
     assert np.abs(upright.v_WB).max() > 0.1
 
 
-def test_the_gap_of_a_cut_joint_shrinks_with_the_square_of_the_time_step() -> None:
-    """Each step adds a dt^2/2 and heals 1 %: 50 a dt^2 is left."""
+@pytest.mark.parametrize("share", [0.01, 0.2])
+def test_the_gap_of_a_cut_joint_shrinks_with_the_square_of_the_time_step(share: float) -> None:
+    """Each step adds a dt^2/2 and heals a share: a dt^2/(2 share) is left."""
 
     def gap(dt: float) -> float:
-        end = _after(_four_bar((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), 1.0, _settings(dt))
+        end = _after(_four_bar((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), 1.0, _settings(dt, error_reduction=share))
         return abs(float(np.linalg.norm(end.p_WB[2] - (1.2, 0.0, 0.0)) - np.hypot(0.05, 0.5)))
 
     coarse, fine = gap(1e-3), gap(5e-4)
-    # The bars swing at some g, a few of them at the turning points: 50 x 60 x 1e-6 m.
-    assert coarse < 3e-3
+    # The bars swing at some g, a few of them at the turning points: 60 m/s2.
+    assert coarse < 60 * 1e-6 / (2 * share)
     assert fine < coarse / 3
+
+
+def test_an_error_reduction_belongs_to_its_world_though_dart_has_one_for_all() -> None:
+    import dartpy
+
+    constraint = dartpy.constraint.DynamicJointConstraint
+    usual = constraint.getErrorReductionParameter()
+    scene = _four_bar((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    shares = (0.01, 0.2, 0.5)
+    alone = [_after(scene, 0.5, _settings(error_reduction=share)) for share in shares]
+    worlds = [ADAPTER.build(scene, _settings(error_reduction=share)) for share in shares]
+    for _ in range(500):
+        for world in worlds:
+            world.step()
+    for world, share, wanted in zip(worlds, shares, alone, strict=True):
+        assert world.resolved.options["error_reduction"] == share
+        assert (_state(world, scene).p_WB == wanted.p_WB).all()
+    assert (alone[0].p_WB != alone[1].p_WB).any()
+    assert constraint.getErrorReductionParameter() == usual
+    assert ADAPTER.build(scene, Settings()).resolved.options["error_reduction"] == usual
+
+
+@pytest.mark.parametrize("spin", [100.0, 400.0, 1600.0])
+def test_a_top_stays_on_its_way_on_a_constraint_and_is_lost_on_a_reduced_coordinate_ball_joint(spin: float) -> None:
+    """The case's own axis calls a tenth of the stem lost."""
+
+    def off(**options: object) -> float:
+        answer = put(spin_heavy_top.CASE, ADAPTER, _settings(1 / 960, **options), parameters={"spin": spin})
+        return np.inf if answer.broke else answer["position_error_max"]
+
+    assert off() < spin_heavy_top.LENGTH / 10
+    assert off(joints="coordinates") > spin_heavy_top.LENGTH / 10
+
+
+def test_which_joints_are_constraints_is_told_as_it_turned_out() -> None:
+    top, pendulum = spin_heavy_top.CASE.scene(), joint_conical_pendulum.CASE.scene()
+    other = Revolute(name="hinge", parent=WORLD, child="wheel", anchor_W=(0.0, 9.0, 0.0), axis_W=(1.0, 0.0, 0.0))
+    mixed = Scene(bodies=(*top.bodies, _free("wheel", (0.0, 9.0, 0.0))), joints=(*top.joints, other))
+    for scene, track, joints in (
+        (top, TUNED, "constraints"), (pendulum, TUNED, "coordinates"), (mixed, TUNED, "auto"), (top, Settings(), "coordinates")
+    ):  # fmt: skip
+        assert ADAPTER.build(scene, track).resolved.options["joints"] == joints
+
+
+def test_a_pendulum_that_does_not_spin_keeps_its_reduced_coordinate_ball_joint() -> None:
+    """It leaves no gap: a pendulum on its circle errs by rounding alone, a thousand steps of it."""
+    for tilt in (5.0, 30.0, 85.0):
+        answer = put(joint_conical_pendulum.CASE, ADAPTER, _settings(1 / 240), parameters={"tilt": tilt})
+        assert answer["joint_gap_max"] < 1e-12
+
+
+def test_a_chain_on_constraints_converges_to_the_same_chain_in_coordinates() -> None:
+    """Both are of first order, so half the step brings them twice as near; on free bodies every joint has its gap."""
+    y, axis = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    links = (_free("a", (0.5, 0.0, 0.0)), _free("b", (1.5, 0.0, 0.0)), _free("c", (1.5, 0.5, 0.0)))
+    joints = (
+        Revolute(name="top", parent=WORLD, child="a", anchor_W=(0.0, 0.0, 0.0), axis_W=y),
+        Ball(name="elbow", parent="a", child="b", anchor_W=(1.0, 0.0, 0.0)),
+        Fixed(name="weld", parent="b", child="c"),
+    )
+    for some in (joints, (*joints[:2], Revolute(name="end", parent="b", child="c", anchor_W=(1.5, 0.3, 0.0), axis_W=axis))):
+        scene = Scene(bodies=links, joints=some)
+        apart = []
+        for dt in (1e-3, 5e-4):
+            ways = [_after(scene, 0.5, _settings(dt, joints=how)).p_WB for how in ("coordinates", "constraints")]
+            apart.append(np.abs(ways[0] - ways[1]).max())
+        # It falls by half a metre; v dt of it is 5 mm.
+        assert 0 < apart[0] < 5e-3
+        assert apart[1] < 0.6 * apart[0]
 
 
 def test_a_cut_hinge_holds_its_axis_under_load() -> None:
@@ -502,6 +572,46 @@ def test_a_drive_that_nothing_holds_obeys_the_same_law_foreseen_or_as_a_joint_sp
     # The same equations solved in another order: rounding alone, over two hundred steps.
     np.testing.assert_allclose(_state(foreseen, scene).q_WB, _state(sprung, scene).q_WB, atol=1e-12)
     np.testing.assert_allclose(_state(foreseen, scene).w_WB, _state(sprung, scene).w_WB, atol=1e-12)
+
+
+@pytest.mark.parametrize("limit", [None, 2e3])
+def test_a_servo_closes_in_on_its_target_at_stiffness_over_damping_whatever_weighs_on_it(
+    limit: float | None,
+) -> None:
+    """x' = k/c (t - x), implicit: a step leaves 1/(1 + dt k/c) of the way, a weight of 2 N m or none."""
+    dt, steps = 1 / 240, 100
+    scene = _hinge(drive=replace(PD, target_velocity=0.0, limit=limit))
+    for weight in (0.0, 2.0):
+        simulation = ADAPTER.build(scene, _settings(dt, drives="servo"))
+        assert simulation.resolved.options["drives"] == "servo"
+        assert any("another law" in line for line in simulation.warnings())
+        simulation.wrench(np.zeros((1, 3)), np.array([[0.0, 0.0, -weight]]))
+        simulation.step(steps)
+        w, _, _, z = _state(simulation, scene).q_WB[0]
+        left = PD.target - (0.2 + 2 * np.arctan2(z, w))
+        # DART softens the constraint by 1e-9 of its mobility.
+        assert abs(left - (PD.target - 0.2) / (1 + dt * PD.stiffness / PD.damping) ** steps) < 1e-7
+
+
+def test_a_servo_pushes_with_no_more_than_its_limit() -> None:
+    end = _after(_hinge(drive=replace(PD, target=3.0, limit=2.0)), 0.1, _settings(drives="servo"))
+    # It would go at 28 rad/s: the limit bears all the while, w = f t/I.
+    assert abs(end.w_WB[0, 2] - 2.0 * 0.1 / 0.5) < 1e-9
+
+
+def test_a_quadruped_stands_on_servos_at_a_sixtieth_of_a_second_without_sagging() -> None:
+    """It stands where its targets are: higher than on the scene's own drives, which give way under its weight."""
+    machine = stand_quadruped.scene()
+    servo = _after(machine, 1.0, _settings(1 / 60, drives="servo")).p_WB[1, 2]
+    finer = _after(machine, 1.0, _settings(1 / 240, drives="servo")).p_WB[1, 2]
+    assert servo > State.initial(machine).p_WB[1, 2]
+    assert abs(servo - finer) < G / 60**2
+
+
+def test_a_servo_is_refused_where_a_spring_would_press_beside_it_beyond_a_limit() -> None:
+    scene = _hinge(limits=Limits(upper=0.5), drive=PD, spring=Spring(stiffness=1.0, rest=2.0))
+    with pytest.raises(Unsupported, match="servo"):
+        ADAPTER.build(scene, _settings(drives="servo"))
 
 
 def _on_springs(scene: Scene) -> Scene:
@@ -734,12 +844,55 @@ def test_two_worlds_stepped_in_turn_do_what_one_does_alone() -> None:
             assert (_state(one, scene).q_WB == alone.q_WB).all()
 
 
+def _busy() -> Scene:
+    """A little of everything: a fall, sliding, damping, a drive with a limit, a top, a body on its way."""
+    bodies = (
+        _ground(),
+        _box("faller", (0.0, 0.0, 0.12), w_WB=(0.3, 0.2, 0.1)),
+        _box("slider", (1.0, 0.0, 0.1), v_WB=(1.0, 0.5, 0.0), linear_damping=0.3, angular_damping=0.2),
+        Body(name="belt", motion="kinematic", v_WB=(0.1, 0.0, 0.0), p_WB=(0.0, 0.0, 5.0)),
+        _free("wheel", (0.0, 3.0, 2.0)),
+        Body(name="top", inertia=principal_inertia(0.1, 0.1, 0.2), p_WB=(0.0, 5.0, 3.0), w_WB=(0.0, 0.0, 30.0)),
+    )
+    joints = (
+        Revolute(
+            name="hinge", parent=WORLD, child="wheel", anchor_W=(0.0, 3.0, 2.0), axis_W=(1.0, 0.0, 0.0),
+            drive=replace(PD, limit=3.0),
+        ),
+        Ball(name="tip", parent=WORLD, child="top", anchor_W=(0.0, 5.0, 2.8)),
+    )  # fmt: skip
+    return Scene(bodies=bodies, joints=joints, surfaces=(_law(), _law(between=("b", "b"))))
+
+
+@pytest.mark.parametrize("drives", ["spring", "stable", "servo"])
+def test_sub_steps_are_steps_of_their_own_length_bit_for_bit(drives: str) -> None:
+    """With the same forces from outside, four sub-steps of 1/240 s are four steps of 1/960 s: both are the same double."""
+    scene = _busy()
+    push = np.zeros((6, 3))
+    push[1:3] = 0.5, 0.2, 1.0
+    whole, fine = (
+        ADAPTER.build(scene, replace(_settings(dt, drives=drives), substeps=substeps))
+        for dt, substeps in ((1 / 240, 4), (1 / 960, None))
+    )
+    assert (whole.resolved.dt, whole.resolved.substeps) == (1 / 240, 4)
+    assert (fine.resolved.dt, fine.resolved.substeps) == (1 / 960, 1)
+    for simulation, count in ((whole, 30), (fine, 120)):
+        simulation.step(count)
+        simulation.wrench(push, push)
+        simulation.step(count)
+    for name in ("p_WB", "q_WB", "v_WB", "w_WB"):
+        assert (getattr(_state(whole, scene), name) == getattr(_state(fine, scene), name)).all()
+    assert (whole.contacts().force_W == fine.contacts().force_W).all()
+
+
 @pytest.mark.parametrize(
     ("settings", "match"),
     [
         (_settings(detector="gjk"), "detector"),
         (replace(TUNED, solver="dantzig", iterations=10), "dantzig"),
-        (replace(TUNED, substeps=2), "substeps"),
+        (_settings(error_reduction=1.5), "error_reduction"),
+        (_settings(error_reduction=True), "error_reduction"),
+        (_settings(joints="links"), "joints"),
         (_settings(ground="box"), "ground"),
     ],
 )
@@ -748,12 +901,27 @@ def test_settings_that_dart_does_not_have_are_refused(settings: Settings, match:
         ADAPTER.build(Scene(bodies=(_free("x"),)), settings)
 
 
-@pytest.mark.parametrize("solver", ["dantzig", "pgs", "nsgs", "fbf"])
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_the_solver_that_is_asked_for_is_the_one_that_runs(solver: str) -> None:
     iterations = None if solver == "dantzig" else 77
     scene = Scene(bodies=(_ground(), _box()), surfaces=(_law(),))
     simulation = ADAPTER.build(scene, replace(TUNED, solver=solver, iterations=iterations))
     assert (simulation.resolved.solver, simulation.resolved.iterations) == (solver, iterations)
+
+
+@pytest.mark.parametrize("solver", ["pgs", "matrix_free"])
+def test_a_finer_tolerance_brings_a_swept_solver_nearer_to_the_one_that_pivots(solver: str) -> None:
+    """Of at most three hundred sweeps what ends them is the tolerance alone."""
+    scene = Scene(
+        bodies=(_ground(), *(_box(f"b{i}", (0.0, 0.0, 0.1 + 0.2 * i)) for i in range(3))),
+        surfaces=(_law(), _law(between=("b", "b"))),
+    )
+    exact = _after(scene, 0.5, replace(_settings(1 / 240), solver="dantzig")).p_WB
+    off = []
+    for tolerance in (1e-3, 1e-7):
+        swept = _after(scene, 0.5, replace(_settings(1 / 240), solver=solver, iterations=300, tolerance=tolerance))
+        off.append(np.abs(swept.p_WB - exact).max())
+    assert off[1] < off[0] / 2
 
 
 def test_building_and_stepping_write_nothing_to_the_console(capfd: pytest.CaptureFixture[str]) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from harness import discover
 from harness.endure import endure
+from harness.leads import BUDGETS
 from harness.store import Store
 from harness.study import Experiment, Limit, Study
 from tests.charts import checked
@@ -34,7 +35,7 @@ tracks = ["tuned"]
 dt = [0.0041666666666666667, 0.0083333333333333333, 0.016666666666666666]
 parameters = { continuous = [false] }
 timing = false
-limit = { members = 2, within = 2.0 }
+limit = { members = 2, within = 2.0, parts = [1] }
 """
 EFFECTS = """
 name = "small-effects"
@@ -105,16 +106,28 @@ def test_what_helps_is_told_with_its_cost(limits: Path, plumbline: Command) -> N
     rows = {(row["engine"], row["remedy"]): row for row in table(limits, "remedies", plumbline)}
     for engine in ("mujoco", "bullet"):
         # A quarter of the step quarters the way between two looks; a wall four times as thick is looked at more often too.
-        for remedy in ("time step / 4", "wall four times as thick"):
+        for remedy in ("sub-steps x 4", "wall four times as thick"):
             assert rows[engine, remedy]["verdict"] == "helps"
             assert rows[engine, remedy]["farther"] > 0
-        assert rows[engine, "time step / 4"]["cost_ratio"] > 1
+        assert rows[engine, "sub-steps x 4"]["cost_ratio"] > 1
         assert rows[engine, "damping"]["share_after"] < 1
+
+
+def test_who_leads_is_told_at_equal_sub_steps_and_for_equal_time(limits: Path, plumbline: Command) -> None:
+    rows = table(limits, "farthest", plumbline)
+    equal = [row for row in rows if row["at"] == "equal sub-step"]
+    assert {(row["engine"], row["parts"], row["leads"]) for row in equal} == {("mujoco", 1, True)}  # asked alone
+    assert sorted(row["substep"] for row in equal) == pytest.approx([1 / 240, 1 / 120, 1 / 60], rel=1e-12)
+    timed = {(row["condition"], row["engine"]) for row in rows if row["at"] == "equal time" and "continuous" in row["where"]}
+    assert timed == {(budget, engine) for budget in BUDGETS for engine in ("mujoco", "bullet")}
+    counted = {(row["at"], row["condition"], row["of"]) for row in table(limits, "leads", plumbline)}
+    assert ("equal sub-step", "dt", 3) in counted
 
 
 def test_the_report_of_limits_has_its_page(limits: Path) -> None:
     text = (limits / "report" / "limits.html").read_text()
     assert "What helps" in text
+    assert "equal time: 0.1 ms a step" in text
     assert "wall four times as thick" in text
     assert text.count('class="spec"') == checked([text]) == 1  # the map of three steps
 

@@ -674,7 +674,7 @@ def test_by_scene_the_integrator_follows_contacts_and_stiffness() -> None:
     assert _build(Scene(bodies=(body,)), TUNED).resolved.integrator == "rk4"
     assert _build(_stack(1), TUNED).resolved.integrator == "euler"
     assert _build(firm, TUNED).resolved.integrator == "rk4"
-    assert _build(stiff, TUNED).resolved.integrator == "implicitfast"
+    assert _build(stiff, TUNED).resolved.integrator == "discrete"
     assert _build(stiff, DEFAULT).resolved.integrator == "euler"
     with pytest.raises(Unsupported, match="discrete integrator"):
         _build(_on_ground(box, e=0.5), replace(TUNED, integrator="discrete"))
@@ -751,6 +751,34 @@ def test_a_damper_takes_the_rule_that_decays_nearest_to_the_closed_form(z: float
         simulation.step(1)
         errors[integrator] = abs(_state(simulation, scene).w_WB[0, 1] - math.exp(-z))
     assert _build(scene, TUNED).resolved.integrator == min(errors, key=lambda name: errors[name])
+
+
+def test_a_spring_that_the_velocity_implicit_rule_would_blow_up_is_given_to_the_one_that_is_implicit_in_position() -> None:
+    """Undamped at w h = 1, 1.4, 1.6, 3 and 250: below the limit of 2 the energy of the one keeps, beyond it the other fades.
+
+    Semi-implicit in velocity, an amplitude stays within 1/sqrt(1 - (w h/2)^2) of what it was; implicit in position, it falls by
+    1/sqrt(1 + (w h)^2) a step.
+    """
+    mass, dt, steps = Body(name="b", p_WB=(0.3, 0.0, 0.0)), 1e-3, 1000
+    for z, name in ((1.0, "implicitfast"), (1.4, "implicitfast"), (1.6, "discrete"), (3.0, "discrete"), (250.0, "discrete")):
+        # Damping that RK4 does not carry, of another coordinate, so that the spring alone decides.
+        springs = {"b": Spring(stiffness=(z / dt) ** 2, damping=0.0), "c": Spring(stiffness=0.0, damping=10 / dt)}
+        rails = tuple(
+            Prismatic(name=k, parent=WORLD, child=k, anchor_W=(0, 0, 0), axis_W=(1, 0, 0), position=x, spring=springs[k])
+            for k, x in (("b", 0.3), ("c", 0.0))
+        )
+        scene = Scene(bodies=(mass, Body(name="c")), joints=rails, gravity=(0.0, 0.0, 0.0))
+        simulation, far = _build(scene, TUNED, dt), 0.0
+        assert simulation.resolved.integrator == name
+        for _ in range(steps):
+            simulation.step()
+            far = max(far, abs(float(_state(simulation, scene).p_WB[0, 0])))
+        bound = 1 / math.sqrt(1 - z * z / 4) if name == "implicitfast" else 1.0
+        assert far <= 0.3 * bound * (1 + 1e-9)
+        # After 1000 steps at z = 1.6 and beyond nothing is left but rounding.
+        assert name == "implicitfast" or abs(float(_state(simulation, scene).p_WB[0, 0])) < 1e-15
+    with pytest.raises(Diverged):
+        _build(scene, replace(TUNED, integrator="implicitfast"), dt).step(steps)
 
 
 def test_a_light_slide_on_a_heavy_one_is_judged_by_the_inertia_that_its_damper_moves() -> None:
@@ -834,6 +862,74 @@ def test_substeps_divide_the_step() -> None:
     # g h t/2 below the parabola with h = dt/4.
     assert _state(simulation, scene).p_WB[0, 2] == pytest.approx(-G / 2 - G * 0.0025 / 2, abs=1e-11)
     assert simulation.resolved.dt == pytest.approx(0.01)
+
+
+@BOTH
+def test_substeps_are_the_engine_s_own_steps_under_a_wrench_that_is_held_and_one_of_them_changes_nothing(
+    settings: Settings,
+) -> None:
+    """What a step of n sub-steps gives is, bit for bit, what n steps of dt/n give that are told the same."""
+    box = _shaped("box", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.099), v=(0.5, 0.0, 0.0))
+    scene, dt = _on_ground(box, mu=0.5), 1 / 64
+    push = np.array([[0.0, 0.0, 0.0], [2.0, 1.0, -1.0]])
+
+    def after(substeps: int | None, step: float, calls: int) -> tuple[MujocoSimulation, State]:
+        simulation = ADAPTER.build(scene, replace(settings, dt=step, substeps=substeps))
+        simulation.wrench(push, np.zeros((2, 3)))
+        for _ in range(calls):
+            simulation.step()
+        return simulation, _state(simulation, scene)
+
+    for one, other in (((None, dt, 32), (1, dt, 32)), ((4, dt, 32), (None, dt / 4, 128))):
+        (simulation, a), (_, b) = after(*one), after(*other)
+        assert simulation.resolved.substeps == (one[0] or 1)
+        assert simulation.resolved.dt == dt
+        for field in ("p_WB", "q_WB", "v_WB", "w_WB"):
+            np.testing.assert_array_equal(getattr(a, field), getattr(b, field))
+
+
+def test_friction_takes_its_own_time_constant_and_a_pyramid_has_none() -> None:
+    """A cube slides at 5 cm/s: with a constant tc, b = 2/tc slows it by 2 v/tc where that is below mu g."""
+    scene, dt = _on_ground(_shaped("cube", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.1)), mu=0.5), 1e-3
+    for steps, constant, slowed in ((30.0, 0.03, 3.333), (40.0, 0.04, 2.5), (80.0, 0.08, 1.25)):
+        options = {**TUNED.options, "friction_steps": steps, "slowest": 1.0}
+        simulation = _build(scene, replace(TUNED, options=options), dt)
+        assert simulation.resolved.options["friction_time_constant"] == pytest.approx(constant)
+        simulation.step(1000)
+        simulation._d.qvel[0] = 0.05
+        simulation.step()
+        # Exact but for the share of .999 that the impedance leaves to the reference.
+        assert (0.05 - _state(simulation, scene).v_WB[1, 0]) / dt == pytest.approx(slowed, rel=2e-3)
+    options = {**TUNED.options, "friction_steps": 2.0, "cone": "pyramidal"}
+    pyramid = _build(scene, replace(TUNED, options=options), dt).resolved.options
+    assert pyramid["friction_time_constant"] == pyramid["contact_time_constant"] == pytest.approx(0.02)
+
+
+def test_the_next_value_of_every_knob_of_contact_tells_at_the_usual_step() -> None:
+    """A search turns each knob once, to its next value, and leaves alone what then changes nothing, bit for bit."""
+    box = _shaped("box", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.11), v=(0.5, 0.0, 0.0))
+    scene = _on_ground(box, mu=0.5)
+
+    def end(settings: Settings) -> Floats:
+        simulation = ADAPTER.build(scene, settings.with_dt(1 / 240))
+        simulation.step(60)
+        return _state(simulation, scene).p_WB
+
+    own = end(TUNED)
+    knobs = ("contact_steps", "contact_damping_ratio", "contact_impedance", "friction_steps", "slowest", "impratio", "cone")
+    for knob in knobs:
+        values = ADAPTER.knobs[f"options.{knob}"]
+        now = TUNED.options.get(knob)
+        following = values[values.index(now) + 1] if now in values[:-1] else values[0]
+        assert not np.array_equal(end(replace(TUNED, options={**TUNED.options, knob: following})), own), knob
+
+
+def test_friction_of_a_rebound_is_as_slow_as_the_impact_or_as_it_is_told() -> None:
+    scene = _on_ground(_shaped("ball", Sphere(radius=0.1), (0.0, 0.0, 0.3)), mu=0.3, e=0.8)
+    for told, constant in (({}, 10e-3), ({"rebound_steps": 40}, 40e-3), ({"rebound_steps": 40, "friction_steps": 60.0}, 60e-3)):
+        simulation = _build(scene, replace(TUNED, options={**TUNED.options, **told}))
+        assert list(simulation._m.pair_solreffriction[0]) == pytest.approx([constant, 1.0])
+        assert simulation.resolved.options["friction_steps"] == pytest.approx(constant / 1e-3)
 
 
 def test_loops_that_no_constraint_of_the_engine_closes_are_refused() -> None:

@@ -47,7 +47,9 @@ def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> Non
         hashes = mine["trajectory_hash"]
         idle = (mine["round"] == 1) & (hashes.isna() | (hashes == own["trajectory_hash"].iloc[0]))
         assert idle.any()
-        assert 12 < (~idle).sum() <= 22
+        # Settings that leave every bit as it was are no others: two tracks at six steps, and ten answers beyond at most.
+        answers = set(hashes[mine["round"] > 0].dropna()) - set(hashes[mine["round"] == 0])
+        assert 0 < len(answers) <= 10
         words = set(mine["track"])
         assert {"default", "tuned"} < words
         assert all(word.split(",")[0] in ("default", "tuned") for word in words)
@@ -74,8 +76,8 @@ def test_the_price_list_has_every_pair_and_says_what_is_not_reached(folder: Path
     rows = json.loads(plumbline("show", str(folder), "--table", "price", "--format", "json").stdout)
     assert len(rows) == 2 * 8
     for row in rows:
-        assert row["verdict"] in ("priced", "at most", "never reached", "not clocked")
-        assert (row["cost"] is None) == (row["verdict"] in ("never reached", "not clocked"))
+        assert row["verdict"] in ("priced", "at most", "not within the ladder", "not clocked")
+        assert (row["cost"] is None) == (row["verdict"] in ("not within the ladder", "not clocked"))
         if row["cost"] is not None:
             assert 0 < row["low"] <= row["high"]
             assert row["ratio"] >= 1

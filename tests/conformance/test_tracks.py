@@ -9,6 +9,7 @@ import pytest
 
 from harness import discover
 from tests.conformance.engines import NAMES, adapter, why_unavailable
+from tests.known_prices import PLUGINS
 from tests.tracks import (
     LADDER,
     WORSE,
@@ -46,6 +47,18 @@ def test_tuned_is_worse_from_more_than_a_tenth_on_and_when_it_no_longer_passes()
         assert compare(case, case.dt, default, tuned).worse is worse, (default, tuned)
 
 
+def test_what_takes_more_sub_steps_is_not_worse_for_the_stricter_bound_alone() -> None:
+    """A fall of g dt: tuned in eight sub-steps is left with a quarter of what default may have in one, and with twice that."""
+    case, fall = CASES["joint_limits"], 9.81 * CASES["joint_limits"].dt
+    default = Answer(status="passed", error=0.0, substep=case.dt)
+    for speed, worse in ((fall / 4, False), (2 * fall, True)):
+        values = {"rms_speed": (speed, 0.0)}
+        tuned = Answer(status="failed", error=0.0, substep=case.dt / 8, values=values)
+        assert compare(case, case.dt, [default], [tuned]).worse is worse
+        # In as many sub-steps as default it is.
+        assert compare(case, case.dt, [replace(default, substep=case.dt / 8)], [tuned]).worse
+
+
 def test_below_the_floor_errors_are_one_and_the_same() -> None:
     case = CASES["flight_projectile"]
     bound = next(check.bound(case.dt) for check in case.checks if check.metric.name == case.headline)
@@ -74,6 +87,17 @@ def test_a_list_of_trade_offs_is_held_to_both_ways() -> None:
     assert disagreements(worse, {"a": "why"}) == ["not listed in trade_offs: b at dt 1"]
     assert disagreements({}, {"a": "why"}) == ["listed in trade_offs, but no longer worse: a"]
     assert disagreements({"a": "a"}, {"a": " "}) == ["listed in trade_offs without a reason: a"]
+
+
+def test_an_engine_that_was_deliberately_detuned_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two planted engines whose default errs by the first order: one is tuned to the second, one to an error that stays."""
+    monkeypatch.syspath_prepend(PLUGINS)  # children inherit the path
+    engines = {name: discover.adapter(name) for name in ("spinner", "detuned")}
+    case = {"flight_projectile": CASES["flight_projectile"]}
+    compared = comparisons(run_both_tracks(tmp_path / "run", case, engines, ladder=False), case)
+    worse = {name: {one.case: str(one) for one in some if one.worse} for name, some in compared.items()}
+    assert disagreements(worse["spinner"], {}) == []
+    assert [one.partition(":")[0] for one in disagreements(worse["detuned"], {})] == ["not listed in trade_offs"]
 
 
 @ENGINES

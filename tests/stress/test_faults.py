@@ -1,9 +1,13 @@
 """Faults of engines: each costs its own cells and nothing else, and each is an outcome with a reason."""
 
 import json
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pandas as pd
+import psutil
 import pytest
 
 from harness.store import Store
@@ -32,6 +36,23 @@ ENGINES = (
     "compile",
     "compile_hang",
     "absent",
+    "surrogate",
+    "real_time",
+    "orphan",
+    "norm_3",
+    "norm_0",
+    "count",
+    "warning",
+    "garbage",
+    "pickle",
+    "pickle_line",
+    "long_line",
+    "half_a_line",
+    "deep",
+    "other_kind",
+    "no_status",
+    "long_number",
+    "two_kinds",
 )
 
 
@@ -41,12 +62,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def trials(folder: Path, plumbline: Command) -> pd.DataFrame:
+def trials(folder: Path, plumbline: Command) -> Iterator[pd.DataFrame]:
+    patch = pytest.MonkeyPatch()
+    patch.setenv("PICKLED", str(folder / "pickled"))
     (folder / "faults.toml").write_text(STUDY)
     wanted = [word for engine in ENGINES for word in ("--engine", engine)]
     done = plumbline("run", folder / "faults.toml", *wanted, "--out", folder / "out", plugins=True)
     assert done.returncode == 0, done.stderr
-    return Store(folder / "out").trials.set_index(["engine", "track"])
+    yield Store(folder / "out").trials.set_index(["engine", "track"])
+    patch.undo()
 
 
 @pytest.mark.parametrize(
@@ -64,6 +88,23 @@ def trials(folder: Path, plumbline: Command) -> pd.DataFrame:
         ("compile", "passed", "every check holds"),
         ("compile_hang", "timeout", "deadline of 4 s"),
         ("absent", "unavailable", "not installed"),
+        ("surrogate", "crashed", r"half a letter: \udc80, a colour: \u001b[31m"),
+        ("real_time", "crashed", "killed by signal 37"),
+        ("orphan", "passed", "every check holds"),
+        ("norm_3", "crashed", "q_WB of body 'ball' at t = 0.0833333 s: got norm 3, expected 1"),
+        ("norm_0", "crashed", "q_WB of body 'ball' at t = 0.0833333 s: got norm 0, expected 1"),
+        ("count", "crashed", "broken contract: record.resolved.iterations: got np.int64(5)"),
+        ("warning", "crashed", "broken contract: record.warnings[0]: got b'bytes'"),
+        ("garbage", "crashed", "broken contract: no JSON"),
+        ("pickle", "crashed", "broken contract: no JSON"),
+        ("pickle_line", "crashed", "broken contract: no JSON"),
+        ("long_line", "crashed", "broken contract: a message of more than 4194304 bytes"),
+        ("half_a_line", "timeout", "deadline of 4 s"),
+        ("deep", "crashed", "broken contract: no JSON (RecursionError)"),
+        ("other_kind", "crashed", "broken contract: a 'steps', expected a record"),
+        ("no_status", "crashed", "broken contract: trial"),
+        ("long_number", "crashed", "broken contract: no JSON"),
+        ("two_kinds", "crashed", "broken contract: expected one kind of message"),
     ],
 )
 def test_a_faulty_engine_is_an_outcome_with_its_reason(trials: pd.DataFrame, engine: str, status: str, reason: str) -> None:
@@ -71,6 +112,34 @@ def test_a_faulty_engine_is_an_outcome_with_its_reason(trials: pd.DataFrame, eng
         row = trials.loc[(engine, track)]
         assert row["status"] == status
         assert reason in row["reason"]
+
+
+def test_what_a_process_hands_over_runs_no_command(trials: pd.DataFrame, folder: Path) -> None:
+    assert len(trials)
+    assert not (folder / "pickled").exists()
+
+
+def test_the_pickle_would_run_its_command_where_pickles_are_opened(folder: Path, with_plugins: Mapping[str, str]) -> None:
+    script = "import faulty, pickle; pickle.loads(faulty.TOLD['pickle'][4:])"
+    opened = folder / "opened"
+    subprocess.run([sys.executable, "-c", script], env={**with_plugins, "PICKLED": str(opened)}, check=True)
+    assert opened.exists()
+
+
+def test_what_an_engine_starts_ends_with_its_trial(trials: pd.DataFrame) -> None:
+    assert len(trials)
+    found = [process.pid for process in psutil.process_iter(["cmdline"]) if "86399.25" in (process.info["cmdline"] or ())]
+    assert not found
+
+
+@pytest.mark.parametrize("table", ["trials", "measurements"])
+def test_what_an_engine_says_is_shown_without_control_characters(
+    trials: pd.DataFrame, folder: Path, table: str, plumbline: Command
+) -> None:
+    assert len(trials)
+    done = plumbline("show", folder / "out", "--table", table)
+    assert done.returncode == 0, done.stderr
+    assert "\x1b" not in done.stdout
 
 
 def test_every_cell_has_exactly_one_row(trials: pd.DataFrame) -> None:

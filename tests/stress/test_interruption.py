@@ -98,15 +98,23 @@ def test_two_hundred_random_kills_lose_and_double_nothing(
         assert kill_and_resume(folder, shuffle.uniform(0.1, 2.5), with_plugins) == undisturbed
 
 
-def test_ctrl_c_leaves_a_valid_store_a_hint_and_no_child(tmp_path: Path, with_plugins: Mapping[str, str]) -> None:
+@pytest.mark.parametrize("ignored", [False, True], ids=["in front", "in the background"])
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
+    tmp_path: Path, with_plugins: Mapping[str, str], ignored: bool, by: signal.Signals
+) -> None:
     study, out = write_study(tmp_path), tmp_path / "out"
+    # What a shell without job control starts in the background ignores an interrupt, and so does every child of such a process.
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN) if ignored else None
     process = start(study, out, with_plugins)
+    if before is not None:
+        signal.signal(signal.SIGINT, before)
     deadline = time.monotonic() + 60.0
     journal = out / "journal.jsonl"
     while time.monotonic() < deadline and not (journal.is_file() and journal.stat().st_size):
         time.sleep(0.02)
     children = psutil.Process(process.pid).children(recursive=True)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(by)
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130, errors
     assert "--resume" in errors

@@ -14,6 +14,7 @@ import pytest
 from harness import team as clockwork
 from harness.adapter import Settings
 from harness.clock import clock_group, summarise
+from harness.message import Inbox
 from harness.record import Sample, Timing
 from harness.study import Experiment, Trial
 from harness.team import Clocked, Team, joined
@@ -117,13 +118,13 @@ def test_workers_share_their_cpu_time_and_wait_for_the_slowest() -> None:
 class Scripted(Clocked):
     """A child that answers from a list and notes what it is asked."""
 
-    def __init__(self, name: str, answers: list[object], told: list[tuple[str, str, object]]) -> None:
+    def __init__(self, name: str, answers: list[int | Sample | str], told: list[tuple[str, str, object]]) -> None:
         self.name, self.answers, self.told, self.trouble = name, answers, told, ""
 
     def ask(self, number: int, block: int, steps: int) -> None:
         self.told.append((self.name, "asked", (number, block, steps)))
 
-    def answer(self, seconds: float) -> object:
+    def answer(self, seconds: float) -> int | Sample | str:
         message = self.answers.pop(0)
         self.told.append((self.name, "answered", message))
         return message
@@ -168,11 +169,11 @@ def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
         place = clockwork.Place(None, first, gate)  # type: ignore[arg-type]
         threads.append(threading.Thread(target=clockwork._child, args=(theirs, [TRIAL], place, Path())))
         threads[-1].start()
-        children.append(Clocked(None, ours))  # type: ignore[arg-type]
+        children.append(Clocked(None, Inbox(ours)))  # type: ignore[arg-type]
     yield children
     for child, thread in zip(children, threads, strict=True):
         with contextlib.suppress(BrokenPipeError):
-            child.pipe.send(None)
+            child.inbox.pipe.send(None)
         thread.join()
 
 
@@ -180,7 +181,7 @@ def test_no_worker_starts_before_all_are_there(idle_children: list[Clocked]) -> 
     early, late = idle_children
     assert [child.answer(10.0) for child in idle_children] == [40, 40]
     early.ask(0, 0, 7)
-    assert not early.pipe.poll(0.3)
+    assert not early.inbox.pipe.poll(0.3)
     late.ask(0, 0, 7)
     found = [child.answer(10.0) for child in (early, late)]
     assert [(s.block, s.steps, s.wall) for s in found if isinstance(s, Sample)] == [(0, 7, 0.007)] * 2
@@ -191,7 +192,7 @@ def test_a_worker_that_fails_does_not_keep_the_others_waiting(idle_children: lis
     team = Team(TRIAL, idle_children)
     team.calibrated(10.0)
     idle_children[0].ask(0, 0, 7)
-    idle_children[1].pipe.send("no order")
+    idle_children[1].inbox.pipe.send("no order")
     answers = " ".join(str(child.answer(10.0)) for child in idle_children)
     assert all(name in answers for name in ("BrokenBarrierError", "ValueError"))
 
@@ -209,7 +210,7 @@ def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
     process.start()
     process.join()
     theirs.close()
-    team = Team(TRIAL, [Clocked(process, ours)])
+    team = Team(TRIAL, [Clocked(process, Inbox(ours))])
     assert team.sample(0, 1.0) is None
     assert "exit code 0" in team.trouble
     team.stop()
@@ -218,13 +219,13 @@ def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
 class Mortal(Clocked):
     """A child that serves several trials and dies of one."""
 
-    def __init__(self, answers: list[object]) -> None:
+    def __init__(self, answers: list[int | Sample | str]) -> None:
         self.answers, self.trouble, self.stopped = answers, "", False
 
     def ask(self, number: int, block: int, steps: int) -> None:
         pass
 
-    def answer(self, seconds: float) -> object:
+    def answer(self, seconds: float) -> int | Sample | str:
         message = self.answers.pop(0)
         if message == "death":
             self.trouble = "process ended with exit code -11"

@@ -88,7 +88,8 @@ def _engines() -> Iterator[tuple[Adapter, str, Settings]]:
     ours, theirs = discover.adapter("reference"), discover.adapter("mujoco")
     for integrator in ("explicit_euler", "velocity_verlet", "implicit_midpoint", "splitting_4"):
         yield ours, integrator, replace(ours.tracks["default"], integrator=integrator)
-    yield theirs, "4 sub-steps", replace(theirs.tracks["default"], substeps=4)
+    for cut in (theirs, discover.adapter("bullet")):
+        yield cut, "4 sub-steps", replace(cut.tracks["default"], substeps=4)
 
 
 @pytest.mark.parametrize(("adapter", "track", "settings"), [pytest.param(*e, id=f"{e[0].name}-{e[1]}") for e in _engines()])

@@ -214,10 +214,10 @@ def test_slow_bounds_are_worked_out_once_for_a_folder_and_a_step(tmp_path: Path)
         return dt / 3.0
 
     case = replace(_case(0.0), checks=(Check(metric=POSITION_MAX, at_most=slow, because="test"), *_case(0.0).checks[1:]))
-    first, again = bounded(case, 0.1, {}, tmp_path), bounded(case, 0.1, {}, tmp_path)
+    first, again = bounded(case, 0.1, 0.1, {}, tmp_path), bounded(case, 0.1, 0.1, {}, tmp_path)
     assert first.checks[0].at_most == again.checks[0].at_most == 0.1 / 3.0
     assert calls == [0.1]
     assert [check.metric for check in again.checks] == [check.metric for check in case.checks]
-    bounded(case, 0.2, {}, tmp_path)
-    bounded(case, 0.1, {}, None)
+    bounded(case, 0.2, 0.2, {}, tmp_path)
+    bounded(case, 0.1, 0.1, {}, None)
     assert calls == [0.1, 0.2, 0.1]

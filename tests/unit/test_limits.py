@@ -10,9 +10,10 @@ import pytest
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation, Unsupported
 from harness.case import Axis, Case, Check
-from harness.endure import HELD, endure
+from harness.endure import BROKE_BY, HELD, OWN_CHECKS, endure
 from harness.limits import Ruler, bracket, next_trials, next_value, value_of
 from harness.members import TOLERANCE, member
+from harness.metric import Metric, NotMeasurable
 from harness.metrics.divergence import DIVERGENCE
 from harness.record import Record
 from harness.scene import Body, PlacedShape, Scene, Sphere
@@ -39,7 +40,8 @@ def case_of(easy: float = EASY, extreme: float = EXTREME, first: float = EASY, *
         checks=(Check(metric=DIVERGENCE, at_most=0.0, because=""),),
         parameters={"speed": first},
         duration=0.1,
-        hard=Axis(parameter="speed", unit="m/s", easy=easy, extreme=extreme),
+        hard=Axis(parameter="speed", unit="m/s", easy=easy, extreme=extreme, lost=0.0),
+        headline=DIVERGENCE.name,
         **more,
     )
 
@@ -183,6 +185,48 @@ def test_a_remedy_that_helps_is_followed_and_one_that_does_not_is_told() -> None
     assert max(farther) > limit
 
 
+@dataclass(frozen=True, kw_only=True)
+class Stepper(BrittleEngine):
+    """The same without sub-steps: what it holds grows as its time step shrinks."""
+
+    knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        made: Any = Brittle(scene, settings, self.limit * round(1 / 240 / settings.dt))
+        return made
+
+
+def test_at_equal_sub_steps_a_divided_step_is_as_good_as_sub_steps() -> None:
+    """Two engines with one law, limit = 100 m/s a part of the step: one takes sub-steps, the other shorter steps."""
+    found: dict[str, dict[int, tuple[float | None, float | None]]] = {}
+    for engine in (BrittleEngine(limit=100.0), Stepper(limit=100.0, name="stepper")):
+        trials, records = searched(case_of(), engine, Limit(within=1.1, parts=(1, 4)))
+        assert {trial.parts for trial in trials} == {1, 4}
+        for trial in trials:
+            assert records[trial.trial].substep == pytest.approx(1 / 240 / trial.parts, rel=1e-12)
+        found[engine.name] = {
+            parts: plain_bracket([t for t in trials if t.parts == parts], records, case_of()) for parts in (1, 4)
+        }
+    assert found["brittle"] == found["stepper"]
+    assert found["brittle"][4][0] is not None
+    assert found["brittle"][1][1] is not None
+    assert found["brittle"][4][0] > found["brittle"][1][1]
+
+
+def test_four_times_the_sub_steps_are_offered_to_an_engine_that_has_none() -> None:
+    engine, limit = Stepper(limit=100.0, name="stepper"), Limit(within=1.1, remedies=("tuned",))
+    trials, records = searched(case_of(), engine, limit)
+    helped = [trial for trial in trials if trial.remedy == "sub-steps x 4"]
+    assert {trial.settings.dt for trial in helped} == {1 / 960}
+    assert records[helped[0].trial].status == "passed"
+    assert not any(trial.remedy == "time step / 4" for trial in trials)
+
+
+def test_parts_of_a_step_that_is_itself_sought_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"limit\.parts: \[1, 4\] along 'dt', expected none, or 1"):
+        Experiment(name="e", limit=Limit(along="dt", parts=(1, 4)))
+
+
 def test_starts_are_the_same_for_everyone_and_differ_from_each_other() -> None:
     scene = stage(5.0)
     first, again, other = (member(scene, number, 0.01) for number in (3, 3, 4))
@@ -203,3 +247,40 @@ def test_remedies_are_for_tracks_that_run() -> None:
 def test_an_axis_that_is_not_there_is_named() -> None:
     with pytest.raises(StudyError, match="no axis 'weight', expected one of: dt, speed"):
         axis_of(Experiment(name="e", limit=Limit(along="weight")), case_of())
+
+
+def judged(measure: Any, lost: float = 0.0, bound: float = 0.0) -> Record:
+    """The ensemble of a case whose headline is the measure, on an engine that never breaks."""
+    metric = Metric(name="made", unit="1", source="", measure=measure)
+    case = replace(case_of(), headline="made", checks=(Check(metric=metric, at_most=bound, because=""),))
+    assert case.hard is not None
+    case = replace(case, hard=replace(case.hard, lost=lost))
+    experiment = Experiment(name="axis", tracks=("tuned",), timing=False, limit=Limit())
+    engine = BrittleEngine(limit=2 * EXTREME)
+    trials = Study(name="limits", experiments=(experiment,)).trials(
+        {case.name: case}, {engine.name: engine}, {engine.name: "1"}
+    )
+    return endure(next(iter(trials)), case, engine, None)
+
+
+def test_a_question_that_cannot_be_measured_is_not_held() -> None:
+    def blind(*_: object) -> float:
+        raise NotMeasurable("nothing met")
+
+    record = judged(blind)
+    assert record.status == "unsupported"
+    assert "nothing met" in record.reason
+
+
+def test_an_axis_asks_no_more_than_its_case_grants() -> None:
+    assert judged(lambda *_: 0.5, lost=0.1, bound=0.6).status == "passed"
+    assert judged(lambda *_: 0.5, lost=0.1, bound=0.4).status == "failed"
+    assert judged(lambda *_: 0.5, lost=0.6, bound=0.4).status == "passed"
+
+
+def test_what_broke_is_named_by_the_headline_and_the_own_checks_are_said_beside() -> None:
+    record = judged(lambda *_: 0.5, lost=0.6, bound=0.4)
+    shares = {one.metric: one.value for one in record.measurements}
+    assert shares[OWN_CHECKS] == 0.0
+    broken = judged(lambda *_: 0.5, lost=0.1, bound=0.4)
+    assert {one.metric: one.value for one in broken.measurements}[BROKE_BY + "made"] == 1.0

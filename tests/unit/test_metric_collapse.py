@@ -8,7 +8,7 @@ import pytest
 
 from harness.metric import NotMeasurable
 from harness.metrics.collapse import COLLAPSE_TIME, first_break
-from harness.scene import Body, Box, Drive, PlacedShape, Plane, Revolute, Scene, Surface, axis_angle, box_inertia
+from harness.scene import Body, Box, Cylinder, Drive, PlacedShape, Plane, Revolute, Scene, Surface, axis_angle, box_inertia
 from harness.trajectory import Contacts, Trajectory
 
 HALF, G = (0.1, 0.2, 0.3), 9.81
@@ -40,7 +40,7 @@ def test_what_stands_stands_to_the_end() -> None:
 @pytest.mark.parametrize(("height", "time"), [(0.46, 1.0), (0.44, 0.7)])
 def test_a_top_below_half_its_height_is_a_collapse(height: float, time: float) -> None:
     run = stand()
-    run.p_WB[7:, 2, 2] = height
+    run.p_WB[7:, 2] = (1.0, 0.0, height)
     assert first_break(STAGE, run) == (pytest.approx(time), "height" if time < 1 else "")
 
 
@@ -57,10 +57,10 @@ def test_energy_a_thousand_times_what_is_there_is_a_collapse_whether_of_motion_o
 
 
 @pytest.mark.parametrize(("depth", "name"), [(0.09, ""), (0.11, "penetration")])
-def test_a_contact_deeper_than_half_the_thinnest_body_is_a_collapse(depth: float, name: str) -> None:
-    quiet = Contacts.of([0], [1], [[0.0] * 3], [[0.0, 0.0, 1.0]], [0.0], [[0.0] * 3])
-    deep = replace(quiet, gap=np.array([-depth]))
-    run = replace(stand(), contacts=(quiet, Contacts.none(), *[deep] * 9))
+def test_a_body_deeper_in_another_than_half_the_thinner_is_a_collapse_whatever_is_listed(depth: float, name: str) -> None:
+    listed = Contacts.of([0], [1], [[0.0] * 3], [[0.0, 0.0, 1.0]], [-1.0], [[0.0] * 3])
+    run = replace(stand(), contacts=(listed,) * 11)
+    run.p_WB[2:, 1, 2] -= depth
     assert first_break(STAGE, run) == (pytest.approx(0.2 if name else 1.0), name)
 
 
@@ -97,9 +97,17 @@ def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
     assert math.isnan(COLLAPSE_TIME(STAGE, run))
 
 
-def test_a_depth_that_is_no_number_is_a_collapse() -> None:
-    odd = Contacts.of([0], [1], [[0.0] * 3], [[0.0, 0.0, 1.0]], [math.nan], [[0.0] * 3])
-    assert first_break(STAGE, replace(stand(), contacts=(odd,) * 11)) == (0.0, "penetration")
+@pytest.mark.parametrize(
+    ("gap", "found"), [(-0.09, (1.0, "")), (-0.11, (0.0, "penetration")), (math.nan, (0.0, "penetration"))]
+)
+def test_where_no_exact_depth_is_known_the_engine_s_own_points_count(gap: float, found: tuple[float, str]) -> None:
+    can = (PlacedShape(shape=Cylinder(radius=0.1, half_length=0.3)),)
+    scene = replace(STAGE, bodies=(*STAGE.bodies[:2], replace(STAGE.bodies[2], collision=can)))
+    told = Contacts.of([1], [2], [[0.0] * 3], [[0.0, 0.0, 1.0]], [gap], [[0.0] * 3])
+    assert first_break(scene, replace(stand(scene), contacts=(told,) * 11)) == found
+    # Between other bodies, whose depth the poses tell, points do not.
+    other = replace(told, body_A=np.array([0]), body_B=np.array([1]))
+    assert first_break(scene, replace(stand(scene), contacts=(other,) * 11)) == (1.0, "")
 
 
 def test_no_samples_are_not_measurable() -> None:

@@ -15,10 +15,11 @@ from harness.metrics.passage import (
     PASSAGE_PROBABILITY_HIGH,
     PASSAGE_PROBABILITY_LOW,
     REST_SPEED,
+    SINK_DEPTH,
 )
 from harness.metrics.row import LAST_SHARE_ERROR, TOUCHING_LAST_SHARE
 from harness.proportion import wilson_interval
-from harness.scene import Body, Box, Capsule, PlacedShape, Scene, Sphere, Surface, axis_angle
+from harness.scene import Body, Box, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
 from harness.trajectory import Trajectory
 
 TIME = np.linspace(0.0, 1.0, 11)
@@ -180,12 +181,32 @@ def test_the_truth_passes_nothing_is_kicked_and_rests() -> None:
     assert tuple(bounds) == wilson_interval(0, 4)
 
 
-@pytest.mark.parametrize(("deeper", "share"), [(-3.0, 0.0), (0.019, 0.0), (0.021, 0.25), (0.3, 0.25), (9.0, 0.25)])
-def test_what_ends_deeper_than_half_the_wall_has_passed(deeper: float, share: float) -> None:
+@pytest.mark.parametrize(
+    ("deeper", "share", "sunk"),
+    # From its place at the face a centre is 0.1 m before it, and 0.12 m before the middle of the wall.
+    [(-3.0, 0.0, 0.0), (0.021, 0.0, 0.21), (0.119, 0.0, 1.19), (0.121, 0.25, 0.0), (0.3, 0.25, 0.0), (9.0, 0.25, 0.0)],
+)
+def test_a_centre_beyond_the_middle_has_passed_and_what_stays_before_it_has_sunk(
+    deeper: float, share: float, sunk: float
+) -> None:
     scene = wall()
     truth, run = stopped(scene), stopped(scene)
     run.p_WB[-1, 2, 0] += deeper
     assert PASSAGE_PROBABILITY(scene, run, truth) == share
+    assert SINK_DEPTH(scene, run, truth) == pytest.approx(sunk)
+
+
+def test_a_ball_has_passed_a_half_space_when_its_centre_is_below_the_surface() -> None:
+    scene = wall(v=(0.0, 0.0, -5.0), count=1)
+    floor = Body(name="wall", motion="static", material="wall", collision=(PlacedShape(shape=Plane()),))
+    fallen = replace(scene.bodies[1], p_WB=(0.0, 0.0, 1.0))
+    scene = replace(scene, bodies=(floor, fallen))
+    truth = still(scene)
+    truth.p_WB[-1, 1, 2], truth.v_WB[-1] = 0.1, 0.0
+    for height, share in ((0.001, 0.0), (-0.001, 1.0)):
+        run = replace(truth, p_WB=truth.p_WB.copy())
+        run.p_WB[-1, 1, 2] = height
+        assert PASSAGE_PROBABILITY(scene, run, truth) == share
 
 
 def test_way_along_the_wall_is_no_passage_and_velocity_splits_into_kick_and_rest() -> None:
@@ -204,18 +225,22 @@ def test_way_along_the_wall_is_no_passage_and_velocity_splits_into_kick_and_rest
         REST_SPEED(scene, run, truth)
 
 
-def test_two_bodies_that_may_both_move_share_the_depth() -> None:
+def test_two_bodies_that_both_move_have_passed_when_their_centres_have_changed_sides() -> None:
     scene = Scene(bodies=(ball("left", -1.0, 5.0), ball("right", 1.0, -5.0)), surfaces=(Surface(),), gravity=(0.0, 0.0, 0.0))
     truth = still(scene)
     truth.p_WB[-1, :, 0], truth.v_WB[-1] = (-0.1, 0.1), 0.0
     run = replace(truth, p_WB=truth.p_WB.copy())
-    run.p_WB[-1, :, 0] = (-0.06, 0.06)  # 8 cm deep of 20: less than half
+    run.p_WB[-1, :, 0] = (-0.001, 0.001)
     assert PASSAGE_PROBABILITY(scene, run, truth) == 0.0
-    run.p_WB[-1, :, 0] = (-0.04, 0.04)
+    assert SINK_DEPTH(scene, run, truth) == pytest.approx(0.99)
+    # Both far to one side, in their order: pushed on, not passed.
+    run.p_WB[-1, :, 0] = (0.5, 0.7)
+    assert PASSAGE_PROBABILITY(scene, run, truth) == 0.0
+    run.p_WB[-1, :, 0] = (0.001, -0.001)
     assert PASSAGE_PROBABILITY(scene, run, truth) == 1.0
 
 
-@pytest.mark.parametrize(("turned", "share"), [(0.5, 0.0), (0.509, 0.0), (0.511, 1.0), (0.5 + np.pi, 1.0), (-3.0, 0.0)])
+@pytest.mark.parametrize(("turned", "share"), [(0.5, 0.0), (0.529, 0.0), (0.531, 1.0), (0.5 + np.pi, 1.0), (-3.0, 0.0)])
 def test_a_rod_is_judged_by_the_way_of_its_posts_through_more_than_a_turn(turned: float, share: float) -> None:
     rod = Body(
         name="rod",
@@ -263,6 +288,7 @@ def test_a_truth_that_stops_nothing_is_not_measurable() -> None:
         PASSAGE_PROBABILITY_HIGH,
         LATERAL_KICK,
         REST_SPEED,
+        SINK_DEPTH,
         INSCRIBED_OVERLAP,
         ENERGY_GAIN,
         ENERGY_GROWTH,

@@ -8,7 +8,7 @@ import pytest
 
 from harness.metric import NotMeasurable
 from harness.metrics.restitution import (
-    APEX_GAIN,
+    BOUNCE_GAIN,
     BOUNCE_HEIGHT_ERROR,
     BOUNCING_TIME_ERROR,
     IMPACT_TIME_ERROR,
@@ -82,22 +82,27 @@ def test_a_missing_second_flight_makes_the_time_error_infinite() -> None:
     assert IMPACT_TIME_ERROR(stage(0.5), run([0.0]), run([0.5, 0.5])) == math.inf
 
 
-def test_a_higher_apex_is_a_gain_and_a_lower_one_is_none() -> None:
-    assert APEX_GAIN(stage(1.0), run([1.0, 1.02, 0.9])) == pytest.approx(0.0404, abs=1e-6)
-    assert APEX_GAIN(stage(0.9), run([0.9, 0.9])) == pytest.approx(0.0, abs=1e-9)
+def test_the_worst_single_bounce_is_the_gain_and_where_all_lose_it_is_below_zero() -> None:
+    assert BOUNCE_GAIN(stage(1.0), run([1.0, 1.02, 1.01, 0.9])) == pytest.approx(1.02**2 - 1, abs=1e-6)
+    assert BOUNCE_GAIN(stage(0.9), run([0.9, 0.8])) == pytest.approx(0.9**2 - 1, abs=1e-6)
 
 
-def test_the_staggered_fall_of_semi_implicit_euler_is_no_gain_beyond_its_known_apex() -> None:
+def test_a_bounce_slower_than_half_the_first_is_no_gain() -> None:
+    assert BOUNCE_GAIN(stage(0.4), run([0.4, 1.5])) == pytest.approx(0.4**2 - 1, abs=1e-6)
+
+
+def test_the_staggered_fall_of_semi_implicit_euler_is_no_gain() -> None:
     dt = 1 / 240
-    trajectory = run([0.0], dt)
-    k = np.arange(60)
-    trajectory.p_WB[:60, 1, 2] = 1.0 + R + H - G * dt**2 * k * (k + 1) / 2
-    assert APEX_GAIN(stage(0.0), trajectory) == pytest.approx(G * dt**2 / 8 / H, rel=1e-6)
+    trajectory = run([0.5], dt)
+    k = np.arange(math.floor(math.sqrt(2 * H / G) / dt))
+    trajectory.p_WB[k, 1, 2] = 1.0 + R + H - G * dt**2 * k * (k + 1) / 2
+    # Its parabola's apex lies g dt^2/8 above the start, from which the bounce then rises by less.
+    assert BOUNCE_GAIN(stage(0.5), trajectory) == pytest.approx(0.5**2 / (1 + G * dt**2 / 8 / H) - 1, rel=1e-6)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 @pytest.mark.parametrize(
-    "metric", [BOUNCE_HEIGHT_ERROR, RESTITUTION_ERROR, LATER_RESTITUTION_ERROR, IMPACT_TIME_ERROR, APEX_GAIN]
+    "metric", [BOUNCE_HEIGHT_ERROR, RESTITUTION_ERROR, LATER_RESTITUTION_ERROR, IMPACT_TIME_ERROR, BOUNCE_GAIN]
 )
 def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> None:
     trajectory = run([0.9, 0.9])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.slide import LIFT_OFF, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
+from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
 from harness.scene import Body, Scene
 from harness.trajectory import Trajectory
 
@@ -50,16 +50,16 @@ def test_a_body_that_never_slows_has_an_infinite_time_error() -> None:
     assert STOP_TIME_ERROR(STAGE, actual, run()) == math.inf
 
 
-def test_a_hop_is_lift_off_and_sinking_is_none() -> None:
+def test_a_hop_is_a_rise_and_sinking_is_none() -> None:
     actual = run()
-    assert LIFT_OFF(STAGE, actual) == 0.0
+    assert CENTRE_RISE(STAGE, actual) == 0.0
     actual.p_WB[7, 1, 2] = 0.003
-    assert LIFT_OFF(STAGE, actual) == pytest.approx(0.003)
+    assert CENTRE_RISE(STAGE, actual) == pytest.approx(0.003)
     actual.p_WB[1:, :, 2] = -0.01
-    assert LIFT_OFF(STAGE, actual) == 0.0
+    assert CENTRE_RISE(STAGE, actual) == 0.0
 
 
-@pytest.mark.parametrize("metric", [STOP_DISTANCE_ERROR, STOP_TIME_ERROR, LIFT_OFF])
+@pytest.mark.parametrize("metric", [STOP_DISTANCE_ERROR, STOP_TIME_ERROR, CENTRE_RISE])
 def test_what_is_not_finite_is_never_swallowed(metric: object) -> None:
     actual = run()
     actual.p_WB[5, 0, 2] = math.nan

@@ -1,6 +1,8 @@
 """The orders table on run folders made by formula and on a real engine that loses its order: promises kept and broken."""
 
 import json
+import math
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -26,8 +28,15 @@ from tests.run_folder import write_run_folder
 LADDER = [1 / 60 / 2**k for k in range(6)]
 
 
-def folder(path: Path, errors: dict[str, list[float]], case: dict[str, Any], orders: dict[str, int], **more: Any) -> Store:
-    """A run folder with a ladder for each engine."""
+def folder(
+    path: Path,
+    errors: dict[str, list[float]],
+    case: dict[str, Any],
+    orders: dict[str, int],
+    substeps: Callable[[float], int] = lambda _: 1,
+    **more: Any,
+) -> Store:
+    """A run folder with a ladder for each engine, which takes `substeps` of a time step."""
     path.mkdir(exist_ok=True)
     journal = Journal(path)
     for engine, ladder in errors.items():
@@ -36,7 +45,7 @@ def folder(path: Path, errors: dict[str, list[float]], case: dict[str, Any], ord
                 Record(
                     trial=f"{engine}-{k}", study="s", experiment="a" if k < 2 else "b", case="flight_x", parameters={"n": 1},
                     engine=engine, engine_version="1", track="tuned", dt=dt, settings={"dt": dt},
-                    resolved={"integrator": "rk4", "dt": dt},
+                    resolved={"integrator": "rk4", "dt": dt, "substeps": substeps(dt)},
                     measurements=(Measurement(metric="e", value=error, unit="m"),), **{"status": "passed", "reason": ""} | more,
                 )
             )  # fmt: skip
@@ -75,6 +84,25 @@ def test_runs_without_an_answer_and_ladders_of_two_steps_have_no_row(tmp_path: P
     failed = folder(tmp_path / "a", {"one": list(LADDER)}, smooth, {"rk4": 4}, status="diverged", reason="NaN")
     assert convergences(failed) == []
     assert convergences(folder(tmp_path / "b", {"one": [1.0, 0.5]}, smooth, {"rk4": 4})) == []
+
+
+def test_a_ladder_whose_coarse_rungs_are_cut_into_sub_steps_is_judged_by_the_steps_that_were_taken(tmp_path: Path) -> None:
+    def cut(dt: float) -> int:
+        return max(1, math.ceil(dt * 240 - 1e-9))
+
+    def row(name: str, errors: list[float], substeps: Callable[[float], int]) -> Any:
+        (one,) = convergences(folder(tmp_path / name, {"one": errors}, {"converges": "smoothly"}, {"rk4": 1}, substeps))
+        return one
+
+    taken = [dt / cut(dt) for dt in LADDER]
+    # First order in the step taken: 1/240 s on three rungs, one point of four; told by the rungs it would lie below one.
+    sound = row("cut", taken, cut)
+    assert (sound.verdict, sound.used, sound.coarse) == ("kept", 4, pytest.approx(1 / 240))
+    assert sound.order == pytest.approx(1.0, abs=1e-9)
+    # The same number of sub-steps on all rungs moves nothing: steps are told as those of the finest rung.
+    assert row("even", list(LADDER), lambda _: 4).coarse == pytest.approx(1 / 60)
+    # Errors that do not shrink with the step that is taken are no less broken.
+    assert row("stuck", [1.0] * 6, cut).verdict == "broken"
 
 
 def test_rounding_alone_is_exact_and_two_steps_above_it_leave_the_question_open() -> None:

@@ -66,7 +66,38 @@ def test_an_unclocked_answer_is_not_one_that_was_never_reached() -> None:
     rows = {round(-math.log10(p.target)): p for p in Prices(Priced(told, rough=7.0)).prices}
     assert rows[4].verdict == "priced"
     assert (rows[5].verdict, rows[5].cost, rows[5].reason, rows[5].dt) == ("not clocked", None, "roughly 7 CPU s", 1e-3)
-    assert rows[7].verdict == "never reached"
+    assert rows[7].verdict == "not within the ladder"
+
+
+def test_an_error_below_the_ladder_is_foreseen_where_a_trend_leads_to_it() -> None:
+    """Of .5 dt^2 down to 1e-3 s: 1e-8 is met at the root of 2e-8 s, and three decades of an order are no interval."""
+    rows = {round(-math.log10(p.target)): p for p in Prices(Priced(ladder("a", "dart", 1.0))).prices}
+    assert (rows[6].verdict, rows[6].foreseen_dt) == ("priced", None)
+    assert (rows[8].verdict, rows[8].finest_dt, rows[8].best_error) == ("not within the ladder", 1e-3, pytest.approx(5e-7))
+    assert (rows[8].foreseen_dt, rows[8].foreseen_order) == pytest.approx((math.sqrt(2e-8), 2.0), rel=1e-9)
+    assert rows[8].foreseen_track == "tuned"
+
+
+@pytest.mark.parametrize("errors", [(1e-1, 1e-2, 1e-3, 1e-3, 1e-3), (1e-3, 1e-1, 2e-3, 5e-2, 1e-2), (1e-3,) * 5, (1e-1, 1e-2)])
+def test_nothing_is_foreseen_of_an_error_that_does_not_shrink_steadily(errors: tuple[float, ...]) -> None:
+    """A floor, mere scatter, no slope at all, and two points, which have no interval."""
+    told: list[Told] = [("a", "dart", "tuned", 0.1 / 2**k, error, 1.0 * 2**k) for k, error in enumerate(errors)]
+    (last,) = [p for p in Prices(Priced(told)).prices if p.target == 1e-8]
+    assert (last.verdict, last.foreseen_dt, last.foreseen_track) == ("not within the ladder", None, "")
+
+
+def test_no_trend_is_followed_beyond_a_millionth_of_the_finest_step() -> None:
+    """An order of .02 from .5 down to 1e-8 takes 385 decades, which no floating-point number of steps has."""
+    told: list[Told] = [("a", "dart", "tuned", 0.1 / 2**k, 0.5 * 2 ** (-0.02 * k), 1.0 * 2**k) for k in range(6)]
+    (last,) = [p for p in Prices(Priced(told)).prices if p.target == 1e-8]
+    assert (last.verdict, last.foreseen_dt) == ("not within the ladder", None)
+
+
+def test_of_two_trends_the_cheaper_is_foreseen() -> None:
+    """First order is ahead at every step that was run; where it would be met, second order is cheaper by far."""
+    first: list[Told] = [("a", "dart", "default", dt, 1e-2 * dt, 0.1 / dt) for dt in (1e-1, 3e-2, 1e-2)]
+    (last,) = [p for p in Prices(Priced([*ladder("a", "dart", 1.0), *first])).prices if p.target == 1e-8]
+    assert last.foreseen_track == "tuned"
 
 
 def test_an_error_that_jumps_costs_what_the_finer_step_does() -> None:
@@ -87,7 +118,7 @@ def test_an_error_and_what_the_truth_may_be_off_are_shares_of_the_scale() -> Non
     assert point.error - bar["least"] == pytest.approx(5e-5, rel=1e-9)
     told = {round(-math.log10(p.target)): p.verdict for p in prices.prices}
     # The finest step errs by 1.25e-7 of the scale: it reaches 1e-5 and 1e-6, where its truth cannot tell.
-    assert (told[4], told[5], told[6], told[7]) == ("priced", *["within the truth's error"] * 2, "never reached")
+    assert (told[4], told[5], told[6], told[7]) == ("priced", *["within the truth's error"] * 2, "not within the ladder")
 
 
 def test_what_the_truth_may_be_off_widens_the_price_by_as_much_as_moves_the_error() -> None:

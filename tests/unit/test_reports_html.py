@@ -116,14 +116,27 @@ def test_a_second_build_replaces_the_first_and_leaves_no_draft(report: Path) -> 
     assert not [path for path in folder.iterdir() if path.name.startswith(".report")]
 
 
-def test_a_page_that_fails_leaves_the_old_report_untouched(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = (report / "index.html").read_bytes()
+def test_a_page_that_fails_says_so_and_the_others_stand(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = html.rendered(Store(report.parent))
 
     def broken(_: Store) -> dict[str, str]:
         raise RuntimeError("no page")
 
     monkeypatch.setattr(html, "pages", lambda: (*pages(), Page(name="x", title="X", order=99, render=broken)))
-    with pytest.raises(RuntimeError, match="no page"):
+    made = dict(html.rendered(Store(report.parent)))
+    assert "RuntimeError: no page" in made.pop("x.html")
+    assert made.keys() == whole.keys()
+    assert all(made[name] == whole[name] for name in whole if name.endswith(".html"))
+
+
+def test_a_report_that_cannot_be_made_leaves_the_old_one_untouched(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = (report / "index.html").read_bytes()
+
+    def broken() -> str:
+        raise RuntimeError("no bundle")
+
+    monkeypatch.setattr(html, "vega_bundle", broken)
+    with pytest.raises(RuntimeError, match="no bundle"):
         reports.build(report.parent)
     assert (report / "index.html").read_bytes() == before
 
@@ -132,12 +145,15 @@ def test_a_page_that_fails_leaves_the_old_report_untouched(report: Path, monkeyp
 def test_a_page_cannot_write_outside_the_report_nor_over_another(
     report: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    page = Page(
-        name="x", title="X", order=-1, render=lambda _: {"index.html": "", name: ""} if name != "index.html" else {name: ""}
-    )
-    monkeypatch.setattr(html, "pages", lambda: (page, *[one for one in pages() if one.name == "index"]))
-    with pytest.raises(ValueError, match=r"expected a plain name|written twice"):
-        html.rendered(Store(report.parent))
+    own = [one for one in pages() if one.name == "index"]
+    monkeypatch.setattr(html, "pages", lambda: tuple(own))
+    alone = html.rendered(Store(report.parent))
+    page = Page(name="x", title="X", order=-1, render=lambda _: {"x.html": "", name: ""})
+    monkeypatch.setattr(html, "pages", lambda: (page, *own))
+    made = dict(html.rendered(Store(report.parent)))
+    assert re.search("expected a plain name|another page", made.pop("x.html"))
+    assert made.keys() == alone.keys()
+    assert made["index.html"] == alone["index.html"]
 
 
 def test_pages_are_found_by_walking_the_folder_and_stand_in_their_order() -> None:

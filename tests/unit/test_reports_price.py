@@ -68,7 +68,7 @@ def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:
     page = texts["price.html"]
     # Lines for errors of 1e-1 to 1e-7, the first that nobody reaches, and the steps of the one engine with four of them.
     assert page.count("<tr data-status=") == 7 + 1
-    assert "never (best 5" in page
+    assert "not by 1 ms, best 5" in page
     prices = list(csv.DictReader(io.StringIO(texts["price.csv"])))
     assert len(prices) == 8 * 2
     assert {"profile.csv", "steps.csv", "charts/profile-factor.svg", "charts/largest-steps.svg"} <= texts.keys()
@@ -115,9 +115,12 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     assert first.entries["ours"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
     assert (first.entries["ours"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x10", "3")
     assert first.entries["ours"].text == "≤ 10 ms"
-    assert lines[5].entries["dart"].text.startswith("never (best 5")
+    assert lines[5].entries["dart"].text.startswith("not by 10 ms, best 5")
     assert heat(lines[5].entries["dart"].price) == "out"
-    assert wins(priced(Priced(told())).prices) == [("ours", 6), ("dart", 0)]
+    prices = priced(Priced(told())).prices
+    assert wins(prices) == [("ours", 6), ("dart", 0)]
+    reached = sum(price.cost is not None for price in prices if price.engine == "dart")
+    assert wins(prices, ["ours"]) == [("dart", reached)]
 
 
 def test_every_scene_has_a_line_for_the_error_that_the_list_shows_at_first() -> None:

@@ -67,7 +67,7 @@ def sway(run: Trajectory, place: int) -> None:
 
 
 def sink(run: Trajectory, place: int) -> None:
-    run.p_WB[30:, place, 2] -= 5e-3
+    run.p_WB[30:, place, 2] -= 1e-2
 
 
 FAULTS: list[tuple[Case, Callable[[Trajectory, int], None], int, str]] = [
@@ -246,9 +246,8 @@ def test_the_upper_cube_starts_a_share_of_an_edge_inside_the_lower(overlap: floa
 def test_boxes_that_stay_inside_each_other_or_are_thrown_apart_fail() -> None:
     case = stack_overlap_recovery.CASE
     run = at_rest(case)
-    assert run.contacts is not None
-    deep = replace(run.contacts[0], gap=np.array([-0.0, -0.03]))
-    assert not verdicts(case, replace(run, contacts=(deep,) * len(run)))["penetration"]
+    run.p_WB[:, 2, 2] -= 0.03
+    assert not verdicts(case, run)["penetration"]
     thrown = at_rest(case)
     flight = np.minimum(thrown.time, 2 * 0.5 / G)
     thrown.p_WB[:, 2, 2] += 0.5 * flight - G * flight**2 / 2

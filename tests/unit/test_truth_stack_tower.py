@@ -56,9 +56,9 @@ def test_a_tower_that_falls_fails_as_collapsed() -> None:
     assert not found["stack_height_error"]
 
 
-def test_boxes_that_sink_a_millimetre_into_each_other_fail() -> None:
+def test_boxes_that_sink_two_millimetres_into_each_other_fail() -> None:
     run = stand()
-    run.p_WB[30:, 1:, 2] -= 1e-3 * np.arange(1, 11)
+    run.p_WB[30:, 1:, 2] -= 2e-3 * np.arange(1, 11)
     found = verdicts(run)
     assert found["standing_height"]
     assert not found["stack_height_error"]

@@ -235,8 +235,11 @@ def landed(dt: float) -> Trajectory:
 
 def test_balls_that_land_and_slide_pass_and_one_that_falls_through_or_is_kicked_fails() -> None:
     assert all(verdicts(tunnel_thin_mesh.CASE, landed(1 / 240)).values())
-    through = landed(1 / 240)
-    through.p_WB[-1, 7, 2] -= 0.006
+    # The middle of the ground lies 0.055 m below a ball's centre.
+    deep, through = landed(1 / 240), landed(1 / 240)
+    deep.p_WB[-1, 7, 2] -= 0.054
+    assert verdicts(tunnel_thin_mesh.CASE, deep)["passage_probability"]
+    through.p_WB[-1, 7, 2] -= 0.056
     assert not verdicts(tunnel_thin_mesh.CASE, through)["passage_probability"]
     kicked = landed(1 / 240)
     kicked.v_WB[-1, 40, 1] += 1e-3

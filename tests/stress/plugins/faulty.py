@@ -2,9 +2,14 @@
 
 import ctypes
 import os
+import pickle
+import signal
+import struct
+import subprocess
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
@@ -16,6 +21,46 @@ from harness.scene import Body, Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
 POSITION = next(metric for metric in position.METRIC if metric.name == "position_error_max")
+
+
+SLEEP = "86399.25"
+"""Seconds that the process sleeps which an engine leaves behind: by them it is found."""
+
+
+class _Command:
+    """What runs a command in whoever opens its pickle."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os.system, (f"touch {os.environ.get('PICKLED', '/dev/null')}",)
+
+
+def _framed(content: bytes) -> bytes:
+    """As Python's own pipes put a pickle."""
+    return struct.pack("!i", len(content)) + content
+
+
+TOLD: dict[str, bytes] = {
+    "garbage": b"\x80\x05\x95 no pickle\n\xff\xfe\n",
+    "pickle": _framed(pickle.dumps(_Command())),
+    "pickle_line": pickle.dumps(_Command(), protocol=0).replace(b"\n", b" ") + b"\n",
+    "long_line": b"1" * (5 * 2**20),
+    "half_a_line": b'{"record": ',
+    "deep": b"[" * 100_000 + b"\n",
+    "other_kind": b'{"steps": 5}\n',
+    "no_status": b'{"record": {"status": "splendid", "reason": "trust me"}}\n',
+    "long_number": b'{"record": ' + b"9" * 6000 + b"}\n",
+    "two_kinds": b'{"record": {}, "sample": {}}\n',
+}
+"""What an engine tells the process that started it, in the adapter's name."""
+
+
+def _pipe_to_main() -> Connection:
+    """The end of the pipe that the harness's own frames hold."""
+    frame: Any = sys._getframe()
+    while not isinstance(frame.f_locals.get("pipe"), Connection):
+        frame = frame.f_back
+    pipe: Connection = frame.f_locals["pipe"]
+    return pipe
 
 
 class Falling:
@@ -54,6 +99,22 @@ class Falling:
             os.abort()
         elif self._fault == "nan":
             self._state.v_WB[0, 0] = np.nan
+        elif self._fault == "surrogate":
+            raise RuntimeError("half a letter: \udc80, a colour: \x1b[31m")
+        elif self._fault == "real_time":
+            os.kill(os.getpid(), signal.SIGRTMIN + 3)
+        elif self._fault == "orphan":
+            subprocess.Popen(["sleep", SLEEP], stdin=subprocess.DEVNULL)
+        elif self._fault == "norm_3":
+            self._state.q_WB[0] = (3.0, 0.0, 0.0, 0.0)
+        elif self._fault == "norm_0":
+            self._state.q_WB[0] = 0.0
+        elif self._fault == "count":
+            self.resolved = replace(self.resolved, iterations=np.int64(5))
+        elif self._fault in TOLD:
+            os.write(_pipe_to_main().fileno(), TOLD[self._fault])
+            if self._fault == "half_a_line":
+                time.sleep(600)
 
     def state(self, out: State) -> None:
         for name in ("p_WB", "q_WB", "v_WB", "w_WB"):
@@ -74,8 +135,8 @@ class Falling:
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         raise Unsupported("forces", "bodies only fall")
 
-    def warnings(self) -> tuple[str, ...]:
-        return ()
+    def warnings(self) -> tuple[Any, ...]:
+        return (b"bytes", 5) if self._fault == "warning" else ()
 
     def save(self) -> object:
         raise Unsupported("saving", "not needed here")
@@ -129,6 +190,23 @@ NAN = Faulty(name="nan", fault="nan")
 COMPILE = Faulty(name="compile", compilation=5.0, compile_allowance=60.0)
 COMPILE_HANG = Faulty(name="compile_hang", fault="hang", compilation=1.0, compile_allowance=60.0)
 ABSENT = Faulty(name="absent", fault="absent")
+SURROGATE = Faulty(name="surrogate", fault="surrogate")
+REAL_TIME = Faulty(name="real_time", fault="real_time")
+ORPHAN = Faulty(name="orphan", fault="orphan")
+NORM_3 = Faulty(name="norm_3", fault="norm_3")
+NORM_0 = Faulty(name="norm_0", fault="norm_0")
+COUNT = Faulty(name="count", fault="count")
+WARNING = Faulty(name="warning", fault="warning")
+GARBAGE = Faulty(name="garbage", fault="garbage")
+PICKLE = Faulty(name="pickle", fault="pickle")
+PICKLE_LINE = Faulty(name="pickle_line", fault="pickle_line")
+LONG_LINE = Faulty(name="long_line", fault="long_line")
+HALF_A_LINE = Faulty(name="half_a_line", fault="half_a_line")
+DEEP = Faulty(name="deep", fault="deep")
+OTHER_KIND = Faulty(name="other_kind", fault="other_kind")
+NO_STATUS = Faulty(name="no_status", fault="no_status")
+LONG_NUMBER = Faulty(name="long_number", fault="long_number")
+TWO_KINDS = Faulty(name="two_kinds", fault="two_kinds")
 SEGFAULT_AGAIN = Faulty(name="segfault_again", fault_again="segfault")
 HANG_AGAIN = Faulty(name="hang_again", fault_again="hang")
 RAISE_AGAIN = Faulty(name="raise_again", fault_again="raise")

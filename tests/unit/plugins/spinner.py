@@ -72,9 +72,10 @@ class Spinning:
 
 @dataclass(frozen=True, kw_only=True)
 class Spinner(Adapter):
-    """The engine; `spin` [us] is what a step costs on its tracks."""
+    """The engine; `spin` [us] is what a step costs on its tracks, `tuned` the order of that track; 'default' has the first."""
 
     spin: float
+    tuned: int = 2
     title: str = "planted error and price"
     distribution: str = "spinner"
     features: Feature = Feature.NONE
@@ -82,7 +83,7 @@ class Spinner(Adapter):
     orders: Mapping[str, int] = field(default_factory=lambda: {"order_1": 1, "order_2": 2, "order_4": 4})
 
     def __post_init__(self) -> None:
-        tracks = {"default": Settings(options=options(1, self.spin)), "tuned": Settings(options=options(2, self.spin))}
+        tracks = {"default": Settings(options=options(1, self.spin)), "tuned": Settings(options=options(self.tuned, self.spin))}
         object.__setattr__(self, "tracks", tracks)
 
     def version(self) -> str:
@@ -98,3 +99,4 @@ class Spinner(Adapter):
 
 SPINNER = Spinner(name="spinner", spin=20.0)
 LAGGARD = Spinner(name="laggard", spin=60.0)
+DETUNED = Spinner(name="detuned", spin=20.0, tuned=0)

@@ -1,0 +1,43 @@
+"""Whose law it is: what the adapters of a run make in the place of their engines, by case and track, from its catalogue."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["Made", "made", "whose"]
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """A feature that an adapter makes; the fields as in `harness.adapter.Emulation`, the feature by its name."""
+
+    engine: str
+    feature: str
+    how: str
+    where: str
+    tracks: tuple[str, ...]
+
+
+def made(catalogue: Mapping[str, Any], engine: str, case: str | None = None, track: str | None = None) -> list[Made]:
+    """What an engine's adapter makes; only of what a case uses, or on one track, where these are given.
+
+    A variant, which is no track of its own, has what the tuned settings have that it is built on.
+    """
+    told = catalogue.get("engines", {}).get(engine, {})
+    used = None if case is None else catalogue.get("cases", {}).get(case, {}).get("features", ())
+    named = track if track in told.get("tracks", {}) else "tuned"
+    return [
+        Made(engine, one["feature"], one["how"], one["where"], tuple(one["tracks"]))
+        for one in told.get("emulated", ())
+        if (used is None or one["feature"] in used) and (track is None or named in one["tracks"])
+    ]
+
+
+def whose(catalogue: Mapping[str, Any], engine: str, case: str, track: str) -> str:
+    """'restitution emulated' or 'springs, drives emulated'; '' where every law that the case uses is the engine's own.
+
+    Of what an adapter makes in some scenes only: 'springs in part emulated'.
+    """
+    found = made(catalogue, engine, case, track)
+    names = dict.fromkeys(f"{one.feature.replace('_', ' ')}{' in part' if one.where else ''}" for one in found)
+    return f"{', '.join(names)} emulated" if names else ""

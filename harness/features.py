@@ -1,0 +1,79 @@
+"""Which features of an engine a scene uses."""
+
+from collections.abc import Iterator
+
+from harness.adapter import Feature
+from harness.scene import Ball, Distance, Effect, Fixed, Joint, Scene
+
+__all__ = ["features_of"]
+
+_DAMPING = {Effect.LINEAR_DAMPING: Feature.LINEAR_DAMPING, Effect.ANGULAR_DAMPING: Feature.ANGULAR_DAMPING}
+_CONTACT = {
+    Effect.RESTITUTION: Feature.RESTITUTION,
+    Effect.ROLLING_FRICTION: Feature.ROLLING_FRICTION,
+    Effect.TORSIONAL_FRICTION: Feature.TORSIONAL_FRICTION,
+    Effect.CONTINUOUS_COLLISION: Feature.CONTINUOUS_COLLISION,
+}
+
+
+def features_of(scene: Scene) -> Feature:
+    """What an engine must be able to express for this scene, as far as an effect calls for it: bodies, joints, laws of contact.
+
+    Neither what is asked of a running simulation (contacts, rays, pictures, saving), nor whether pairs of materials need a law
+    each, nor whether one moment of inertia is turned against another.
+    """
+    found = Feature.NONE
+    for one in (*_of_bodies(scene), *_of_joints(scene)):
+        found |= one
+    for effect, feature in (_DAMPING | _CONTACT).items():
+        if effect in scene.effects:
+            found |= feature
+    if Effect.FRICTION in scene.effects and any(law.static_friction > law.kinetic_friction for law in scene.surfaces):
+        found |= Feature.STATIC_FRICTION
+    return found
+
+
+def _of_bodies(scene: Scene) -> Iterator[Feature]:
+    for body in scene.bodies:
+        if body.motion == "kinematic" and (any(body.v_WB) or any(body.w_WB)):
+            yield Feature.KINEMATIC
+        if len(body.collision) > 1:
+            yield Feature.COMPOUND
+        if Effect.CONTACT in scene.effects:
+            yield from (Feature[placed.shape.type.upper()] for placed in body.collision)
+
+
+def _of_joints(scene: Scene) -> Iterator[Feature]:
+    joints = scene.joints if Effect.JOINTS in scene.effects else ()
+    for joint in joints:
+        yield Feature[joint.type.upper()]
+        if isinstance(joint, Fixed | Ball):
+            continue
+        if joint.limits is not None:
+            yield Feature.LIMITS
+        if joint.spring is not None:
+            yield Feature.SPRINGS
+        if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in scene.effects:
+            yield Feature.DRIVES
+    if _loops(scene, joints):
+        yield Feature.CLOSED_LOOP
+
+
+def _loops(scene: Scene, joints: tuple[Joint, ...]) -> bool:
+    """Do joints, distances apart, hold a body to another, or to what stands still, in two ways?"""
+    above: dict[str, str] = {}
+
+    def root(name: str) -> str:
+        while above.get(name, name) != name:
+            name = above[name]
+        return name
+
+    still = {body.name for body in scene.bodies if body.motion == "static"}
+    for joint in joints:
+        if isinstance(joint, Distance):
+            continue
+        a, b = (root("" if name in still or name == "world" else name) for name in (joint.parent, joint.child))
+        if a == b:
+            return True
+        above[b] = a
+    return False

@@ -1,0 +1,95 @@
+"""Whose laws: which features of a run's engines are their own, which their adapters make, and which they lack."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from harness.emulations import Made, made
+from reports.contents import engines
+
+if TYPE_CHECKING:
+    from harness.store import Store
+
+__all__ = ["Law", "laws_of_case", "own_everywhere", "told_apart"]
+
+
+NAMES = {
+    "pair_friction": "friction of any pairs",
+    "static_friction": "static above kinetic friction",
+    "closed_loop": "closed loops",
+    "springs": "springs and dampers of joints",
+    "limits": "stops of joints",
+    "render": "pictures",
+    "save": "saved states",
+    "native_steps": "many steps in a call",
+}
+"""What a feature is called in a table, where its own name says too little."""
+BATCH = "many worlds in a call"
+IN_TURNS = "the harness lets worlds take turns, a few steps each"
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """One feature on one engine.
+
+    Terms:
+        word: 'own', 'emulated', 'in part emulated' or 'not offered'. made: what its adapter makes.
+    """
+
+    word: str
+    made: tuple[Made, ...] = ()
+
+
+def _law(engine: Mapping[str, Any], feature: str, found: list[Made]) -> Law:
+    if feature not in engine["features"]:
+        return Law("not offered")
+    mine = tuple(one for one in found if one.feature == feature)
+    if not mine:
+        return Law("own")
+    whole = not any(one.where for one in mine) and set(engine["tracks"]) <= {track for one in mine for track in one.tracks}
+    return Law("emulated" if whole else "in part emulated", mine)
+
+
+def _told(store: "Store") -> dict[str, dict[str, Any]]:
+    """The engines that tell their features, ours last: on a narrow screen the first columns are read."""
+    told = {name: engine for name, engine in engines(store).items() if engine["features"]}
+    return dict(sorted(told.items(), key=lambda pair: bool(pair[1]["ours"])))
+
+
+def _table(store: "Store", features: list[str]) -> list[tuple[str, Mapping[str, Law]]]:
+    told = _told(store)
+    found = {name: made(store.catalogue, name) for name in told}
+    return [
+        (NAMES.get(feature, feature.replace("_", " ")), {name: _law(told[name], feature, found[name]) for name in told})
+        for feature in features
+    ]
+
+
+def _batches(store: "Store") -> tuple[str, Mapping[str, Law]]:
+    """Who steps many worlds in a call of its own."""
+    told = _told(store)
+    turns = {name: (Made(name, BATCH, IN_TURNS, "", tuple(engine["tracks"])),) for name, engine in told.items()}
+    return BATCH, {name: Law("own") if engine["batch"] else Law("emulated", turns[name]) for name, engine in told.items()}
+
+
+def _features(store: "Store") -> list[str]:
+    """All features that some engine claims, in the order of the one that claims most."""
+    claimed = sorted((engine["features"] for engine in engines(store).values()), key=len, reverse=True)
+    return list(dict.fromkeys(feature for features in claimed for feature in features))
+
+
+def told_apart(store: "Store") -> list[tuple[str, Mapping[str, Law]]]:
+    """By feature and engine, for the features that some engine lacks or some adapter makes."""
+    rows = [*_table(store, _features(store)), _batches(store)]
+    return [(feature, row) for feature, row in rows if any(law.word != "own" for law in row.values())]
+
+
+def own_everywhere(store: "Store") -> list[str]:
+    """The features that are each engine's own."""
+    return [feature for feature, row in _table(store, _features(store)) if all(law.word == "own" for law in row.values())]
+
+
+def laws_of_case(store: "Store", case: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Law]]]:
+    """By feature and engine, for what the case uses and not every engine has of its own."""
+    used = _table(store, [feature for feature in _features(store) if feature in case["features"]])
+    return [(feature, row) for feature, row in used if any(law.word != "own" for law in row.values())]

@@ -1,0 +1,36 @@
+"""The page on fairness: its false findings have dates, and each is kept from coming back by tests that there are."""
+
+import re
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "fairness.md"
+
+
+def rows() -> list[list[str]]:
+    """The cells of the table of false findings."""
+    lines = PAGE.read_text(encoding="utf-8").split("## False findings")[1].splitlines()
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if re.match(r"\| \d", line)]
+
+
+def test_every_false_finding_says_when_what_was_published_what_is_true_and_what_was_wrong() -> None:
+    assert rows()
+    for found, *told in rows():
+        assert date.fromisoformat(found)
+        assert len(told) == 4
+        assert all(told)
+
+
+@pytest.mark.parametrize("row", rows(), ids=lambda row: row[1][:60])
+def test_every_false_finding_is_kept_from_coming_back_by_tests(row: list[str]) -> None:
+    named = re.findall(r"`(tests/[\w/]+\.py)`", row[-1])
+    assert named
+    assert [path for path in named if not (ROOT / path).is_file()] == []
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/architecture.md", "docs/method.md"])
+def test_the_page_is_linked(page: str) -> None:
+    assert "fairness.md)" in (ROOT / page).read_text(encoding="utf-8")

@@ -1,0 +1,41 @@
+"""Every engine gets as many tries: the sweep of a price study, on engines as they are and on one without its knobs."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+
+from harness import discover
+from harness.effort import ALIKE
+from tests.conformance.engines import NAMES, adapter, why_unavailable
+from tests.knobs import Tried, swept, unequal
+
+BARE = "bare"
+SWEEP = 24
+"""As many points beyond the ladder as the study of prices gives."""
+
+
+def test_one_and_a_half_times_as_many_settings_are_alike_and_more_are_not() -> None:
+    some = [Tried(case="c", engine=name, settings=count, trials=count) for name, count in (("a", 30), ("b", 20), ("d", 19))]
+    assert ALIKE == 1.5
+    assert unequal(some) == ["c: 19 settings of d, 30 of a"]
+
+
+@pytest.fixture(scope="module", params=["friction_slip_to_roll", "impact_oblique"])
+def tried(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Sequence[Tried]:
+    """A cheap case with contact, in which every engine has knobs that matter; and MuJoCo once more without a knob."""
+    case = discover.case(request.param)
+    engines = {name: adapter(name) for name in NAMES if not why_unavailable(name)}
+    engines[BARE] = replace(adapter("mujoco"), name=BARE, knobs={})
+    return swept(case, engines, case.ladder, SWEEP, tmp_path_factory.mktemp("knobs"))
+
+
+@pytest.mark.timeout(600)  # some forty trials of each engine
+def test_the_sweep_tries_as_many_settings_of_each_engine(tried: Sequence[Tried]) -> None:
+    assert unequal([one for one in tried if one.engine != BARE]) == []
+
+
+@pytest.mark.timeout(600)
+def test_an_engine_whose_knobs_were_taken_away_is_noticed(tried: Sequence[Tried]) -> None:
+    (words,) = unequal(tried)
+    assert f" settings of {BARE}, " in words

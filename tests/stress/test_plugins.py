@@ -1,0 +1,128 @@
+"""Plug-ins of third parties that cannot be loaded: each is named with the reason, and costs nobody else anything."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.store import Store
+
+PLUGINS = Path(__file__).parent / "dying_plugins"
+STUDY = """
+name = "plugins"
+recordings = false
+[[experiments]]
+name = "plugins"
+cases = ["flight_projectile"]
+tracks = ["tuned"]
+dt = [0.01]
+timing = false
+"""
+Call = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture(scope="module")
+def call(tmp_path_factory: pytest.TempPathFactory) -> Call:
+    """The command line with the plug-ins installed, and a cache of its own."""
+    environment = os.environ | {"PYTHONPATH": str(PLUGINS), "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache"))}
+
+    def called(*arguments: object) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "harness.cli", *map(str, arguments)]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=280, check=False)
+
+    return called
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, call: Call) -> Path:
+    made = tmp_path_factory.mktemp("plugins")
+    (made / "plugins.toml").write_text(STUDY)
+    engines = [word for name in ("reference", "leaves", "well") for word in ("--engine", name)]
+    done = call("run", made / "plugins.toml", *engines, "--out", made / "out")
+    assert done.returncode == 0, done.stderr
+    assert "case 'leaves_case' is left out: dying_leaves:CASE: ends the process that loads it (exit code 0)" in done.stderr
+    assert "metric 'raises_metric' is left out" in done.stderr
+    return made / "out"
+
+
+REASONS = {
+    "leaves": "dying_leaves:ADAPTER: ends the process that loads it (exit code 0)",
+    "quits": "dying_quits:ADAPTER: SystemExit: 0",
+    "raises": "dying_raises:ADAPTER: RuntimeError: no licence",
+    "missing": "dying_nowhere:ADAPTER: ModuleNotFoundError: No module named 'dying_nowhere'",
+    "no_version": "KeyError: 'version'",
+    "ends_at_version": "dying_version:ENDS: ends the process that loads it (exit code 0)",
+}
+
+
+def test_listings_say_why_an_engine_is_unavailable_and_list_the_others(call: Call) -> None:
+    done = call("engines", "--json")
+    assert done.returncode == 0, done.stderr
+    rows = {row["name"]: row for row in json.loads(done.stdout)}
+    for name, reason in REASONS.items():
+        assert not rows[name]["available"]
+        assert reason in rows[name]["unavailable"]
+    assert rows["reference"]["available"]
+    assert rows["well"]["version"] == "1.0"
+    assert "\x1b" not in call("engines").stdout
+
+
+def test_cases_are_listed_without_one_that_cannot_be_loaded_which_is_named(call: Call) -> None:
+    done = call("cases", "--json")
+    assert done.returncode == 0, done.stderr
+    names = [row["name"] for row in json.loads(done.stdout)]
+    assert "flight_projectile" in names
+    assert "leaves_case" not in names
+    assert "case 'leaves_case' is left out" in done.stderr
+
+
+def test_a_run_has_the_cells_of_all_engines_that_were_asked_for(folder: Path) -> None:
+    told = Store(folder).trials.set_index("engine")
+    assert told["status"].to_dict() == {"leaves": "unavailable", "reference": "passed", "well": "unsupported"}
+    assert REASONS["leaves"] in told.loc["leaves", "reason"]
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("leaves_page", "dying_leaves:PAGE: ends the process that loads it"),
+        ("raising", "LookupError: nothing to draw"),
+        ("doubting", "LookupError: is it there?"),
+        ("outward", "expected a plain name"),
+        ("no_page", "expected a Page with a plain name"),
+    ],
+)
+def test_a_page_that_fails_says_so_in_its_place(folder: Path, name: str, reason: str) -> None:
+    assert reason in (folder / "report" / f"{name}.html").read_text()
+
+
+def test_the_other_pages_stand(folder: Path) -> None:
+    report = folder / "report"
+    assert (report / "good.html").read_text() == "good"
+    assert "Plumbline" in (report / "index.html").read_text()
+    assert (report / "case-flight_projectile.html").is_file()
+    assert not (report.parent / "outward.html").exists()
+
+
+def test_a_plug_in_is_tried_once_until_its_file_changes(tmp_path: Path) -> None:
+    (tmp_path / "counted-1.0.dist-info").mkdir()
+    (tmp_path / "counted-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: counted\nVersion: 1.0\n")
+    (tmp_path / "counted-1.0.dist-info" / "entry_points.txt").write_text("[plumbline.cases]\ncounted = counted:CASE\n")
+    code = f"open({str(tmp_path / 'log')!r}, 'a').write('x')\nCASE = 1\n"
+    (tmp_path / "counted.py").write_text(code)
+    environment = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+
+    def ask() -> None:
+        command = [sys.executable, "-c", "from harness import discover; assert not discover.left_out('cases')"]
+        subprocess.run(command, env=environment, check=True)
+
+    for _ in range(3):
+        ask()
+    assert (tmp_path / "log").read_text() == "x"
+    (tmp_path / "counted.py").write_text(f"{code}# changed\n")
+    ask()
+    assert (tmp_path / "log").read_text() == "xx"

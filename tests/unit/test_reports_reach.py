@@ -1,0 +1,42 @@
+"""What the page on limits says of one search."""
+
+from dataclasses import replace
+from typing import Any
+
+from harness.searches import Search
+from reports.reach import cell
+
+BROKEN: Any = Search(
+    experiment="axes",
+    case="wall",
+    where="",
+    engine="one",
+    track="default",
+    dt=0.01,
+    axis="speed",
+    unit="m/s",
+    easy=1.0,
+    extreme=100.0,
+    held=10.0,
+    broke=20.0,
+    share=0.5,
+    signs="passage 3",
+    verdict="limit",
+    reason="",
+    members=6,
+    values=4,
+    cost=None,
+    reach=0.5,
+    trial_held="a",
+    trial_broke="b",
+)
+
+
+def test_a_limit_at_which_the_case_s_own_start_holds_says_so() -> None:
+    assert "own start" not in cell(replace(BROKEN, own_holds=False)).why
+    assert "the case's own start holds" in cell(replace(BROKEN, own_holds=True)).why
+
+
+def test_a_finding_names_the_effects_that_no_scene_called_for() -> None:
+    damping = "surplus: angular_damping (the vendor's default of 0.04)"
+    assert damping in cell(replace(BROKEN, noticed=(damping,))).hint

@@ -28,9 +28,7 @@ WORTH_A_SERVER = 20
 
 
 def context() -> ForkServerContext:
-    """Processes off the server that knows no engine; numeric libraries that load in them use one thread."""
-    for name in _THREADS:
-        os.environ[name] = "1"
+    """Processes off the server that knows no engine, to be started by `start_loaded` or `start_apart`."""
     plain = multiprocessing.get_context("forkserver")
     plain.set_forkserver_preload(list(_PRELOAD))
     return plain
@@ -49,11 +47,11 @@ def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) 
         try:
             if server is not None:
                 with _through(server):
-                    process.start()
+                    _start(process)
                 return
         except (EOFError, ConnectionError):
             _servers[modules] = None
-    process.start()
+    _start(process)
 
 
 def start_apart(process: BaseProcess, number: int) -> None:
@@ -62,18 +60,36 @@ def start_apart(process: BaseProcess, number: int) -> None:
     Args: number: 0 for the one that `context` has anyway.
     """
     if number == 0:
-        process.start()
+        _start(process)
         return
     if number not in _apart:
         _apart[number] = _new_server(())
     with _through(_apart[number]):
-        process.start()
+        _start(process)
 
 
 _servers: dict[tuple[str, ...], Any] = {}
 """By modules; None for those that kill a server."""
 _apart: dict[int, Any] = {}
 """Those beside the plain one that know no engine, by number."""
+
+
+def _start(process: BaseProcess) -> None:
+    """Start it where numeric libraries use one thread: so says the environment that its server, if it is new, is born with.
+
+    The environment of this process is as before afterwards: Numba refuses to compile once it says another number of threads
+    than those that run.
+    """
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    try:
+        process.start()
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 def _new_server(modules: tuple[str, ...]) -> Any:

@@ -1,6 +1,7 @@
 """Fork servers: what is loaded in which, where things lie in memory, and what happens where loading kills one."""
 
 import ctypes
+import os
 import sys
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -56,6 +57,27 @@ def test_a_module_that_kills_its_server_does_not_keep_processes_from_starting(
     monkeypatch.syspath_prepend(str(tmp_path))
     for foreseen in (WORTH_A_SERVER, 1):
         assert not loaded("deadly_to_load", ("deadly_to_load",), foreseen)
+
+
+def show_threads(pipe: Connection) -> None:
+    pipe.send([os.environ.get(name) for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS")])
+
+
+def test_processes_have_one_thread_each_and_who_starts_them_keeps_its_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba refuses to compile in a process whose threads run already, once its environment asks for another number of them."""
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    monkeypatch.delenv("NUMBA_NUM_THREADS", raising=False)
+    before = dict(os.environ)
+    for number in (0, 3):
+        plain = context()
+        ours, theirs = plain.Pipe(duplex=False)
+        process = plain.Process(target=show_threads, args=(theirs,), daemon=True)
+        start_apart(process, number)
+        theirs.close()
+        assert ours.poll(WAIT)
+        assert ours.recv() == ["1", "1"]
+        process.join(WAIT)
+        assert dict(os.environ) == before
 
 
 def show_place(pipe: Connection) -> None:

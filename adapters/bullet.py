@@ -2231,6 +2231,13 @@ ADAPTER = BulletAdapter(
         "options.contact_breaking": (0.001, 0.02),
         "options.warm_starting": (0.0, 0.1, 0.85),
     },
+    acts_on={
+        **dict.fromkeys(("iterations", "solver", "tolerance"), Effect.CONTACT | Effect.JOINTS),
+        **dict.fromkeys(("options.contact_erp", "options.contact_slop", "options.contact_breaking"), Effect.CONTACT),
+        **dict.fromkeys(("options.joints", "options.erp"), Effect.JOINTS),
+        "options.warm_starting": Effect.CONTACT | Effect.JOINTS,
+        "options.drives": Effect.DRIVES,
+    },
     known_failures={
         "default/continuous_collision_stops_a_fast_ball": "bodies are multibodies by default, which Bullet cannot sweep",
         "default/hidden_damping_is_off": _DAMPED,

@@ -1655,6 +1655,12 @@ ADAPTER = DartAdapter(
         "options.joints": JOINTS,
         "options.error_reduction": (0.01, 0.1, 0.2, 0.5),
     },
+    acts_on={
+        **dict.fromkeys(("solver", "iterations", "tolerance", "options.error_reduction"), Effect.CONTACT | Effect.JOINTS),
+        **dict.fromkeys(("options.detector", "options.split_impulse"), Effect.CONTACT),
+        "options.joints": Effect.JOINTS,
+        "options.drives": Effect.DRIVES,
+    },
     loads=("dartpy",),
     orders={INTEGRATOR: 1},
     emulated=(

@@ -1576,6 +1576,16 @@ ADAPTER = MujocoAdapter(
         "options.slowest": (0.1, VENDOR_TIME_CONSTANT, 0.005, 0.001),
         "options.jacobian": ("auto", "dense", "sparse"),
     },
+    acts_on={
+        **dict.fromkeys(("solver", "iterations", "tolerance", "options.jacobian"), Effect.CONTACT | Effect.JOINTS),
+        **dict.fromkeys(("options.cone", "options.contact_steps", "options.contact_damping_ratio"), Effect.CONTACT),
+        "options.contact_impedance": Effect.CONTACT,
+        **dict.fromkeys(("options.impratio", "options.friction_steps"), Effect.FRICTION),
+        "options.noslip_iterations": Effect.FRICTION | Effect.JOINTS,
+        "options.rebound_steps": Effect.RESTITUTION,
+        **dict.fromkeys(("options.limit_steps", "options.limit_damping_ratio"), Effect.JOINTS),
+        **dict.fromkeys(("options.loop_steps", "options.loop_impedance"), Effect.JOINTS),
+    },
     known_failures={
         "default/continuous_collision_stops_a_fast_ball": "the vendor leaves speculative contacts off",
         "default/friction_is_isotropic": "the vendor's default cone is a pyramid: friction towards its edges is up to 41 % off",

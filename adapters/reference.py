@@ -252,7 +252,7 @@ def _resolved(settings: Settings, used: "engine.Options", world: "engine.World")
         del filled["continuous"]
     return replace(
         settings,
-        substeps=used.substeps,
+        substeps=world.substeps,
         iterations=None if exact else used.iterations,
         integrator=used.integrator,
         solver=used.solver,
@@ -788,6 +788,10 @@ ADAPTER = _Reference(
         ),
         "options.continuous": ("speculative", "swept"),
         "options.contact_hertz": (60.0, 120.0, 240.0, 480.0, 960.0),
+    },
+    acts_on={
+        **dict.fromkeys(("solver", "iterations", "options.contact_hertz"), Effect.CONTACT),
+        "options.continuous": Effect.CONTINUOUS_COLLISION,
     },
     trade_offs={
         "joint_long_run/ladder": (

@@ -39,7 +39,7 @@ from enum import Flag, auto
 from typing import Any, Literal, Protocol
 
 from harness.batch import Batch, Turns
-from harness.scene import Camera, Scene
+from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = [
@@ -250,7 +250,9 @@ class Adapter(ABC):
     Terms:
         name: as on the command line. distribution: the package that is installed. title: as in the report.
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
-        users would try. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures.
+        users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
+        test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
+        failures.
         trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
         case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
         deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
@@ -268,6 +270,7 @@ class Adapter(ABC):
     features: Feature
     tracks: Mapping[str, Settings]
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    acts_on: Mapping[str, Effect] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
     trade_offs: Mapping[str, str] = field(default_factory=dict)
     deviations: tuple[str, ...] = ()
@@ -286,6 +289,10 @@ class Adapter(ABC):
                 raise ValueError(f"{where}: expected one feature that the adapter claims")
             if not one.how.strip() or not one.tracks or not set(one.tracks) <= set(self.tracks):
                 raise ValueError(f"{where}: expected how, and on which of the tracks {', '.join(self.tracks)}")
+
+    def knobs_in(self, scene: Scene) -> tuple[str, ...]:
+        """The knobs that may mean something in this scene."""
+        return tuple(knob for knob in self.knobs if knob not in self.acts_on or self.acts_on[knob] & scene.effects)
 
     def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled
         """Compile what this scene needs, where the engine does such a thing; a trial's deadline begins after it.

@@ -1,19 +1,21 @@
 """Which settings to try for work-precision: a coarse design, then steps along the Pareto front, as many for every engine.
 
-For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares is
-turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, means nothing here and is left
-alone. From then on each point of the front tries its neighbours: twice and half its time step, and the next value to both
+For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares for
+such a scene is turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, is turned once
+more where the engine errs least, since a slop or a tolerance may be felt there alone, and left alone where that too says
+nothing. From then on each point of the front tries its neighbours: twice and half its time step, and the next value to both
 sides of every knob that matters. Where a round brings nothing to the front, exact answers on it are tried at twice their step,
 then the neighbours of what lies next behind it: an engine whose front stays early is given as many points as one whose front
 goes on. That ends when the experiment's number of points is spent, or nothing is left to try; knobs that mean nothing here are
-not counted. Costs are
-rough: each is clocked beside its accuracy run, in turns with a yardstick, the default track at the case's own step, and what
-is compared are the ratios. They say nothing about differences of a few per cent; what they leave near the front is clocked
-properly afterwards.
+not counted.
+
+Costs are rough: each is clocked beside its accuracy run, in turns with a yardstick, the default track at the case's own step,
+and what is compared are the ratios. They say nothing about differences of a few per cent; what they leave near the front is
+clocked properly afterwards.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from statistics import median
@@ -149,10 +151,13 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     room = group[0].experiment.sweep - _others(group, records)
     if room <= 0 or sum(trial.round > 0 for trial in group) >= RUNS * group[0].experiment.sweep:
         return []
-    wanted = list(_screening(base, adapter)) if last == 0 else []
+    knobs = adapter.knobs_in(group[0].scene(case))
+    live = _live(group, records, knobs)
+    wanted = list(_screening(base, knobs, adapter)) if last == 0 else []
+    if last == 1 and (best := _most_accurate(here, case)) is not None:
+        wanted = list(_screening(best, [knob for knob in knobs if knob not in live], adapter))
     screens = bool(wanted)
     if not screens:
-        live = _live(group, records, base, adapter)
         stays = last > 1 and not _moved(here, last)
         wanted = list(_coarser_still(here, case)) if stays else []
         for layer in _layers(_apart(here)):
@@ -175,6 +180,11 @@ def _base(here: Sequence[Point], case: Case) -> Point:
     return min(tuned or first or here, key=lambda point: abs(point.trial.settings.dt / case.dt - 1))
 
 
+def _most_accurate(here: Sequence[Point], case: Case) -> Point | None:
+    """The point that errs least of those that may be tried again in time."""
+    return min((p for p in here if p.cost * case.duration < LONGEST), key=lambda p: (p.error, p.cost), default=None)
+
+
 def _key(settings: Settings) -> str:
     return repr(replace(settings, source="").plain())
 
@@ -193,9 +203,9 @@ def _label(origin: Trial, settings: Settings, adapter: Adapter) -> str:
     return ", ".join((track, *words))
 
 
-def _screening(base: Point, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
-    """Every knob, turned once."""
-    for knob in adapter.knobs:
+def _screening(base: Point, knobs: Iterable[str], adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+    """Each of these knobs, turned once."""
+    for knob in knobs:
         for value in _beside(base, knob, adapter)[:1]:
             yield base.trial, turned(base.trial.settings, knob, value)
 
@@ -212,21 +222,27 @@ def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
     return [value for value in dict.fromkeys((values[0], values[-1])) if value != now]
 
 
-def _live(group: Group, records: Mapping[str, Record], base: Point, adapter: Adapter) -> list[str]:
-    """The knobs that changed the trajectory when they were first turned."""
+def _live(group: Group, records: Mapping[str, Record], knobs: Iterable[str]) -> list[str]:
+    """The knobs that changed a trajectory: two runs whose settings differ in the knob alone gave two answers."""
     live = []
-    for knob in adapter.knobs:
-        for value in _beside(base, knob, adapter)[:1]:
-            key = _key(turned(base.trial.settings, knob, value))
-            trial = next((trial for trial in group if _key(trial.settings) == key), None)
-            if trial is not None and not _means_nothing(records.get(trial.trial), base):
-                live.append(knob)
+    for knob in knobs:
+        answers: dict[str, set[str]] = {}
+        for trial in group:
+            record = records.get(trial.trial)
+            if record is not None and record.trajectory_hash is not None:
+                answers.setdefault(_key(_without(trial.settings, knob)), set()).add(record.trajectory_hash)
+        if any(len(found) > 1 for found in answers.values()):
+            live.append(knob)
     return live
 
 
-def _means_nothing(record: Record | None, base: Point) -> bool:
-    """Was a turned knob refused, or did it leave the trajectory of the base as it was, bit for bit?"""
-    return record is None or record.trajectory_hash in (None, base.record.trajectory_hash)
+def _without(settings: Settings, knob: str) -> Settings:
+    """The settings, this knob left to the engine."""
+    if knob.startswith("options."):
+        kept = {name: value for name, value in settings.options.items() if name != knob.removeprefix("options.")}
+        return replace(settings, options=kept)
+    unset: dict[str, Any] = {knob: None}
+    return replace(settings, **unset)
 
 
 def _moved(here: Sequence[Point], last: int) -> bool:

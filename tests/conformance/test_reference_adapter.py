@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from adapters.reference import ADAPTER
@@ -112,6 +113,16 @@ def test_tuned_contacts_are_exact_where_few_bodies_of_unlike_masses_have_weight(
     assert used.solver == solver
     assert (used.substeps, used.iterations) == ((1, None) if solver == "exact" else (8, 2))
     assert ADAPTER.build(stage, used).resolved == used
+
+
+def test_the_sub_steps_that_are_told_are_those_that_are_taken() -> None:
+    """Runge-Kutta takes dt whole where nothing can touch; whatever was asked for, the answer is the same there."""
+    top = discover.case("spin_heavy_top").scene()
+    assert ADAPTER.build(top, TUNED).resolved.substeps == 1
+    assert ADAPTER.build(top, ADAPTER.tracks["default"]).resolved.substeps == 4
+    ends = [_end(ADAPTER.build(top, replace(TUNED, substeps=parts)), top, 60) for parts in (1, 8)]
+    assert np.array_equal(ends[0].q_WB, ends[1].q_WB)
+    assert ADAPTER.build(_pair(), TUNED).resolved.substeps == 8
 
 
 def test_the_tolerance_of_exact_contacts_leaves_room_for_the_rounding_of_the_load() -> None:

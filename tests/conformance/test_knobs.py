@@ -1,0 +1,56 @@
+"""Where an adapter says that a knob means nothing in a scene, turning it leaves every bit of the answer as it was."""
+
+from dataclasses import replace
+
+import pytest
+
+from harness import discover
+from harness.adapter import Settings, SettingsError, Unsupported
+from harness.scene import Scene
+from harness.sweep import turned
+from harness.trajectory import State
+from tests.conformance.engines import NAMES, adapter, why_unavailable
+
+SCENES = {
+    "flight_box": "nothing acts on nothing",
+    "spin_heavy_top": "a joint and no contact",
+    "joint_spring": "a spring",
+    "joint_limits": "a stop",
+    "joint_fourbar": "a loop",
+    "rest_penetration": "contact",
+    "friction_stop": "friction",
+    "impact_bounce": "rebounds",
+    "stand_quadruped": "drives",
+}
+"""Cases, and what acts there."""
+STEPS = 30
+
+
+def answer(engine: str, scene: Scene, settings: Settings) -> bytes:
+    """The state after some steps; nothing where the settings are refused."""
+    try:
+        simulation = adapter(engine).build(scene, settings)
+    except (SettingsError, Unsupported):
+        return b""
+    out = State.initial(scene)
+    simulation.step(STEPS)
+    simulation.state(out)
+    simulation.close()
+    return b"".join(getattr(out, name).tobytes() for name in ("p_WB", "q_WB", "v_WB", "w_WB"))
+
+
+@pytest.mark.parametrize("engine", NAMES)
+@pytest.mark.parametrize("case", SCENES)
+def test_a_knob_that_acts_on_nothing_here_changes_nothing(case: str, engine: str) -> None:
+    if why_unavailable(engine):
+        pytest.skip(why_unavailable(engine))
+    question, contestant = discover.case(case), adapter(engine)
+    scene = question.scene()
+    track = replace(contestant.tracks["tuned"], dt=question.dt)
+    base = answer(engine, scene, track)
+    if not base:
+        pytest.skip(f"{engine} does not know {case}")
+    meant = contestant.knobs_in(scene)
+    idle = [(knob, value) for knob, values in contestant.knobs.items() if knob not in meant for value in values]
+    felt = [(knob, value) for knob, value in idle if answer(engine, scene, turned(track, knob, value)) not in (base, b"")]
+    assert felt == []

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from harness.emulations import whose
+from harness.safe_text import markdown_cell
 from harness.store import Store, write_atomically
 
 __all__ = ["write_summary"]
@@ -36,16 +37,12 @@ def _junit(trials: pd.DataFrame) -> bytes:
     return text
 
 
-def _cell(text: object) -> str:
-    return _printable(str(text)).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
-
-
 def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
     table = trials.groupby(["engine", "track", "status"]).size().unstack(fill_value=0)
-    lines = ["# Outcomes", "", "| engine | track | " + " | ".join(table.columns) + " |"]
+    lines = ["# Outcomes", "", "| engine | track | " + " | ".join(map(markdown_cell, table.columns)) + " |"]
     lines.append("|---" * (2 + len(table.columns)) + "|")
     for (engine, track), row in table.iterrows():
-        lines.append(f"| {_cell(engine)} | {_cell(track)} | " + " | ".join(str(n) for n in row) + " |")
+        lines.append(f"| {markdown_cell(engine)} | {markdown_cell(track)} | " + " | ".join(str(n) for n in row) + " |")
     notable = trials[trials["status"].isin((*_ERRORS, "failed"))]
     if len(notable):
         lines += [
@@ -58,7 +55,7 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
         for row in notable.itertuples():
             law = whose(catalogue, row.engine, row.case, row.track)
             cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason, law)
-            lines.append("| " + " | ".join(map(_cell, cells)) + " |")
+            lines.append("| " + " | ".join(map(markdown_cell, cells)) + " |")
     return ("\n".join(lines) + "\n").encode()
 
 

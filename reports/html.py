@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping
 from functools import cache
 from pathlib import Path
 
+from harness.safe_text import LONGEST, one_line
 from harness.store import Store
 from reports.figure import VEGA_LITE
 from reports.page import Page, asked, failed, pages
@@ -36,7 +37,7 @@ def rendered(store: Store) -> Mapping[str, str]:
             try:
                 texts |= _texts(page, store, {*texts, *(f"{one.name}.html" for one in found if one is not page)})
             except Exception as error:
-                print(f"page '{page.name}': {type(error).__name__}: {error}", file=sys.stderr)
+                print(one_line(f"page '{page.name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
                 texts |= failed(page.name, page.title, f"{type(error).__name__}: {error}", store)
     return texts
 

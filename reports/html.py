@@ -12,6 +12,7 @@ from harness.safe_text import LONGEST, one_line
 from harness.store import Store
 from reports.figure import VEGA_LITE
 from reports.page import Page, asked, failed, pages
+from reports.policy import guarded
 
 __all__ = ["write_report"]
 
@@ -64,6 +65,7 @@ def write_report(folder: Path) -> Path:
     style = Path(__file__).parent / "style"
     texts |= {f"style/{name}": (style / name).read_text(encoding="utf-8") for name in ASSETS}
     texts["style/vega.js"] = vega_bundle()
+    texts |= {name: guarded(text) for name, text in texts.items() if name.endswith(".html")}
     try:
         for name, text in texts.items():
             path = draft / name

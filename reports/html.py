@@ -16,7 +16,7 @@ from reports.policy import guarded
 
 __all__ = ["write_report"]
 
-ASSETS = ("report.css", "report.js")
+ASSETS = ("report.css", "report.js", "vega-licences.txt")
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js)")
 
 
@@ -25,7 +25,7 @@ def vega_bundle() -> str:
     """Vega, Vega-Lite and the embedding, in one script without imports."""
     import vl_convert  # late: it brings a JavaScript engine
 
-    title = "/* Vega, Vega-Lite and Vega-Embed: University of Washington Interactive Data Lab, BSD-3-Clause */\n"
+    title = "/* Vega, Vega-Lite, Vega-Embed and what they are made of: see vega-licences.txt beside this file */\n"
     return title + str(vl_convert.javascript_bundle("window.vegaEmbed = vegaEmbed;", vl_version=VEGA_LITE))
 
 

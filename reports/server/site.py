@@ -34,6 +34,7 @@ KINDS = {
     ".svg": "image/svg+xml",
     ".json": "application/json",
     ".csv": "text/csv; charset=utf-8",
+    ".txt": "text/plain; charset=utf-8",
     ".rrd": "application/octet-stream",
     ".wasm": "application/wasm",
 }

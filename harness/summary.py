@@ -7,18 +7,13 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from harness.emulations import whose
-from harness.safe_text import markdown_cell
+from harness.safe_text import markdown_cell, visible
 from harness.store import Store, write_atomically
 
 __all__ = ["write_summary"]
 
 _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")
-
-
-def _printable(text: str) -> str:
-    """Without the control characters that XML cannot hold."""
-    return "".join(c if c.isprintable() or c in "\n\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def _junit(trials: pd.DataFrame) -> bytes:
@@ -29,10 +24,10 @@ def _junit(trials: pd.DataFrame) -> bytes:
     suite.set("skipped", str(int(counts.reindex(_SKIPPED, fill_value=0).sum())))
     for row in trials.itertuples():
         name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}]"
-        test = ElementTree.SubElement(suite, "testcase", classname=_printable(str(row.study)), name=_printable(name))
+        test = ElementTree.SubElement(suite, "testcase", classname=visible(str(row.study)), name=visible(name))
         kind = {"failed": "failure"} | dict.fromkeys(_ERRORS, "error") | dict.fromkeys(_SKIPPED, "skipped")
         if row.status in kind:
-            ElementTree.SubElement(test, kind[row.status], message=_printable(f"{row.status}: {row.reason}"))
+            ElementTree.SubElement(test, kind[row.status], message=visible(f"{row.status}: {row.reason}"))
     text: bytes = ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)
     return text
 

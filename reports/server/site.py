@@ -43,13 +43,15 @@ KINDS = {
 
 def file_of(folder: Path, address: str) -> Path | None:
     """The file that an address names below the open folders; None where there is none or a link leads out of them."""
-    parts = [part for part in unquote(address).split("/") if part]
+    parts = unquote(address).split("/")[1:]
     if len(parts) < 2 or parts[0] not in OPEN_FOLDERS or "\0" in address or "%00" in address:
+        return None
+    if any(not part or part.startswith(".") for part in parts):
         return None
     try:
         base = folder.resolve() / parts[0]
         path = base.joinpath(*parts[1:]).resolve()
-        if not path.is_relative_to(base) or any(part.startswith(".") for part in parts) or path.suffix not in KINDS:
+        if not path.is_relative_to(base) or path.suffix not in KINDS:
             return None
         return path if path.is_file() else None
     except (OSError, RuntimeError):  # a name that is too long, links in a circle

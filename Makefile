@@ -6,7 +6,7 @@ STAMP := $(VENV)/.installed
 WORKERS ?= 2
 OUT ?= build/compare
 
-.PHONY: compare report test test-all test-nojit mutants lint lock clean help
+.PHONY: compare report test test-all test-nojit mutants lint audit lock clean help
 
 help:            ## this list
 	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
@@ -42,8 +42,14 @@ lint: $(STAMP)     ## style, types, layers
 	$(BIN)/python -m mypy
 	$(BIN)/lint-imports
 
-lock:              ## requirements.lock anew from pyproject.toml (needs uv)
+audit:             ## known vulnerabilities of what requirements.lock installs (asks pip-audit's database)
+	test -x build/audit/bin/python || $(PYTHON) -m venv build/audit
+	build/audit/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r .ci/audit.lock
+	build/audit/bin/python .ci/audit.py
+
+lock:              ## the lock files anew (needs uv)
 	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --extra decomposition --no-header --no-emit-index-url pyproject.toml -o requirements.lock
+	echo "pip-audit>=2.10" | uv pip compile --quiet --generate-hashes --python-version 3.11 --no-header --no-emit-index-url - -o .ci/audit.lock
 
 clean:             ## everything that can be made again
 	rm -rf build $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

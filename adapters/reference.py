@@ -824,5 +824,5 @@ ADAPTER = _Reference(
         "splitting_8": 8,
     },
     compile_allowance=900.0,
-    loads=("engine.steps_smooth", "engine.steps_contact", "numba.np.arrayobj"),
+    loads=("engine.steps_smooth", "engine.steps_contact", "engine.prepared"),
 )  # fmt: skip

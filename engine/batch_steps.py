@@ -5,12 +5,12 @@ second, and the machine code that a world runs is the same with others beside it
 """
 
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 import numba
 from numba import prange
-from numba.extending import intrinsic
 
+from engine.compilers import entry_point, pointer_caller
 from engine.jit import entry, jit_is_off, kernel, parallel_entry
 from engine.vec import Floats, Ints
 
@@ -27,10 +27,10 @@ def address_of(function: Any, signature: Any) -> Any:
     """Where the machine code of a compiled function with this signature lies; the function itself where nothing is compiled."""
     if jit_is_off():
         return function
-    compiled = function.get_compile_result(signature)
-    if compiled.signature.return_type != signature.return_type:
-        raise TypeError(f"{function.__name__} returns {compiled.signature.return_type}, expected {signature.return_type}")
-    return compiled._asdict()["library"].get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+    returned, address = entry_point(function, signature)
+    if returned != signature.return_type:
+        raise TypeError(f"{function.__name__} returns {returned}, expected {signature.return_type}")
+    return address
 
 
 def address_of_step(step: Any) -> Any:
@@ -52,18 +52,7 @@ def _caller(signature: Any) -> Callable[..., Any]:
     """How compiled code calls a function of this signature: by its address, with a tuple of arguments."""
     if jit_is_off():
         return lambda function, arguments: function(*arguments)
-
-    @intrinsic
-    def call(_: Any, address: Any, arguments: Any) -> Any:
-        def code(context: Any, builder: Any, _: Any, values: Any) -> Any:
-            pointer = context.get_value_type(types.FunctionType(signature).ftype)
-            given = [builder.extract_value(values[1], k) for k in range(len(signature.args))]
-            answer = builder.call(builder.inttoptr(values[0], pointer), given)
-            return context.get_dummy_value() if signature.return_type == types.none else answer
-
-        return signature.return_type(address, arguments), code
-
-    return cast(Callable[..., Any], call)
+    return pointer_caller(signature)
 
 
 call_step, call_search, call_collide = _caller(STEP), _caller(SEARCH), _caller(COLLIDE)

@@ -1,21 +1,96 @@
-"""How Numba compiles and links the functions of this package: whole programs, each of them by itself.
+"""How Numba compiles, links, keeps and calls the functions of this package: whole programs, each of them by itself.
 
 Numba makes machine code of every function on its own, with all that it calls, once per caller. Here a kernel stays what Numba
 made of its text until an entry is linked, which takes in every kernel that it reaches, once, and is optimised as one program.
 That takes a fifth off the first step, and what comes out does not depend on what else the process has compiled.
+
+Nothing else of this project touches what Numba does not document; `INTERNALS` lists it, and a test says what a version lacks.
 """
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import cache
+from importlib import import_module
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar, cast
 
-__all__ = ["entry_compiler", "kernel_compiler", "stream_compiler"]
+__all__ = [
+    "INTERNALS",
+    "compiled_under",
+    "entry_options",
+    "entry_point",
+    "for_all_values",
+    "inlined_options",
+    "jit_is_off",
+    "kernel_options",
+    "loaded_lightly",
+    "most_threads",
+    "pointer_caller",
+    "prepare",
+    "stream_options",
+    "use_cache",
+]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 NUMBA_RUNTIME = "NRT_"
 """How the symbols that Numba shares among all functions of a process begin."""
 ENVIRONMENT = "_ZN08NumbaEnv"
 """How the symbols begin under which a function finds the Python objects that it was compiled with."""
+
+INTERNALS: dict[str, tuple[str, ...]] = {
+    "numba.core.compiler.CompilerBase": ("define_pipelines",),
+    "numba.core.compiler.DefaultPassBuilder": ("define_nopython_pipeline",),
+    "numba.core.codegen.JITCodeLibrary": (
+        *("codegen", "finalize", "enable_object_caching", "get_pointer_to_function", "_raise_if_finalized"),
+        *("_finalize_dynamic_globals", "_get_module_for_linking", "_optimize_final_module"),
+    ),
+    "numba.core.environment": ("lookup_environment",),
+    "numba.core.runtime.nrt.rtsys": ("initialize",),
+    "numba.core.types": ("FunctionType",),
+    "numba.core.config": ("CACHE_DIR", "DISABLE_JIT", "NUMBA_NUM_THREADS"),
+    "numba.np.arrayobj": (),
+    "the options of njit": ("forceinline", "no_cfunc_wrapper", "no_cpython_wrapper", "pipeline_class"),
+    "the type of a function": ("ftype",),
+    "a compiled function": ("compile", "get_call_template", "get_compile_result", "_cache"),
+    "its cache": ("load_overload", "_guard_against_spurious_io_errors", "_load_overload"),
+    "what its compiler made": ("fndesc", "library", "signature"),
+    "its description": ("llvm_cfunc_wrapper_name",),
+    "its library": ("_codegen", "_final_module", "_finalized", "_linking_libraries", "_reload_init"),
+    "the machine code that it is made with": ("set_env",),
+    "its compiler": ("state",),
+    "the state of its compiler": ("flags", "func_id", "library", "targetctx"),
+    "the flags of its compiler": ("noalias",),
+    "the function in its compiler": ("func_qualname",),
+    "its target": ("codegen", "get_dummy_value", "get_value_type"),
+}
+"""All that is used here of Numba and that Numba does not document: by where it is, or by what has it, its names."""
+
+
+def jit_is_off() -> bool:
+    """Whether functions run as plain Python."""
+    return bool(_config().DISABLE_JIT)
+
+
+def most_threads() -> int:
+    """How many threads Numba may use in this process."""
+    return int(_config().NUMBA_NUM_THREADS)
+
+
+def use_cache(directory: str) -> None:
+    """Keep what is compiled in a directory; to be said before the first function is decorated."""
+    _config().CACHE_DIR = directory
+
+
+def _config() -> Any:
+    import numba
+
+    return numba.config
+
+
+def prepare() -> None:
+    """Import what Numba imports when it first compiles or loads a function of arrays."""
+    import_module("numba.np.arrayobj")
 
 
 @cache
@@ -55,6 +130,26 @@ def entry_compiler() -> type:
         state["library"] = library
 
     return _compiler(prepare)
+
+
+def entry_options() -> dict[str, Any]:
+    """What `njit` is told of a function that Python calls."""
+    return {"pipeline_class": entry_compiler()}
+
+
+def kernel_options() -> dict[str, Any]:
+    """What `njit` is told of a function that only compiled functions call."""
+    return {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": kernel_compiler()}
+
+
+def stream_options() -> dict[str, Any]:
+    """As `kernel_options`, where arrays do not overlap."""
+    return kernel_options() | {"pipeline_class": stream_compiler()}
+
+
+def inlined_options() -> dict[str, Any]:
+    """As `kernel_options`, put in place of every call."""
+    return kernel_options() | {"forceinline": True}
 
 
 def _compiler(prepare: Callable[[Any], None]) -> type:
@@ -153,3 +248,87 @@ def _link(module: Any, libraries: list[Any]) -> list[Any]:
         else:
             module.link_in(one._get_module_for_linking(), preserve=True)
     return list(taken)
+
+
+def for_all_values(function: Function) -> Function:
+    """The compiled function that callers meet by the types of arguments alone.
+
+    Numba would compile it anew for each constant that a caller passes, `load3` for each column; inlining does that better.
+    """
+    template = getattr(function, "get_call_template", None)
+    if template is None:
+        return function
+
+    import numba
+
+    unliteral: Any = numba.types.unliteral
+
+    def by_type(args: Any, kws: Any) -> Any:
+        return template(tuple(unliteral(one) for one in args), {name: unliteral(one) for name, one in kws.items()})
+
+    cast(Any, function).get_call_template = by_type
+    return function
+
+
+def compiled_under(function: Function, around: Callable[[str], AbstractContextManager[None]]) -> Function:
+    """The compiled function whose compiler, which looks into the cache first, runs within `around(name of the function)`."""
+    compiler = getattr(function, "compile", None)
+    if compiler is None:
+        return function
+
+    def guarded(signature: Any) -> Any:
+        with around(function.__name__):
+            return compiler(signature)
+
+    cast(Any, function).compile = guarded
+    return function
+
+
+def loaded_lightly(function: Function) -> Function:
+    """The compiled function that comes from the cache without the compiler's own preparations.
+
+    Before it looks into the cache, Numba imports all that it may compile, SciPy's linear algebra among it: 0.26 s of 0.36 s to
+    the first step of ten boxes. What is compiled needs none of it, and the compiler itself prepares again.
+    """
+    cache = getattr(function, "_cache", None)
+    if cache is None:
+        return function
+
+    from numba.core.runtime.nrt import rtsys
+
+    runtime: Any = rtsys
+
+    def load(signature: Any, context: Any) -> Any:
+        runtime.initialize(context)
+        with cache._guard_against_spurious_io_errors():
+            return cache._load_overload(signature, context)
+
+    cache.load_overload = load
+    return function
+
+
+def entry_point(function: Any, signature: Any) -> tuple[Any, int]:
+    """What a compiled function returns for arguments of these types, and where the machine code for them lies."""
+    made = function.get_compile_result(signature)
+    library = made._asdict()["library"]
+    return made.signature.return_type, library.get_pointer_to_function(made.fndesc.llvm_cfunc_wrapper_name)
+
+
+def pointer_caller(signature: Any) -> Callable[..., Any]:
+    """How compiled code calls a function of this signature: by its address, with a tuple of arguments."""
+    import numba
+    from numba.extending import intrinsic
+
+    types: Any = numba.types
+
+    @intrinsic
+    def call(_: Any, address: Any, arguments: Any) -> Any:
+        def code(context: Any, builder: Any, _: Any, values: Any) -> Any:
+            pointer = context.get_value_type(types.FunctionType(signature).ftype)
+            given = [builder.extract_value(values[1], k) for k in range(len(signature.args))]
+            answer = builder.call(builder.inttoptr(values[0], pointer), given)
+            return context.get_dummy_value() if signature.return_type == types.none else answer
+
+        return signature.return_type(address, arguments), code
+
+    return cast(Callable[..., Any], call)

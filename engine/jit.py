@@ -17,7 +17,17 @@ from typing import Any, TypeVar, cast
 
 import platformdirs
 
-from engine.compilers import entry_compiler, kernel_compiler, stream_compiler
+from engine.compilers import (
+    compiled_under,
+    entry_options,
+    for_all_values,
+    inlined_options,
+    jit_is_off,
+    kernel_options,
+    loaded_lightly,
+    stream_options,
+    use_cache,
+)
 from engine.sources import source_digest
 
 __all__ = [
@@ -51,21 +61,7 @@ def cache_directory() -> Path:
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
 
 
-def jit_is_off() -> bool:
-    """Whether functions run as plain Python."""
-    import numba
-
-    return bool(numba.config.__dict__["DISABLE_JIT"])
-
-
-def _prepare() -> None:
-    """Point Numba to the cache; must run before the first function is decorated."""
-    import numba
-
-    numba.config.__dict__["CACHE_DIR"] = str(cache_directory())
-
-
-_prepare()
+use_cache(str(cache_directory()))
 
 
 def kernel(function: Function) -> Function:
@@ -74,17 +70,13 @@ def kernel(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _once_for_all_values(
-        _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=kernel_compiler())
-    )
+    return for_all_values(_compiled(function, **kernel_options()))
 
 
 def rounding_kernel(function: Function) -> Function:
     """As `kernel`, with every operation rounded by itself, whoever calls it: for arithmetic that lives on its own rounding."""
     plain: set[str] = set()
-    return _once_for_all_values(
-        _compiled(function, fastmath=plain, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=kernel_compiler())
-    )
+    return for_all_values(_compiled(function, fastmath=plain, **kernel_options()))
 
 
 def stream(function: Function) -> Function:
@@ -93,14 +85,12 @@ def stream(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=stream_compiler())
+    return _compiled(function, **stream_options())
 
 
 def inlined(function: Function) -> Function:
     """As `kernel`, put in place of every call: for what costs less than handing over its arrays."""
-    return _compiled(
-        function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True, pipeline_class=kernel_compiler()
-    )
+    return _compiled(function, **inlined_options())
 
 
 def entry(function: Function) -> Function:
@@ -111,7 +101,7 @@ def entry(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use or loaded from the cache.
     """
-    return _loaded_lightly(_one_at_a_time(_compiled(function, cache=True, pipeline_class=entry_compiler())))
+    return _kept(_compiled(function, cache=True, **entry_options()))
 
 
 def parallel_entry(function: Function) -> Function:
@@ -122,7 +112,7 @@ def parallel_entry(function: Function) -> Function:
     """
     no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
     parallel = {"prange": True, **no_more}
-    return _loaded_lightly(_one_at_a_time(_compiled(function, cache=True, parallel=parallel, pipeline_class=entry_compiler())))
+    return _kept(_compiled(function, cache=True, parallel=parallel, **entry_options()))
 
 
 def _compiled(function: Function, **options: bool | type | dict[str, bool] | set[str]) -> Function:
@@ -133,42 +123,20 @@ def _compiled(function: Function, **options: bool | type | dict[str, bool] | set
     return cast(Function, njit(**{"fastmath": set(FLAGS), "error_model": "numpy", "nogil": True, **options})(function))
 
 
-def _once_for_all_values(function: Function) -> Function:
-    """The compiled function that callers meet by the types of arguments alone.
-
-    Numba would compile it anew for each constant that a caller passes, `load3` for each column; inlining does that better.
-    """
-    template = getattr(function, "get_call_template", None)
-    if template is None:
-        return function
-
-    import numba
-
-    unliteral: Any = numba.types.unliteral
-
-    def by_type(args: Any, kws: Any) -> Any:
-        return template(tuple(unliteral(one) for one in args), {name: unliteral(one) for name, one in kws.items()})
-
-    cast(Any, function).get_call_template = by_type
-    return function
+def _kept(function: Function) -> Function:
+    """The entry with its way from and to the disk."""
+    return loaded_lightly(compiled_under(function, _one_at_a_time))
 
 
-def _one_at_a_time(function: Function) -> Function:
-    """The compiled function with its compiler, which looks into the cache first, behind a lock of its own."""
-    compiler = getattr(function, "compile", None)
-    if compiler is None:
-        return function
-
-    def locked(signature: Any) -> Any:
-        directory = cache_directory()
-        directory.mkdir(parents=True, exist_ok=True)
-        with (directory / f"{function.__name__}.lock").open("w") as stream:
-            fcntl.flock(stream, fcntl.LOCK_EX)
-            with _nothing_collected():
-                return compiler(signature)
-
-    cast(Any, function).compile = locked
-    return function
+@contextmanager
+def _one_at_a_time(name: str) -> Iterator[None]:
+    """A function's compiler behind a lock of its own, which processes share."""
+    directory = cache_directory()
+    directory.mkdir(parents=True, exist_ok=True)
+    with (directory / f"{name}.lock").open("w") as stream:
+        fcntl.flock(stream, fcntl.LOCK_EX)
+        with _nothing_collected():
+            yield
 
 
 @contextmanager
@@ -181,26 +149,3 @@ def _nothing_collected() -> Iterator[None]:
     finally:
         if was:
             gc.enable()
-
-
-def _loaded_lightly(function: Function) -> Function:
-    """The compiled function that comes from the cache without the compiler's own preparations.
-
-    Before it looks into the cache, Numba imports all that it may compile, SciPy's linear algebra among it: 0.26 s of 0.36 s to
-    the first step of ten boxes. What is compiled needs none of it, and the compiler itself prepares again.
-    """
-    cache = getattr(function, "_cache", None)
-    if cache is None:
-        return function
-
-    from numba.core.runtime.nrt import rtsys
-
-    runtime: Any = rtsys
-
-    def load(signature: Any, context: Any) -> Any:
-        runtime.initialize(context)
-        with cache._guard_against_spurious_io_errors():
-            return cache._load_overload(signature, context)
-
-    cache.load_overload = load
-    return function

@@ -464,9 +464,10 @@ def _choose_tiles(threads: int) -> Callable[..., bool]:
         return cast_tiles
     import numba
 
+    from engine.compilers import most_threads
     from engine.ray_tiles_parallel import cast_tiles_parallel
 
-    numba.set_num_threads(min(threads, numba.config.__dict__["NUMBA_NUM_THREADS"]))
+    numba.set_num_threads(min(threads, most_threads()))
     return cast_tiles_parallel
 
 

@@ -1,6 +1,7 @@
 """The command line: the one place that knows every part; each command imports what it needs when it is called."""
 
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -9,6 +10,7 @@ import click
 from harness import tables
 from harness.interrupt import listen
 from harness.listing import print_csv, print_json, print_markdown, print_table
+from harness.safe_text import one_line, visible
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,8 +27,13 @@ _TABLES = ("trials", "measurements", "samples")
 
 
 def _stop(code: int, message: str) -> NoReturn:
-    click.echo(message, err=True)
+    click.echo(visible(message), err=True)
     sys.exit(code)
+
+
+def _say(sentence: str, err: bool = False) -> None:
+    """A line of text that may come from engines and files."""
+    click.echo(one_line(sentence), err=err)
 
 
 class _Guarded(click.Group):
@@ -35,6 +42,9 @@ class _Guarded(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command. Requests to stop are heard even where the shell has told its children to ignore them."""
         listen()
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")  # a terminal that lacks a letter is no reason to stop
         try:
             return super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError):
@@ -97,7 +107,7 @@ def cases(as_json: bool) -> None:
 
     rows = [describe_case(case) for case in discover.cases().values()]
     for sentence in _left_out("cases"):
-        click.echo(sentence, err=True)
+        _say(sentence, err=True)
     if as_json:
         print_json(rows)
         return
@@ -128,7 +138,7 @@ def check(engine: str, tracks: tuple[str, ...], as_json: bool) -> None:
         print_table(f"{adapter.title} {version}", ("track", "check", "status", "finding"), rows)
         counts = {status: sum(o.status == status for o in outcomes) for status in dict.fromkeys(o.status for o in outcomes)}
         checks = len({o.check for o in outcomes})
-        click.echo(f"{checks} checks: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
+        _say(f"{checks} checks: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
     if not gate(outcomes):
         sys.exit(_GATE)
 
@@ -166,7 +176,7 @@ def _study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[st
         needs = Experiment(name="effects", tracks=("tuned",), effects=True, samples=3, sample_seconds=0.01)
         return Study(name="scene", title=case.title, experiments=(ladder, needs)), {case.name: case}
     for sentence in _left_out("cases", "metrics", "pages"):
-        click.echo(sentence, err=True)
+        _say(sentence, err=True)
     study, found = load_study(name), discover.cases()
     for glob in globs:
         if not any(fnmatchcase(case, glob) for case in found):
@@ -216,15 +226,15 @@ def run(
         _stop(_INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
     index = _publish(store, plan.recordings)
     counts = store.trials["status"].value_counts()
-    click.echo(f"{len(store.trials)} trials: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
-    click.echo(str(index))
+    _say(f"{len(store.trials)} trials: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
+    _say(str(index))
     failures = _failures(store, audited=not _is_scene(study))
     for sentence in failures:
-        click.echo(sentence, err=True)
+        _say(sentence, err=True)
     if _is_scene(study):
         effects = tables.table("effects")
         for sentence in tables.sentences(effects, effects.rows(store)):
-            click.echo(sentence, err=True)
+            _say(sentence, err=True)
     if failures:
         sys.exit(_GATE)
 
@@ -282,7 +292,7 @@ def show(folder: Path, table: str, form: str) -> None:
     elif worked_out is not None:
         print_table(table, worked_out.BRIEF, [worked_out.brief(row) for row in rows])
         for sentence in tables.sentences(worked_out, rows):
-            click.echo(sentence)
+            _say(sentence)
     else:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
@@ -300,7 +310,7 @@ def report(folder: Path, show_it: bool) -> None:
     from reports import build
 
     index = build(Store(folder).folder)
-    click.echo(str(index))
+    _say(str(index))
     if show_it:
         click.launch(str(index))
 
@@ -313,7 +323,7 @@ def view(folder: Path, case: str) -> None:
     from reports import open_viewer, recording_of
 
     path = recording_of(folder, case)
-    click.echo(f"opening {path}", err=True)
+    _say(f"opening {path}", err=True)
     sys.exit(open_viewer(path))
 
 
@@ -325,7 +335,7 @@ def serve(folder: Path, port: int) -> None:
     from harness.store import Store
     from reports import serve as serve_reports
 
-    serve_reports(Store(folder).folder, port, announce=click.echo)
+    serve_reports(Store(folder).folder, port, announce=_say)
 
 
 @main.command()
@@ -347,11 +357,11 @@ def reproduce(folder: Path, trial: str) -> None:
     if reason is not None:
         _stop(_GATE, f"{again.engine}: unavailable: {reason}")
     if version != row["engine_version"]:
-        click.echo(f"note: {again.engine} was {row['engine_version']}, now {version}", err=True)
+        _say(f"note: {again.engine} was {row['engine_version']}, now {version}", err=True)
     with TemporaryDirectory() as scratch:
         (record,) = run_isolated([again], Path(scratch), 1)
-    click.echo(f"then: {row['status']}  {row['trajectory_hash']}  {row['reason']}")
-    click.echo(f"now:  {record.status}  {record.trajectory_hash}  {record.reason}")
+    _say(f"then: {row['status']}  {row['trajectory_hash']}  {row['reason']}")
+    _say(f"now:  {record.status}  {record.trajectory_hash}  {record.reason}")
     same = record.trajectory_hash == row["trajectory_hash"] and record.status == row["status"]
     click.echo("bit-identical" if same else "different")
     if not same:

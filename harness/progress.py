@@ -5,6 +5,8 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
+from harness.safe_text import LONGEST, one_line
+
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
@@ -26,11 +28,11 @@ class Progress:
             from rich.progress import Progress as Bar
 
             self._bar = Bar(
-                TextColumn("{task.description}"),
+                TextColumn("{task.description}", markup=False),
                 BarColumn(),
                 MofNCompleteColumn(),
                 TimeRemainingColumn(),
-                TextColumn("{task.fields[last]}", style="dim"),
+                TextColumn("{task.fields[last]}", style="dim", markup=False),
                 console=Console(stderr=True),
                 transient=True,
             )
@@ -41,6 +43,7 @@ class Progress:
     def advance(self, last: str) -> None:
         """One more piece is done; `last` names it."""
         self.done += 1
+        last = one_line(last, LONGEST)
         if self._bar is not None:
             self._bar.update(self._task, advance=1, last=last)
             return

@@ -7,17 +7,13 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from harness.emulations import whose
+from harness.safe_text import markdown_cell, visible
 from harness.store import Store, write_atomically
 
 __all__ = ["write_summary"]
 
 _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")
-
-
-def _printable(text: str) -> str:
-    """Without the control characters that XML cannot hold."""
-    return "".join(c if c.isprintable() or c in "\n\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def _junit(trials: pd.DataFrame) -> bytes:
@@ -28,24 +24,20 @@ def _junit(trials: pd.DataFrame) -> bytes:
     suite.set("skipped", str(int(counts.reindex(_SKIPPED, fill_value=0).sum())))
     for row in trials.itertuples():
         name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}]"
-        test = ElementTree.SubElement(suite, "testcase", classname=_printable(str(row.study)), name=_printable(name))
+        test = ElementTree.SubElement(suite, "testcase", classname=visible(str(row.study)), name=visible(name))
         kind = {"failed": "failure"} | dict.fromkeys(_ERRORS, "error") | dict.fromkeys(_SKIPPED, "skipped")
         if row.status in kind:
-            ElementTree.SubElement(test, kind[row.status], message=_printable(f"{row.status}: {row.reason}"))
+            ElementTree.SubElement(test, kind[row.status], message=visible(f"{row.status}: {row.reason}"))
     text: bytes = ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)
     return text
 
 
-def _cell(text: object) -> str:
-    return _printable(str(text)).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
-
-
 def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
     table = trials.groupby(["engine", "track", "status"]).size().unstack(fill_value=0)
-    lines = ["# Outcomes", "", "| engine | track | " + " | ".join(table.columns) + " |"]
+    lines = ["# Outcomes", "", "| engine | track | " + " | ".join(map(markdown_cell, table.columns)) + " |"]
     lines.append("|---" * (2 + len(table.columns)) + "|")
     for (engine, track), row in table.iterrows():
-        lines.append(f"| {_cell(engine)} | {_cell(track)} | " + " | ".join(str(n) for n in row) + " |")
+        lines.append(f"| {markdown_cell(engine)} | {markdown_cell(track)} | " + " | ".join(str(n) for n in row) + " |")
     notable = trials[trials["status"].isin((*_ERRORS, "failed"))]
     if len(notable):
         lines += [
@@ -58,7 +50,7 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
         for row in notable.itertuples():
             law = whose(catalogue, row.engine, row.case, row.track)
             cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason, law)
-            lines.append("| " + " | ".join(map(_cell, cells)) + " |")
+            lines.append("| " + " | ".join(map(markdown_cell, cells)) + " |")
     return ("\n".join(lines) + "\n").encode()
 
 

@@ -8,13 +8,15 @@ from collections.abc import Collection, Mapping
 from functools import cache
 from pathlib import Path
 
+from harness.safe_text import LONGEST, one_line
 from harness.store import Store
 from reports.figure import VEGA_LITE
 from reports.page import Page, asked, failed, pages
+from reports.policy import guarded
 
 __all__ = ["write_report"]
 
-ASSETS = ("report.css", "report.js")
+ASSETS = ("report.css", "report.js", "vega-licences.txt")
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js)")
 
 
@@ -23,7 +25,7 @@ def vega_bundle() -> str:
     """Vega, Vega-Lite and the embedding, in one script without imports."""
     import vl_convert  # late: it brings a JavaScript engine
 
-    title = "/* Vega, Vega-Lite and Vega-Embed: University of Washington Interactive Data Lab, BSD-3-Clause */\n"
+    title = "/* Vega, Vega-Lite, Vega-Embed and what they are made of: see vega-licences.txt beside this file */\n"
     return title + str(vl_convert.javascript_bundle("window.vegaEmbed = vegaEmbed;", vl_version=VEGA_LITE))
 
 
@@ -36,7 +38,7 @@ def rendered(store: Store) -> Mapping[str, str]:
             try:
                 texts |= _texts(page, store, {*texts, *(f"{one.name}.html" for one in found if one is not page)})
             except Exception as error:
-                print(f"page '{page.name}': {type(error).__name__}: {error}", file=sys.stderr)
+                print(one_line(f"page '{page.name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
                 texts |= failed(page.name, page.title, f"{type(error).__name__}: {error}", store)
     return texts
 
@@ -63,6 +65,7 @@ def write_report(folder: Path) -> Path:
     style = Path(__file__).parent / "style"
     texts |= {f"style/{name}": (style / name).read_text(encoding="utf-8") for name in ASSETS}
     texts["style/vega.js"] = vega_bundle()
+    texts |= {name: guarded(text) for name, text in texts.items() if name.endswith(".html")}
     try:
         for name, text in texts.items():
             path = draft / name

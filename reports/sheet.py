@@ -5,7 +5,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from reports.text import csv_cell
+from harness.safe_text import csv_cell
 
 __all__ = ["sheet"]
 
@@ -14,6 +14,6 @@ def sheet(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
     """A line of headings and one for each row; None is an empty cell."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
+    writer.writerow([csv_cell(name) for name in columns])
     writer.writerows([csv_cell(row[name]) for name in columns] for row in rows)
     return text.getvalue()

@@ -1,19 +1,19 @@
-"""Strings and numbers as people read them, safe in HTML, in file names and in spreadsheets."""
+"""Strings and numbers as people read them, safe in HTML and in file names."""
 
 import json
 import math
 import re
-import unicodedata
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from harness import safe_text
 from harness.record import digest
+from harness.safe_text import LONGEST
 
 __all__ = [
     "TIMES",
     "amount",
     "plain_value",
-    "csv_cell",
     "duration",
     "join_words",
     "plural",
@@ -23,9 +23,6 @@ __all__ = [
     "visible",
 ]
 
-LONGEST = 2000
-"""Characters of one string that are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
-
 TIMES = "\N{MULTIPLICATION SIGN}"
 NONE = "\N{EN DASH}"
 MINUS = "\N{MINUS SIGN}"
@@ -34,16 +31,9 @@ SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def visible(text: str) -> str:
-    """The text with control and direction-changing characters spelled out, and its tail cut off.
-
-    A right-to-left override would reorder what stands around it, an escape sequence would act in a terminal it is pasted to.
-    """
+    """The text with control and direction-changing characters spelled out, and its tail cut off."""
     tail = "" if len(text) <= LONGEST else f" … ({len(text) - LONGEST} characters more)"
-    shown = (
-        c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Zl", "Zp") else f"\\u{ord(c):04x}"
-        for c in text[:LONGEST]
-    )
-    return "".join(shown) + tail
+    return safe_text.visible(text[:LONGEST]) + tail
 
 
 def amount(value: Any, digits: int = 3) -> str:
@@ -96,17 +86,6 @@ def slug(name: str) -> str:
     if re.fullmatch(r"[A-Za-z0-9_-]{1,80}", name):
         return name
     return f"{re.sub(r'[^A-Za-z0-9_-]+', '_', name)[:40].strip('_')}-{digest(name)[:8]}"
-
-
-def csv_cell(value: Any) -> Any:
-    """A cell that no spreadsheet takes for a formula; numbers stay numbers.
-
-    Source:
-        OWASP, 'CSV injection': cells that start with = + - @, tab or carriage return are evaluated.
-    """
-    if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")):
-        return f"'{value}"
-    return value
 
 
 def settings_text(settings: str | Mapping[str, Any]) -> str:

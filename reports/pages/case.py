@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from harness.emulations import whose
+from harness.safe_text import csv_cell
 from harness.tables.orders import Convergence, convergences
 from reports.answers import answers
 from reports.charts import error_by_step
@@ -19,7 +20,7 @@ from reports.leads import leads
 from reports.page import Page
 from reports.price_list import price_list
 from reports.template import case_file, fill
-from reports.text import csv_cell, slug
+from reports.text import slug
 from reports.verdict import verdicts
 from reports.work_precision import scenes, work_precision
 

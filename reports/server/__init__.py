@@ -1,11 +1,13 @@
 """The report and the web viewer of a run folder, on loopback only."""
 
+import asyncio
+import signal
 from collections.abc import Callable
-from http.server import ThreadingHTTPServer
 from pathlib import Path
 
 from harness.store import Store
-from reports.server.site import requests_to
+from reports.server.connections import HEAD_BYTES, MOST, Connections
+from reports.server.site import Site
 
 __all__ = ["serve"]
 
@@ -22,10 +24,18 @@ def serve(folder: Path, port: int, announce: Callable[[str], None]) -> None:
     Raises:
         StoreError: no run folder. OSError: the port is taken.
     """
-    with ThreadingHTTPServer((LOOPBACK, port), requests_to(Store(folder))) as server:
-        server.daemon_threads = True
-        announce(f"http://{LOOPBACK}:{server.server_port}/")
-        try:
-            server.serve_forever(poll_interval=0.2)
-        except KeyboardInterrupt:
-            announce("stopped")
+    asyncio.run(_listen(Site(Store(folder)), port, announce))
+
+
+async def _listen(site: Site, port: int, announce: Callable[[str], None]) -> None:
+    stop = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, stop.set)
+    server = await asyncio.start_server(Connections(site.answer).take, LOOPBACK, port, limit=HEAD_BYTES, backlog=MOST)
+    try:
+        announce(f"http://{LOOPBACK}:{server.sockets[0].getsockname()[1]}/")
+        await stop.wait()
+        announce("stopped")
+    finally:
+        server.close()
+        site.close()

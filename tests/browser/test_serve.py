@@ -161,14 +161,33 @@ def test_a_page_under_another_name_of_this_machine_gets_nothing(served: Served) 
 
 def test_nothing_can_be_written(served: Served) -> None:
     for method in ("POST", "PUT", "DELETE"):
-        assert served.ask("/recordings/rise.rrd", method=method)[0].status == 501
+        answer, _ = served.ask("/recordings/rise.rrd", method=method)
+        assert answer.status == 405
+        assert answer.headers["Allow"] == "GET, HEAD"
 
 
-@pytest.mark.parametrize("path", ["/", "/view?recording=/recordings/rise.rrd", "/report/index.html", "/nowhere"])
-def test_every_answer_forbids_connections_to_elsewhere(served: Served, path: str) -> None:
-    policy = served.ask(path)[0].headers["Content-Security-Policy"]
-    assert "connect-src 'self'" in policy
-    assert served.ask(path)[0].headers["X-Content-Type-Options"] == "nosniff"
+@pytest.mark.parametrize(
+    ("path", "method", "status"),
+    [
+        ("/", "GET", 200),
+        ("/view?recording=/recordings/rise.rrd", "GET", 200),
+        ("/report/index.html", "GET", 200),
+        ("/report/index.html", "HEAD", 200),
+        ("/report/style/report.js", "GET", 200),
+        ("/nowhere", "GET", 404),
+        ("/", "POST", 405),
+    ],
+)
+def test_every_answer_says_whose_scripts_run_and_forbids_connections_to_elsewhere(
+    served: Served, path: str, method: str, status: int
+) -> None:
+    answer, _ = served.ask(path, method)
+    assert answer.status == status
+    rules = dict(rule.strip().split(" ", 1) for rule in answer.headers["Content-Security-Policy"].split(";"))
+    assert set(rules["script-src"].split()) <= {"'self'", "'none'", "'wasm-unsafe-eval'"}
+    assert rules["connect-src"] in ("'self'", "'none'")
+    assert rules["default-src"] == "'none'"
+    assert answer.headers["X-Content-Type-Options"] == "nosniff"
 
 
 @pytest.fixture(scope="module")

@@ -38,7 +38,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_report_has_a_page_for_each_case_and_every_asset_beside_it(report: Path) -> None:
     names = {path.relative_to(report).as_posix() for path in report.rglob("*") if path.is_file()}
     assert {"index.html", "method.html", "case-joint_pendulum.html", "trials/joint_pendulum.csv"} <= names
-    assert {"style/report.css", "style/report.js", "style/vega.js"} <= names
+    assert {"style/report.css", "style/report.js", "style/vega.js", "style/vega-licences.txt"} <= names
     assert {"charts/overview-error.svg", "charts/case-joint_pendulum-step.svg"} <= names
     assert len([name for name in names if name.startswith("case-")]) == 2
 

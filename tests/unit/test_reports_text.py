@@ -6,8 +6,9 @@ import math
 
 import pytest
 
+from harness.safe_text import csv_cell
 from reports.template import cite
-from reports.text import amount, csv_cell, join_words, plural, settings_text, slug, visible
+from reports.text import amount, join_words, plural, settings_text, slug, visible
 from tests.run_folder import HOSTILE
 
 

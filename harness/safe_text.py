@@ -1,0 +1,68 @@
+"""Text of engines and files as what it is, text: it acts on no terminal, in no spreadsheet and in no reader of Markdown."""
+
+import re
+import unicodedata
+from numbers import Number
+from typing import Any
+
+__all__ = ["LONGEST", "csv_cell", "markdown_cell", "one_line", "visible"]
+
+LONGEST = 2000
+"""Characters of one string that people are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
+
+_HIDDEN = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
+_SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
+_NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
+_FORMULA = "=+@-\uff1d\uff0b\uff20\uff0d"
+"""What begins a formula; the wide forms do in spreadsheets of East Asia."""
+_NEXT_CELL = re.compile(f"(; *)([{re.escape(_FORMULA)}])")
+"""Where a spreadsheet that splits at semicolons, as it does in much of Europe, would begin a cell with a formula."""
+_MARKS = re.compile(r"[\\`*\[\]|~]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
+
+
+def _spelled(character: str) -> str:
+    code = ord(character)
+    return _SHORT.get(character) or (f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}")
+
+
+def _is_hidden(character: str) -> bool:
+    """Is it a control, a format mark (reversals of direction among them), half a character, or none at all?"""
+    return unicodedata.category(character) in _HIDDEN or ord(character) & 0xFFFE == 0xFFFE
+
+
+def visible(text: str, keep: str = "\n\t") -> str:
+    """The text with control and direction-changing characters spelled out, but for those to keep.
+
+    A right-to-left override would reorder what stands around it, an escape sequence would act in a terminal it is pasted to.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in keep or not _is_hidden(c) else _spelled(c) for c in text)
+
+
+def one_line(text: str, most: int | None = None) -> str:
+    """The text on one line without hidden characters; what is longer than `most` characters is cut, and says so."""
+    tail = "" if most is None or len(text) <= most else f" … ({len(text) - most} characters more)"
+    return visible(re.sub(r"\r\n|[\n\t\r]", " ", text[:most])) + tail
+
+
+def csv_cell(value: Any) -> Any:
+    """A cell on one line that no spreadsheet takes for a formula; numbers, and texts that are numbers, stay as they are.
+
+    Source:
+        OWASP, 'CSV injection': cells that start with = + - @, tab, carriage return or line feed are evaluated.
+    """
+    if value is None or isinstance(value, Number):
+        return value
+    text = str(value)
+    shown = visible(text, keep="")
+    if _NUMBER.fullmatch(shown):
+        return shown
+    guarded = text[:1] in _SHORT or text.lstrip()[:1] in tuple(_FORMULA)
+    return ("'" if guarded else "") + _NEXT_CELL.sub(r"\1'\2", shown)
+
+
+def markdown_cell(value: object) -> str:
+    """A cell of a table in Markdown: on one line, and nothing in it is markup, a link, a picture or a cell's end."""
+    text = _MARKS.sub(r"\\\g<0>", one_line(str(value), LONGEST))
+    return text.replace("&", "&amp;").replace("<", "&lt;")

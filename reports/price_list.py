@@ -2,18 +2,20 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from harness.emulations import whose
 from harness.prices import PER_SECOND, Price
 from reports.costs import titled
+from reports.disputes import disputed
 from reports.text import amount, duration, power
 from reports.work_precision import priced
 
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["SHOWN", "Entry", "Line", "Tried", "heat", "price_list", "tried", "wins"]
+__all__ = ["SHOWN", "Entry", "Line", "Tried", "heat", "marked", "price_list", "tried", "wins"]
 
 SHOWN = 1e-2
 """The error that the list shows at first: every scene has a line for it."""
@@ -23,7 +25,10 @@ HEATS = ((1.0, "x1"), (2.0, "x2"), (10.0, "x10"), (100.0, "x100"))
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One price: its words, its shade, and what hovering says."""
+    """One price: its words, its shade, and what hovering says.
+
+    Terms: law: whose laws it is about, where the adapter makes some; disputed: what is said against it; '' without.
+    """
 
     price: Price
     text: str
@@ -31,6 +36,8 @@ class Entry:
     between: str
     shade: str
     hint: str
+    law: str = ""
+    disputed: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +64,7 @@ def price_list(store: "Store") -> list[Line]:
             last = target <= SHOWN and all(price.verdict in ("not within the ladder", "no answer") for price in prices.values())
             unit = next(iter(prices.values())).unit
             shown = "" if unit == PER_SECOND else f"per {unit}"
-            entries = {engine: entry(price) for engine, price in prices.items()}
+            entries = {engine: marked(store, price) for engine, price in prices.items()}
             lines.append(Line(case, title, power(round(math.log10(target))), shown, last, entries))
             if last:
                 break
@@ -108,6 +115,15 @@ def entry(price: Price) -> Entry:
     if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
         hint += f"; {amount(price.ratio_low)} to {amount(price.ratio_high)} times the cheapest"
     return Entry(price, sign + duration(price.cost), ratio, between, heat(price), hint)
+
+
+def marked(store: "Store", price: Price) -> Entry:
+    """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
+    law = whose(store.catalogue, price.engine, price.case, price.track.partition(",")[0])
+    against = disputed(store, price.engine, price.case)
+    plain = entry(price)
+    hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", against) if word)
+    return replace(plain, hint=hint, law=law, disputed=against)
 
 
 def _outside(price: Price) -> Entry:

@@ -1,7 +1,7 @@
 """How far engines go, as people read it: a line for each axis, a map where it was sought at several values of another."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ from harness.leads import Lead, Reach, reaches
 from harness.searches import Search
 from harness.tables.remedies import Remedied
 from reports.contents import cases
+from reports.disputes import disputed
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
 from reports.points import labels
@@ -18,7 +19,7 @@ from reports.text import amount, slug
 if TYPE_CHECKING:
     from harness.store import Store
 
-__all__ = ["Cell", "Line", "Standing", "Tally", "lines", "maps", "standings", "tally", "worded"]
+__all__ = ["Cell", "Line", "Standing", "Tally", "lines", "maps", "marked", "standings", "tally", "worded"]
 
 Row = dict[str, Any]
 VERDICTS = {"beyond the extreme": "held to the end of the axis", "not even the easiest": "broke at the easy end"}
@@ -69,8 +70,10 @@ def lines(store: "Store", searches: Sequence[Search]) -> list[Line]:
         title = cases(store)[case]["title"] + (f", {where}" if where else "")
         axis = f"{first.axis.replace('_', ' ')} {amount(first.easy)} … {amount(first.extreme)}{unit}"
         laws = {(one.engine, one.track): whose(store.catalogue, one.engine, case, one.track) for one in group}
+        against = {one.engine: disputed(store, one.engine, case, one.axis) for one in group}
         cells = {(one.engine, one.setting): cell(one, laws[one.engine, one.track]) for one in sorted(group, key=_order)}
         cells |= {(one.engine, worded(one)): _within(one) for one in reaches(group) if one.at == "equal time"}
+        cells = {key: marked(one, against[key[0]]) for key, one in cells.items()}
         made.append(Line(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
     return made
 
@@ -116,6 +119,14 @@ def cell(one: Search, law: str = "") -> Cell:
     hint = "; ".join(word for word in (hint, own, *one.noticed) if word)
     words = "; ".join(word for word in (why.partition(":")[0][:40], own, law) if word)
     return Cell(one.reach, text, words, f"{hint}; {law}" if law else hint)
+
+
+def marked(one: Cell, against: str) -> Cell:
+    """A cell with what is said against it, where it is disputed."""
+    if not against:
+        return one
+    words, hint = (", ".join(word for word in (one.why, "disputed") if word), f"{one.hint}; {against}")
+    return replace(one, why=words, hint=hint)
 
 
 @dataclass(frozen=True, slots=True)

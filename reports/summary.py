@@ -10,6 +10,7 @@ from harness.tables import determinism, effects
 from harness.tables.orders import convergences
 from reports.contents import cases, engines, named_tracks
 from reports.contents import ours as yardsticks
+from reports.disputes import disputed
 from reports.glance import Glance, glances
 from reports.leads import NO_REASON, leads
 from reports.status import STATUSES
@@ -187,7 +188,8 @@ def promises(store: "Store") -> list[str]:
     for row in told:
         if row.verdict == "broken":
             law = whose(store.catalogue, row.engine, row.case, row.track)
-            told_case = f"“{cases(store)[row.case]['title']}”{f' ({law})' if law else ''}"
+            words = ", ".join(word for word in (law, "disputed" if disputed(store, row.engine, row.case) else "") if word)
+            told_case = f"“{cases(store)[row.case]['title']}”{f' ({words})' if words else ''}"
             broken.setdefault((row.engine, row.track), []).append(told_case)
     if not told:
         return []

@@ -15,6 +15,7 @@ from harness.tables.orders import Convergence, convergences
 from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
+from reports.disputes import disputed, told
 from reports.laws import laws_of_case
 from reports.leads import leads
 from reports.page import Page
@@ -67,7 +68,12 @@ def render(store: "Store") -> Mapping[str, str]:
             laws=laws_of_case(store, case),
             leads=[lead for (of, _), lead in leads(store).items() if of == name],
             orders=(fitted := orders([row for row in ladders if row.case == name], sides)),
-            broken=[(row.finding, whose(store.catalogue, row.engine, name, row.track)) for row in fitted if row.finding],
+            broken=[
+                (row.finding, whose(store.catalogue, row.engine, name, row.track), disputed(store, row.engine, name))
+                for row in fitted
+                if row.finding
+            ],
+            disputes=told(store, name),
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
             trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],

@@ -189,3 +189,20 @@ def test_a_time_is_told_in_its_unit(seconds: float | None, words: str) -> None:
 
 def test_a_power_of_ten_is_told_as_one() -> None:
     assert [power(k) for k in (-3, 0, 1, 2)] == ["10⁻³", "1", "10", "10²"]
+
+
+def test_a_price_says_what_of_its_laws_the_adapter_makes() -> None:
+    """Of what the case uses, and on the track whose settings it has: 'default, iterations 4' is built on default."""
+    store = Priced([*ladder("a", "ours", 1e-3), *ladder("a", "dart", 3e-3, track="default, iterations 4")])
+    made = {"how": "a torque", "where": "", "tracks": ["default"]}
+    store.catalogue["engines"]["dart"] |= {
+        "tracks": {"default": {}, "tuned": {}},
+        "emulated": [made | {"feature": "springs"}, made | {"feature": "drives"}],
+    }
+    store.catalogue["cases"]["a"]["features"] = ["springs"]
+    entries = {name: one for line in price_list(store) for name, one in line.entries.items()}
+    assert {name: one.law for name, one in entries.items()} == {"ours": "", "dart": "springs emulated"}
+    assert "springs emulated by the adapter" in entries["dart"].hint
+    pages = rendered(store)
+    assert "<small>springs emulated</small>" in pages["price.html"]
+    assert "<small>springs emulated</small>" in pages["case-a.html"]

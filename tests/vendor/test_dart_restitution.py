@@ -1,4 +1,4 @@
-"""What a ball of restitution 1 gains a bounce in DART, in dartpy's own words."""
+"""What a ball gains a bounce in DART, and what an impact lacks at any step, in dartpy's own words."""
 
 import math
 from itertools import pairwise
@@ -52,3 +52,41 @@ def test_each_bounce_gains_the_speed_of_one_step_of_gravity(dt: float) -> None:
     # The ball is turned back where it is found, up to one step's way deep, v dt/h = 2 dt/t0, to either side of what it gains.
     assert np.all(np.abs(gains - 2 * dt / FALL) <= 2 * dt / FALL)
     assert gains.mean() == pytest.approx(2 * dt / FALL, rel=0.1)
+
+
+SOFTNESS = 1e-5
+"""ContactConstraint's constraint force mixing, a share of a contact's own mobility; dartpy has no name for it."""
+MU, E, APPROACH, SLIP = 0.3, 0.6, 2.0, 6.0
+
+
+def oblique(detector: str, dt: float, conic: bool) -> tuple[float, float]:
+    """By how much [m/s] a ball that slips leaves a plane too slowly, upwards, and too fast along it; without gravity."""
+    world = make_world(detector, dt)
+    world.setGravity((0.0, 0.0, 0.0))
+    if conic:
+        solver = dartpy.constraint.NsgsFrictionSolver()
+        options = solver.getOptions()
+        options.tolerance = 1e-12
+        solver.setOptions(options)
+        world.getConstraintSolver().setBoxedLcpSolver(solver)
+    make_ground(world, GROUNDS["plane"][0], make_pose(UP, 0.0), friction=MU, restitution=1.0)
+    ball = make_mover(
+        world, dartpy.dynamics.SphereShape(0.2), make_pose(UP, 0.45), moments=0.4 * 0.2**2, friction=MU, restitution=E
+    )
+    ball.getParentJoint().setLinearVelocity(np.array([SLIP, 0.0, -APPROACH]))
+    for _ in range(round(0.25 / dt)):
+        world.step()
+    velocity = ball.getCOMLinearVelocity()
+    return E * APPROACH - float(velocity[2]), float(velocity[0]) - (SLIP - MU * (1 + E) * APPROACH)
+
+
+@pytest.mark.parametrize("rate", [240, 960, 7680])
+@pytest.mark.parametrize("detector", ["ode", "bullet", "fcl"])
+@pytest.mark.parametrize("conic", [False, True], ids=["dantzig", "conic"])
+def test_every_impulse_is_short_by_the_softness_of_contacts_at_any_step(detector: str, rate: int, conic: bool) -> None:
+    # A contact of mobility A answers by A (1 + 1e-5) j = (1 + e) v: to first order in 1e-5 it lacks that share.
+    lacking = SOFTNESS * (1 + E) * APPROACH
+    slow, fast = oblique(detector, 1 / rate, conic)
+    assert slow == pytest.approx(lacking, rel=1e-3)
+    # Along the plane the ball slips under mu times a normal impulse that lacks as much.
+    assert fast == pytest.approx(MU * lacking, rel=0.05)

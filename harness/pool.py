@@ -18,9 +18,9 @@ from harness.record import Record
 from harness.run import outcome
 from harness.servers import Server, context, start_apart, start_loaded
 from harness.study import Trial
-from harness.worker import end, exit_code, isolated_trial, roughly_clocked
+from harness.worker import answers, confine, end, exit_code, roughly_clocked
 
-__all__ = ["run_isolated"]
+__all__ = ["run_isolated", "tell"]
 
 _TAIL = 4000
 _KEPT = 2**20
@@ -64,10 +64,10 @@ def _named(number: int) -> str:
         return f"signal {number}"
 
 
-def _expired(trial: Trial, code: int | None, log: Path, kills: int) -> Record:
-    """Terms: kills: of the system for want of memory, while the trial ran."""
+def _expired(trial: Trial, code: int | None, log: Path, seconds: float, kills: int) -> Record:
+    """Terms: seconds: since it began. kills: of the system for want of memory, while the trial ran."""
     detail = _tail(log)
-    if code == -signal.SIGALRM:
+    if code == -signal.SIGALRM and seconds >= trial.experiment.deadline:
         return _late(trial, log)
     if code == -signal.SIGKILL and kills:
         return outcome(trial, "oom", f"killed by the system, which killed {kills} times for want of memory meanwhile", detail)
@@ -82,9 +82,9 @@ class _Child:
 
     Terms:
         server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. until: the end of its
-        time, on the monotonic clock. kills: of the system for want of memory, before it began. alone: does nobody run beside
-        it? said: what has come so far. broken: what it said that no child may say; it is heard no more. ended: has it said its
-        last word, or died?
+        time, on the monotonic clock. since: its beginning. kills: of the system for want of memory, before it began. alone:
+        does nobody run beside it? said: what has come so far. broken: what it said that no child may say; it is heard no more.
+        ended: has it said its last word, or died?
     """
 
     trial: Trial
@@ -94,6 +94,7 @@ class _Child:
     inbox: Inbox
     log: Path
     until: float
+    since: float
     kills: int
     alone: bool
     said: Record | None = None
@@ -137,7 +138,8 @@ class _Child:
             most = self.trial.experiment.memory
             return outcome(self.trial, "oom", f"more than {most:g} MB: it took {self.watch.taken:.0f} MB", _tail(self.log))
         if self.ended:
-            return _expired(self.trial, code, self.log, kills_for_memory() - self.kills)
+            seconds = time.monotonic() - self.since
+            return _expired(self.trial, code, self.log, seconds, kills_for_memory() - self.kills)
         return _late(self.trial, self.log)
 
     def stop(self) -> None:
@@ -148,12 +150,18 @@ class _Child:
 
 
 def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
-    for record in isolated_trial(trial, folder, log):
+    confine(log)
+    tell(pipe, trial, folder)
+    pipe.close()
+
+
+def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
+    """Run a trial in this process, and say what came of it."""
+    for record in answers(trial, folder):
         try:
             send(pipe, "record", record)
         except (TypeError, ValueError) as error:
             send(pipe, "record", outcome(trial, "crashed", f"broken contract: {error}"))
-    pipe.close()
 
 
 def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = False) -> _Child:
@@ -170,9 +178,10 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = 
     else:
         server = start_loaded(process, adapter.loads, foreseen)
     theirs.close()
-    until = time.monotonic() + trial.experiment.deadline + adapter.compile_allowance
+    since = time.monotonic()
+    until = since + trial.experiment.deadline + adapter.compile_allowance
     watch = MemoryWatch(process.pid or 0, trial.experiment.memory)
-    return _Child(trial, process, server, watch, Inbox(ours), log, until, kills, alone)
+    return _Child(trial, process, server, watch, Inbox(ours), log, until, since, kills, alone)
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:

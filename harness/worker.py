@@ -24,7 +24,7 @@ from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
 
-__all__ = ["confine", "end", "exit_code", "isolated_trial", "roughly_clocked"]
+__all__ = ["answers", "confine", "end", "exit_code", "roughly_clocked"]
 
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
@@ -96,12 +96,11 @@ def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
     signal.setitimer(signal.ITIMER_REAL, trial.experiment.deadline)
 
 
-def isolated_trial(trial: Trial, folder: Path, log: Path) -> Iterator[Record]:
+def answers(trial: Trial, folder: Path) -> Iterator[Record]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
 
     What a sweep goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
     """
-    confine(log)
     try:
         case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
         if adapter.compile_allowance > 0:
@@ -109,10 +108,18 @@ def isolated_trial(trial: Trial, folder: Path, log: Path) -> Iterator[Record]:
         record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
     except Exception as error:
         status: Status = "oom" if isinstance(error, MemoryError) else "crashed"
-        record = outcome(trial, status, f"{type(error).__name__}: {error}"[:2000], traceback.format_exc()[-4000:])
+        record = outcome(trial, status, _in_words(error), traceback.format_exc()[-4000:])
     yield record
     if roughly_clocked(trial, record):
         yield _with_rough_cost(record, trial, case, adapter)
+
+
+def _in_words(error: Exception) -> str:
+    """An engine's exception, which may not even have words."""
+    try:
+        return f"{type(error).__name__}: {error}"[:2000]
+    except Exception as another:
+        return f"{type(error).__name__}, whose words raise {type(another).__name__}"
 
 
 def roughly_clocked(trial: Trial, record: Record) -> bool:

@@ -87,13 +87,16 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
             for block in range(experiment.samples):
                 stop_if_asked()
                 for name in shuffle.sample(sorted(teams), len(teams)):
-                    if teams[name].lost:
-                        lost = [team for team in teams.values() if team.lost]
-                        teams |= ready_teams([team.trial for team in lost], folder, number)
-                        for team in lost:
-                            team.stop()
-                    team = teams[name]
-                    sample = None if team.trouble else team.sample(block, experiment.deadline)
+                    sample = None
+                    while sample is None and not teams[name].trouble:
+                        if teams[name].lost:
+                            lost = [team for team in teams.values() if team.lost]
+                            apart = any(team.forsaken for team in lost)
+                            teams |= ready_teams([team.trial for team in lost], folder, number, apart)
+                            for team in lost:
+                                team.stop()
+                        if not teams[name].trouble:
+                            sample = teams[name].sample(block, experiment.deadline)
                     if sample is not None:
                         samples[name].append(replace(sample, process=number))
         finally:

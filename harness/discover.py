@@ -81,8 +81,8 @@ class _Lost(Adapter):
 
 def adapter(name: str) -> Adapter:
     """The adapter of that name; a third party's that cannot be loaded is unavailable. Raises: PluginError."""
-    point = points("plumbline.adapters").get(name)
-    if point is not None and name not in _folder("adapters") and (said := trouble(point)):
+    point = None if name in _folder("adapters") else points("plumbline.adapters").get(name)
+    if point is not None and (said := trouble(point)):
         tracks = {"default": Settings(), "tuned": Settings()}
         return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=said)
     found: Adapter = _constant("adapters", name, "ADAPTER", Adapter)

@@ -12,14 +12,15 @@ from pathlib import Path
 from harness import discover
 from harness.alteration import ALONE
 from harness.interrupt import stop_if_asked
+from harness.memory_watch import MemoryWatch, kills_for_memory
 from harness.message import BrokenMessage, Inbox, read_record, readable, send
 from harness.record import Record
 from harness.run import outcome
-from harness.servers import context, start_apart, start_loaded
+from harness.servers import Server, context, start_apart, start_loaded
 from harness.study import Trial
-from harness.worker import end, exit_code, isolated_trial, roughly_clocked
+from harness.worker import answers, confine, end, exit_code, roughly_clocked
 
-__all__ = ["run_isolated"]
+__all__ = ["run_isolated", "tell"]
 
 _TAIL = 4000
 _KEPT = 2**20
@@ -63,12 +64,13 @@ def _named(number: int) -> str:
         return f"signal {number}"
 
 
-def _expired(trial: Trial, code: int | None, log: Path) -> Record:
+def _expired(trial: Trial, code: int | None, log: Path, seconds: float, kills: int) -> Record:
+    """Terms: seconds: since it began. kills: of the system for want of memory, while the trial ran."""
     detail = _tail(log)
-    if "bad_alloc" in detail or "MemoryError" in detail:
-        return outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for", detail)
-    if code == -signal.SIGALRM:
+    if code == -signal.SIGALRM and seconds >= trial.experiment.deadline:
         return _late(trial, log)
+    if code == -signal.SIGKILL and kills:
+        return outcome(trial, "oom", f"killed by the system, which killed {kills} times for want of memory meanwhile", detail)
     if code is not None and code < 0:
         return outcome(trial, "crashed", f"killed by {_named(-code)}", detail)
     return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
@@ -79,15 +81,22 @@ class _Child:
     """A process at work on a trial.
 
     Terms:
-        inbox: its record comes here, the last word counts. until: the end of its time, on the monotonic clock. said: what has
-        come so far. broken: what it said that no child may say; it is heard no more. ended: has it said its last word, or died?
+        server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. until: the end of its
+        time, on the monotonic clock. since: its beginning. kills: of the system for want of memory, before it began. alone:
+        does nobody run beside it? said: what has come so far. broken: what it said that no child may say; it is heard no more.
+        ended: has it said its last word, or died?
     """
 
     trial: Trial
     process: BaseProcess
+    server: Server
+    watch: MemoryWatch
     inbox: Inbox
     log: Path
     until: float
+    since: float
+    kills: int
+    alone: bool
     said: Record | None = None
     broken: str = ""
     ended: bool = False
@@ -104,12 +113,17 @@ class _Child:
             self.broken = f"broken contract: {error}"
         return self.ended or bool(self.broken) or time.monotonic() > self.until
 
-    def record(self) -> Record:
-        """Its record, or what became of it; the process has ended then."""
+    def record(self) -> Record | None:
+        """Its record, or what became of it; None where it ended with its server, beside others: nobody knows whose fault it is.
+
+        The process has ended then.
+        """
         try:
             code = exit_code(self.process) if self.ended else None
             if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
                 return self.said
+            if code and self.server.took_along(self.process):
+                return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.alone else None
             end = self._end(code)
             if self.said is None or code == 0:
                 return self.said or end
@@ -120,26 +134,39 @@ class _Child:
     def _end(self, code: int | None) -> Record:
         if self.broken:
             return outcome(self.trial, "crashed", self.broken, _tail(self.log))
-        return _expired(self.trial, code, self.log) if self.ended else _late(self.trial, self.log)
+        if self.watch.taken:
+            most = self.trial.experiment.memory
+            return outcome(self.trial, "oom", f"more than {most:g} MB: it took {self.watch.taken:.0f} MB", _tail(self.log))
+        if self.ended:
+            seconds = time.monotonic() - self.since
+            return _expired(self.trial, code, self.log, seconds, kills_for_memory() - self.kills)
+        return _late(self.trial, self.log)
 
     def stop(self) -> None:
         """End the process, whatever it does, and what it started."""
+        self.watch.stop()
         end(self.process)
         self.inbox.pipe.close()
 
 
 def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
-    for record in isolated_trial(trial, folder, log):
+    confine(log)
+    tell(pipe, trial, folder)
+    pipe.close()
+
+
+def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
+    """Run a trial in this process, and say what came of it."""
+    for record in answers(trial, folder):
         try:
             send(pipe, "record", record)
         except (TypeError, ValueError) as error:
             send(pipe, "record", outcome(trial, "crashed", f"broken contract: {error}"))
-    pipe.close()
 
 
-def _start(trial: Trial, folder: Path, logs: Path, foreseen: int) -> _Child:
+def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = False) -> _Child:
     """Terms: foreseen: trials of this engine in all."""
-    log = logs / f"{trial.trial}.log"
+    kills, log = kills_for_memory(), logs / f"{trial.trial}.log"
     log.unlink(missing_ok=True)
     forkserver = context()
     ours, theirs = forkserver.Pipe(duplex=False)
@@ -147,31 +174,43 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int) -> _Child:
     adapter = discover.adapter(trial.engine)
     if trial.experiment.determinism:
         # Whether another process answers the same is asked of one that does not even have things at the same place in memory.
-        start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0)
+        server = start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0)
     else:
-        start_loaded(process, adapter.loads, foreseen)
+        server = start_loaded(process, adapter.loads, foreseen)
     theirs.close()
-    patience = trial.experiment.deadline + adapter.compile_allowance
-    return _Child(trial, process, Inbox(ours), log, time.monotonic() + patience)
+    since = time.monotonic()
+    until = since + trial.experiment.deadline + adapter.compile_allowance
+    watch = MemoryWatch(process.pid or 0, trial.experiment.memory)
+    return _Child(trial, process, server, watch, Inbox(ours), log, until, since, kills, alone)
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
-    """Records as they come in, one for each trial; leaving the iterator early stops all children."""
+    """Records as they come in, one for each trial; leaving the iterator early stops all children.
+
+    Trials whose fork server died under them run again at the end, one by one.
+    """
     logs = folder / "logs"
     logs.mkdir(exist_ok=True)
+    forsaken: list[Trial] = []
     waiting, engines = list(reversed(trials)), Counter(trial.engine for trial in trials)
     running: list[_Child] = []
     try:
-        while waiting or running:
+        while waiting or running or forsaken:
             while waiting and len(running) < workers:
                 trial = waiting.pop()
                 running.append(_start(trial, folder, logs, engines[trial.engine]))
+            if not running:
+                trial = forsaken.pop()
+                running.append(_start(trial, folder, logs, engines[trial.engine], alone=True))
             soonest = min(child.until for child in running) - time.monotonic()
             wait([child.inbox.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
             stop_if_asked()
             for child in [child for child in running if child.listen()]:
                 running.remove(child)
                 record = child.record()
+                if record is None:
+                    forsaken.append(child.trial)
+                    continue
                 _trim(child.log, record)
                 yield record
     finally:

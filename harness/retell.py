@@ -1,10 +1,12 @@
 """A retelling carried out: the same engine, settings and number of steps, its motion told back as streams beside the case's."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Settings, Simulation, Unsupported
+from harness.answers import Answering
 from harness.retelling import Retelling
 from harness.simulate import simulate, steps_between_samples
 from harness.trajectory import Floats, Trajectory
@@ -44,7 +46,7 @@ def told_run(
     Raises: Unsupported; Diverged: before there is anything to tell.
     """
     dt, clock = settings.dt, told.clock
-    simulation = adapter.build(told.scene, settings.with_dt(dt * clock))
+    simulation = cast(Simulation, Answering(adapter.build(told.scene, settings.with_dt(dt * clock)), told.scene))
     try:
         since = 0.0 if told.restored_at is None else _taken_back(simulation, told.restored_at, duration, sample_interval, dt)
         run, broke = simulate(

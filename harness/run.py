@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
+from harness.answers import Answering
 from harness.batch import WorldOf, spread
 from harness.case import Case, Converged, Rays
 from harness.control import Controlled
@@ -153,18 +154,25 @@ def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answe
 
     Raises: Unsupported, Unavailable, SettingsError.
     """
-    worlds, batch = case.count_of_worlds(trial.parameters), None
-    dt = trial.settings.dt
     sample_interval = 0.0 if trial.alteration.every_step else case.sample_interval
     told = trial.alteration.retelling(scene, case.duration)
     if told is not None:
         return _told(trial, told, adapter, case.duration, sample_interval)
+    try:
+        return _stepped(trial, case, adapter, scene, sample_interval)
+    except Diverged as error:
+        return Answer(Trajectory.of(np.zeros(0), len(scene.bodies)), str(error), {}, ())
+
+
+def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_interval: float) -> Answer:
+    """Raises: Diverged, outside its steps; otherwise as `answer_of`."""
+    worlds, batch, dt = case.count_of_worlds(trial.parameters), None, trial.settings.dt
     simulation: Simulation
     if worlds > 1:
         batch = adapter.build_batch(scene, trial.settings, worlds)
-        simulation = cast(Simulation, WorldOf(batch, worlds - 1))
+        simulation = cast(Simulation, Answering(cast(Simulation, WorldOf(batch, worlds - 1)), scene))
     else:
-        simulation = adapter.build(scene, trial.settings)
+        simulation = cast(Simulation, Answering(adapter.build(scene, trial.settings), scene))
         if case.control is not None:
             acting = case.control(**trial.parameters)
             simulation = cast(Simulation, Controlled(simulation, acting, dt, len(scene.bodies)))

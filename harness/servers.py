@@ -11,17 +11,25 @@ forks of one. What is to show such chance, clocks and repetitions, therefore ask
 
 import multiprocessing
 import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from multiprocessing import forkserver
 from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-__all__ = ["WORTH_A_SERVER", "context", "start_apart", "start_loaded"]
+__all__ = ["WORTH_A_SERVER", "Server", "context", "start_apart", "start_loaded"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PRELOAD = ("harness.cli", "harness.clock", "harness.pool", "numpy", "scipy.special", "scipy.integrate", "scipy.stats", "numba")
+_TRIES = 2
+"""Servers that a process is asked of, one after the other, where they die."""
+_UNTOLD = 255
+"""What Python says where a server died before it told how a process of its ended."""
+_FALLS = 1.0
+"""Seconds that a server which was killed may take to be gone."""
 
 WORTH_A_SERVER = 20
 """Processes of an engine from which on a server of its own, which takes some two seconds to start, saves more than it costs."""
@@ -34,11 +42,40 @@ def context() -> ForkServerContext:
     return plain
 
 
-def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) -> None:
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A server as it was when a process came off it. Terms: pid: of the server."""
+
+    pid: int
+
+    @property
+    def ended(self) -> bool:
+        """Is it gone? Whoever starts processes buries it; here it is only looked at."""
+        try:
+            return os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+        except ChildProcessError:
+            return True
+
+    def took_along(self, process: BaseProcess) -> bool:
+        """Has this process, which has ended, ended with the server? Nobody knows its exit code then."""
+        return process.exitcode == _UNTOLD and self._ends(_FALLS)
+
+    def _ends(self, seconds: float) -> bool:
+        """Is it gone within so many seconds?"""
+        until = time.monotonic() + seconds
+        while not self.ended:
+            if time.monotonic() > until:
+                return False
+            time.sleep(0.01)
+        return True
+
+
+def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) -> Server:
     """Start a process of `context` in which these modules are loaded already, where that can be done and pays.
 
     Args: foreseen: how many processes will want them; few start off the plain server, unless theirs is there.
     A server that dies of its modules is given up: its processes start off the plain one, and meet what is wrong themselves.
+    Raises: OSError.
     """
     if modules and (modules in _servers or foreseen >= WORTH_A_SERVER):
         if modules not in _servers:
@@ -46,36 +83,49 @@ def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) 
         server = _servers[modules]
         try:
             if server is not None:
-                with _through(server):
-                    _start(process)
-                return
-        except (EOFError, ConnectionError):
+                return _start(process, server)
+        except ConnectionError:
             _servers[modules] = None
-    _start(process)
+    return _start(process, _PLAIN)
 
 
-def start_apart(process: BaseProcess, number: int) -> None:
+def start_apart(process: BaseProcess, number: int, only: str = "") -> Server:
     """Start a process of `context` off the server of this number, which knows no engine: another number, another layout.
 
-    Args: number: 0 for the one that `context` has anyway.
+    Args: number: 0 for the one that `context` has anyway. only: whose server it is, beside that of all others; '' for theirs.
+    Raises: OSError.
     """
-    if number == 0:
-        _start(process)
-        return
-    if number not in _apart:
-        _apart[number] = _new_server(())
-    with _through(_apart[number]):
-        _start(process)
+    if number == 0 and not only:
+        return _start(process, _PLAIN)
+    if (number, only) not in _apart:
+        _apart[number, only] = _new_server(())
+    return _start(process, _apart[number, only])
 
 
+_PLAIN: Any = forkserver._forkserver
+"""The one behind every context."""
 _servers: dict[tuple[str, ...], Any] = {}
 """By modules; None for those that kill a server."""
-_apart: dict[int, Any] = {}
-"""Those beside the plain one that know no engine, by number."""
+_apart: dict[tuple[int, str], Any] = {}
+"""Those beside the plain one that know no engine, by number and by whose they are."""
 
 
-def _start(process: BaseProcess) -> None:
-    """Start it where numeric libraries use one thread: so says the environment that its server, if it is new, is born with.
+def _start(process: BaseProcess, server: Any) -> Server:
+    """Start it off a server, and off a new one where that has died. Raises: ConnectionError, where the new one dies as well."""
+    for _ in range(_TRIES):
+        try:
+            with _through(server), _one_thread():
+                process.start()
+            return Server(server._forkserver_pid)
+        except (EOFError, ConnectionError):
+            if server._forkserver_pid is not None:
+                Server(server._forkserver_pid)._ends(_FALLS)
+    raise ConnectionError(f"a process could not be started: its fork server died, {_TRIES} times")
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Where numeric libraries use one thread: so says the environment that a server, if it is new, is born with.
 
     The environment of this process is as before afterwards: Numba refuses to compile once it says another number of threads
     than those that run.
@@ -83,7 +133,7 @@ def _start(process: BaseProcess) -> None:
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
-        process.start()
+        yield
     finally:
         for name, value in before.items():
             if value is None:

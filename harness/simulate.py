@@ -3,18 +3,15 @@
 import numpy as np
 
 from harness.adapter import Diverged, Simulation
+from harness.answers import BrokenContract
 from harness.scene import Scene
 from harness.sensors.recorder import SensorRecorder
 from harness.trajectory import Contacts, Floats, State, Trajectory
 
-__all__ = ["BrokenContract", "simulate", "steps_between_samples"]
+__all__ = ["simulate", "steps_between_samples"]
 
 UNIT = 1e-6
 """How far the norm of a quaternion may be off 1: ten times what one that is normalised in single precision leaves."""
-
-
-class BrokenContract(Exception):
-    """An engine's answer is none: not of the kind that its adapter promises."""
 
 
 def steps_between_samples(interval: float, dt: float) -> int:

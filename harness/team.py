@@ -20,13 +20,17 @@ import numpy as np
 
 from harness import discover
 from harness.bench import Bench, calibrate
+from harness.memory_watch import MemoryWatch
 from harness.message import BrokenMessage, Inbox, read_sample, readable, send
 from harness.record import Sample
-from harness.servers import context, start_apart
+from harness.servers import Server, context, start_apart
 from harness.study import Trial
 from harness.worker import confine, end, exit_code
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]
+
+_LOOKS = 0.5
+"""Seconds between looks at the memory of a process under the clock; each takes an eighth of a millisecond of another core."""
 
 
 def _canary() -> float:
@@ -55,7 +59,7 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
 
     An exception is sent as text in place of either; a trial that raised one is not asked again.
     """
-    confine(sum(trial.experiment.memory for trial in trials), log)
+    confine(log)
     benches: dict[int, Bench] = {}
     for number, trial in enumerate(trials):
         try:
@@ -104,34 +108,54 @@ def _sample(bench: Bench, block: int, steps: int, place: Place, seconds: float) 
 
 @dataclass(slots=True)
 class Clocked:
-    """The parent's end of one child. Terms: trouble: what it died of; it serves nobody then."""
+    """The parent's end of one child.
+
+    Terms: server: it came off. watch: of its memory. alone: is its server its engine's alone? trouble: what it died of; it
+    serves nobody then. forsaken: it ended with a server of several engines, and nobody knows whose fault that is.
+    """
 
     process: BaseProcess
+    server: Server
+    watch: MemoryWatch
     inbox: Inbox
+    alone: bool = False
     trouble: str = ""
+    forsaken: bool = False
 
     def ask(self, number: int, block: int, steps: int) -> None:
         """Ask for a sample of so many steps; that a child has died while it waited is for `answer` to say."""
         with contextlib.suppress(BrokenPipeError, ConnectionError):
             self.inbox.pipe.send((number, block, steps))
 
-    def answer(self, seconds: float) -> int | Sample | str:
-        """The next message, a text where something went wrong; `trouble` is set after death or the deadline."""
+    def answer(self, seconds: float) -> int | Sample | str | None:
+        """The next message, a text where something went wrong, None where it is forsaken.
+
+        `trouble` is set after death or the deadline.
+        """
         try:
             if (told := self.inbox.next(seconds)) is not None:
                 return _read(*told)
             self.trouble = f"no answer within {seconds:g} s"
             self.process.kill()
         except EOFError:
-            self.trouble = f"process ended with exit code {exit_code(self.process)}"
+            self.trouble = self._death(exit_code(self.process))
         except BrokenMessage as error:
             self.trouble = f"broken contract: {error}"
             self.process.kill()
-        return self.trouble
+        return None if self.forsaken else self.trouble
+
+    def _death(self, code: int | None) -> str:
+        if self.watch.taken:
+            return f"took {self.watch.taken:.0f} MB of memory, more than its trials may together"
+        if code and self.server.took_along(self.process):
+            self.forsaken = not self.alone
+            return "its fork server died with it"
+        return f"process ended with exit code {code}"
 
     def stop(self) -> None:
         """End the child, by force after a second; may be called twice."""
         pipe = self.inbox.pipe
+        self.watch.stop()
         if pipe.closed:
             return
         if not self.trouble:
@@ -183,8 +207,13 @@ class Team:
 
     @property
     def lost(self) -> bool:
-        """Did a child die of another trial?"""
+        """Did a child die of another trial, or with its server?"""
         return not self.trouble and any(child.trouble for child in self.children)
+
+    @property
+    def forsaken(self) -> bool:
+        """Did a child end with its server?"""
+        return any(child.forsaken for child in self.children)
 
     def calibrated(self, seconds: float) -> None:
         """Wait until every child is ready for this trial."""
@@ -193,7 +222,7 @@ class Team:
         self.steps = answers[0] if isinstance(answers[0], int) else 0
 
     def sample(self, block: int, seconds: float) -> Sample | None:
-        """What all did in this block, or None with `trouble` set."""
+        """What all did in this block, or None, with `trouble` set or lost."""
         for child in self.children:
             child.ask(self.number, block, self.steps)
         answers = [child.answer(seconds) for child in self.children]
@@ -201,7 +230,7 @@ class Team:
         samples = [answer for answer in answers if isinstance(answer, Sample)]
         return joined(samples) if len(samples) == len(answers) else None
 
-    def _note(self, answers: Iterable[int | Sample | str]) -> None:
+    def _note(self, answers: Iterable[int | Sample | str | None]) -> None:
         self.trouble = "; ".join(dict.fromkeys(answer for answer in answers if isinstance(answer, str)))
 
     def stop(self) -> None:
@@ -217,8 +246,11 @@ def _cores() -> list[int | None]:
     return [*sorted(os.sched_getaffinity(0), reverse=True)]
 
 
-def _start(trials: Sequence[Trial], folder: Path, server: int) -> Iterator[Team]:
-    """The teams of these trials: one child for all of an engine's with one worker, own children for each of the others."""
+def _start(trials: Sequence[Trial], folder: Path, server: int, apart: bool) -> Iterator[Team]:
+    """The teams of these trials: one child for all of an engine's with one worker, own children for each of the others.
+
+    Args: apart: each with a server of its own.
+    """
     forkserver, cores = context(), _cores()
     alone = [[trial] for trial in trials if trial.workers > 1]
     engines = dict.fromkeys(trial.engine for trial in trials if trial.workers == 1)
@@ -232,21 +264,23 @@ def _start(trials: Sequence[Trial], folder: Path, server: int) -> Iterator[Team]
             ours, theirs = forkserver.Pipe()
             place = Place(cores[worker % len(cores)], worker == 0, gate)
             process = forkserver.Process(target=_child, args=(theirs, served, place, log), daemon=True)
-            start_apart(process, server)
+            origin = start_apart(process, server, only=served[0].trial if apart else "")
             theirs.close()
-            children.append(Clocked(process, Inbox(ours)))
+            watch = MemoryWatch(process.pid or 0, sum(trial.experiment.memory for trial in served), _LOOKS)
+            children.append(Clocked(process, origin, watch, Inbox(ours), alone=apart))
         yield from (Team(trial, children, number, gate) for number, trial in enumerate(served))
 
 
-def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0) -> dict[str, Team]:
+def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0, apart: bool = False) -> dict[str, Team]:
     """A team for each trial, by the trial's name, ready or in trouble; whose process died of another trial got a new one.
 
-    Terms: server: the number of the fork server that all come from.
+    Terms: server: the number of the fork server that all come from; where that dies, each gets a server of its own of that
+    number. apart: they have them from the beginning.
     """
     ready: dict[str, Team] = {}
     waiting = list(trials)
     while waiting:
-        started = list(_start(waiting, folder, server))
+        started = list(_start(waiting, folder, server, apart))
         for team in started:
             if not team.lost:
                 team.calibrated(team.trial.experiment.deadline)
@@ -256,4 +290,5 @@ def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0) -> dict[
             else:
                 ready[team.trial.trial] = team
         waiting = [team.trial for team in started if team.lost]
+        apart = apart or any(team.forsaken for team in started)
     return ready

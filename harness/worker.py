@@ -1,4 +1,4 @@
-"""Child processes: how they are confined in memory and output, how they end, and what one does with a trial."""
+"""Child processes: how they are confined, how they end, and what one does with a trial."""
 
 import ctypes
 import os
@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from multiprocessing.process import BaseProcess
+from multiprocessing.process import BaseProcess, parent_process
 from pathlib import Path
 
 import psutil
@@ -19,11 +19,12 @@ from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
 from harness.bench import Bench, rough_cost_beside
 from harness.case import Case
 from harness.endure import endure
+from harness.memory_watch import be_killed_first
 from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
 
-__all__ = ["confine", "end", "exit_code", "isolated_trial", "roughly_clocked"]
+__all__ = ["answers", "confine", "end", "exit_code", "roughly_clocked"]
 
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
@@ -54,24 +55,33 @@ def end(process: BaseProcess) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def confine(memory: float, log: Path) -> None:
-    """Limit the growth of this process to `memory` [MB] of addresses and send its output to `log`.
+def confine(log: Path) -> None:
+    """Send the output of this process to `log`, and limit what it may write.
 
     An interrupt is the parent's affair; a parent that is killed takes this process along. What is started in it is of its
-    group, which ends with it.
+    group, which ends with it. Its memory is watched from outside.
     """
     os.setpgid(0, 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        _end_if_forsaken()
+    be_killed_first()
     stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     os.dup2(stream, 1)
     os.dup2(stream, 2)
     os.close(stream)
-    limit = psutil.Process().memory_info().vms + int(memory * 2**20)
-    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
+
+
+def _end_if_forsaken() -> None:
+    """End this process if the server that forked it died before its death could be felt here: its work is done elsewhere."""
+    asked_by = parent_process()
+    with suppress(psutil.Error):
+        if asked_by is None or psutil.Process(os.getppid()).ppid() == asked_by.pid:
+            return
+    os._exit(1)
 
 
 def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
@@ -86,25 +96,30 @@ def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
     signal.setitimer(signal.ITIMER_REAL, trial.experiment.deadline)
 
 
-def isolated_trial(trial: Trial, folder: Path, log: Path) -> Iterator[Record]:
+def answers(trial: Trial, folder: Path) -> Iterator[Record]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
 
     What a sweep goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
     """
-    confine(trial.experiment.memory, log)
     try:
         case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
         record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
-    except MemoryError:
-        record = outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for")
     except Exception as error:
-        status: Status = "oom" if "bad_alloc" in str(error) else "crashed"
-        record = outcome(trial, status, f"{type(error).__name__}: {error}"[:2000], traceback.format_exc()[-4000:])
+        status: Status = "oom" if isinstance(error, MemoryError) else "crashed"
+        record = outcome(trial, status, _in_words(error), traceback.format_exc()[-4000:])
     yield record
     if roughly_clocked(trial, record):
         yield _with_rough_cost(record, trial, case, adapter)
+
+
+def _in_words(error: Exception) -> str:
+    """An engine's exception, which may not even have words."""
+    try:
+        return f"{type(error).__name__}: {error}"[:2000]
+    except Exception as another:
+        return f"{type(error).__name__}, whose words raise {type(another).__name__}"
 
 
 def roughly_clocked(trial: Trial, record: Record) -> bool:

@@ -8,14 +8,17 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
 from harness import team as clockwork
 from harness.adapter import Settings
 from harness.clock import clock_group, summarise
+from harness.memory_watch import MemoryWatch
 from harness.message import Inbox
 from harness.record import Sample, Timing
+from harness.servers import Server
 from harness.study import Experiment, Trial
 from harness.team import Clocked, Team, joined
 
@@ -31,6 +34,7 @@ TRIAL = Trial(
     settings=Settings(dt=0.01),
     seed=0,
 )
+SERVER, UNWATCHED = Server(0), cast(MemoryWatch, SimpleNamespace(taken=0.0, stop=lambda: None))
 SAMPLE = Sample(process=0, block=0, steps=100, cpu=0.5, wall=1.0, canary=0.001, switches=0)
 
 
@@ -169,7 +173,7 @@ def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
         place = clockwork.Place(None, first, gate)  # type: ignore[arg-type]
         threads.append(threading.Thread(target=clockwork._child, args=(theirs, [TRIAL], place, Path())))
         threads[-1].start()
-        children.append(Clocked(None, Inbox(ours)))  # type: ignore[arg-type]
+        children.append(Clocked(None, SERVER, UNWATCHED, Inbox(ours)))  # type: ignore[arg-type]
     yield children
     for child, thread in zip(children, threads, strict=True):
         with contextlib.suppress(BrokenPipeError):
@@ -210,7 +214,7 @@ def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
     process.start()
     process.join()
     theirs.close()
-    team = Team(TRIAL, [Clocked(process, Inbox(ours))])
+    team = Team(TRIAL, [Clocked(process, SERVER, UNWATCHED, Inbox(ours))])
     assert team.sample(0, 1.0) is None
     assert "exit code 0" in team.trouble
     team.stop()
@@ -220,7 +224,7 @@ class Mortal(Clocked):
     """A child that serves several trials and dies of one."""
 
     def __init__(self, answers: list[int | Sample | str]) -> None:
-        self.answers, self.trouble, self.stopped = answers, "", False
+        self.answers, self.trouble, self.stopped, self.forsaken = answers, "", False, False
 
     def ask(self, number: int, block: int, steps: int) -> None:
         pass
@@ -245,7 +249,7 @@ def births(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
     """What was started, time after time: a child dies of the trial 'bad' when it should be ready for it."""
     started: list[list[str]] = []
 
-    def start(trials: list[Trial], folder: Path, server: int) -> Iterator[Team]:
+    def start(trials: list[Trial], folder: Path, server: int, apart: bool) -> Iterator[Team]:
         started.append([trial.trial for trial in trials])
         child = Mortal([])
         for number, trial in enumerate(trials):
@@ -282,7 +286,7 @@ def test_a_death_in_a_sample_costs_its_own_trial_alone(monkeypatch: pytest.Monke
             asked.append(self.served[number])
             self.answers.append("death" if self.served[number] == "bad" else dataclasses.replace(SAMPLE, block=block))
 
-    def start(trials: list[Trial], folder: Path, server: int) -> Iterator[Team]:
+    def start(trials: list[Trial], folder: Path, server: int, apart: bool) -> Iterator[Team]:
         child = Host([40] * len(trials))
         child.served = [trial.trial for trial in trials]
         yield from [Team(trial, [child], number) for number, trial in enumerate(trials)]

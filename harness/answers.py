@@ -1,0 +1,151 @@
+"""The way out of an engine: what a simulation hands back in an accuracy run is checked here, once for all adapters.
+
+An array of the wrong shape or kind, a body that is none, or a list of rays that was changed is a broken contract. A number that
+is not finite, or so large that its square is not, says that the engine has diverged. Nothing of this stands under the clock.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from harness.adapter import Diverged, Settings, Simulation
+from harness.scene import Camera, Scene
+from harness.trajectory import Contacts, Floats, Hits, Image, State
+
+__all__ = ["LARGEST", "Answering", "BrokenContract", "sane"]
+
+LARGEST = 1e100
+"""What no position, velocity or force may exceed, in SI units; the square of a number beyond 1e154 is infinite."""
+_UNIT = 1e-3
+"""By how much the length of a normal may differ from 1: for engines in single precision, after a few operations."""
+
+
+class BrokenContract(Exception):
+    """An engine's answer is none: not of the kind that its adapter promises."""
+
+
+def sane(values: Floats) -> bool:
+    """Are all numbers finite and none beyond `LARGEST`?"""
+    return bool(np.all(np.abs(values) <= LARGEST))
+
+
+def _array(where: str, value: Any, shape: tuple[int, ...], kind: str) -> None:
+    """Raises: BrokenContract, where it is no array of that shape and kind ('f' or 'i', as of `numpy.dtype.kind`)."""
+    expected = f"an array {shape} of {'floats' if kind == 'f' else 'integers'}"
+    if not isinstance(value, np.ndarray):
+        raise BrokenContract(f"{where}: got {type(value).__name__}, expected {expected}")
+    if value.shape != shape or value.dtype.kind != kind:
+        raise BrokenContract(f"{where}: got {value.dtype} {value.shape}, expected {expected}")
+
+
+def _numbers(where: str, value: Any, shape: tuple[int, ...], unbounded: bool = False) -> None:
+    """Numbers; where they are unbounded, infinity says that there is nothing. Raises: BrokenContract, Diverged."""
+    _array(where, value, shape, "f")
+    held = value[value != np.inf] if unbounded else value
+    if not sane(held):
+        raise Diverged(f"{where}: got {held[~(np.abs(held) <= LARGEST)][0]}")
+    if unbounded and held.size and held.min() < 0:
+        raise BrokenContract(f"{where}: got {held.min()}, expected none below 0")
+
+
+def _places(where: str, value: Any, shape: tuple[int, ...], least: int, bodies: int) -> None:
+    _array(where, value, shape, "i")
+    if value.size and not (least <= value.min() and value.max() < bodies):
+        worst = value.min() if value.min() < least else value.max()
+        raise BrokenContract(f"{where}: got body {worst}, expected {least}..{bodies - 1}")
+
+
+def _kind(where: str, value: Any, of: type) -> None:
+    if not isinstance(value, of):
+        raise BrokenContract(f"{where}: got {type(value).__name__}, expected {of.__name__}")
+
+
+def _felt(read: Callable[[str], Any], name: str) -> tuple[Floats, Floats]:
+    """What the engine's own accelerometer and gyroscope say. Raises: BrokenContract, Diverged."""
+    found = read(name)
+    if not isinstance(found, tuple) or len(found) != 2:
+        raise BrokenContract(f"inertial('{name}'): got {type(found).__name__}, expected two arrays")
+    for what, value in zip(("accelerometer", "gyroscope"), found, strict=True):
+        _numbers(f"inertial('{name}'): {what}", value, (3,))
+    return found
+
+
+class Answering:
+    """A simulation of a scene whose answers are checked; in all else it is the simulation itself."""
+
+    def __init__(self, simulation: Simulation, scene: Scene) -> None:
+        self._simulation, self._names = simulation, [body.name for body in scene.bodies]
+        self._bodies = len(self._names)
+
+    def __getattr__(self, name: str) -> Any:
+        """What is not checked, and what not every engine has. Raises: AttributeError."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        found = getattr(self._simulation, name)
+        return partial(_felt, found) if name == "inertial" else found
+
+    @property
+    def resolved(self) -> Settings:
+        """The settings that are used."""
+        found = self._simulation.resolved
+        _kind("resolved", found, Settings)
+        return found
+
+    def warnings(self) -> tuple[str, ...]:
+        """What there is to say."""
+        found = self._simulation.warnings()
+        _kind("warnings()", found, tuple)
+        return found
+
+    def state(self, out: State) -> None:
+        """The present state; what the engine leaves out is not finite. Raises: Diverged."""
+        arrays = {name: getattr(out, name) for name in ("p_WB", "q_WB", "v_WB", "w_WB")}
+        for array in arrays.values():
+            array.fill(np.nan)
+        self._simulation.state(out)
+        for name, array in arrays.items():
+            if not sane(array):
+                row, column = np.argwhere(~(np.abs(array) <= LARGEST))[0]
+                found, body = array[row, column], self._names[row]
+                what = f"beyond {LARGEST:g}" if np.isfinite(found) else "not finite"
+                raise Diverged(f"the state is {what}: {name} of body '{body}': {found}")
+
+    def contacts(self) -> Contacts:
+        """The contacts of the last step."""
+        found = self._simulation.contacts()
+        _kind("contacts()", found, Contacts)
+        count = len(found.gap) if isinstance(found.gap, np.ndarray) and found.gap.ndim else 0
+        for name in ("gap", "point_W", "normal_W", "force_W"):
+            _numbers(f"contacts().{name}", getattr(found, name), (count,) if name == "gap" else (count, 3))
+        for name in ("body_A", "body_B"):
+            _places(f"contacts().{name}", getattr(found, name), (count,), 0, self._bodies)
+        if not (found.body_A < found.body_B).all():
+            raise BrokenContract("contacts(): got a pair with A >= B, expected A < B")
+        if count and not np.abs(np.linalg.norm(found.normal_W, axis=1) - 1).max() <= _UNIT:
+            raise BrokenContract("contacts().normal_W: got a normal whose length is not 1")
+        return found
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """First hits; the rays are as before."""
+        before, rays = directions.copy(), len(directions)
+        found = self._simulation.cast(origins, directions, max_range)
+        if not np.array_equal(before, directions):
+            raise BrokenContract("cast(): got directions that were changed, expected them left alone")
+        _kind("cast()", found, Hits)
+        _numbers("cast().distance", found.distance, (rays,), unbounded=True)
+        _places("cast().body", found.body, (rays,), -1, self._bodies)
+        _numbers("cast().normal_W", found.normal_W, (rays, 3))
+        return found
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        """A picture."""
+        found = self._simulation.render(camera, colour)
+        _kind("render()", found, Image)
+        shape = camera.height, camera.width
+        _numbers("render().depth", found.depth, shape, unbounded=True)
+        _places("render().body", found.body, shape, -1, self._bodies)
+        if found.colour is not None:
+            _numbers("render().colour", found.colour, (*shape, 3))
+        return found

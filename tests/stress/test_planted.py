@@ -1,0 +1,124 @@
+"""Faults planted in one engine, each in a cell of its own: every one has the outcome that it should, and costs nobody else."""
+
+import multiprocessing
+import sys
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import psutil
+import pytest
+import tomli_w
+
+from harness.message import BrokenMessage, Inbox, read_record
+from harness.pool import tell
+from harness.store import Store
+from harness.study import load_study
+from tests.conftest import PLUGINS, Command
+from tests.stress.ledger import Page
+
+sys.path.insert(0, str(PLUGINS))
+from planted import CASE, FAULTS, PLANTED, SLEEP, Fault  # the plug-in's own table
+
+sys.path.remove(str(PLUGINS))
+
+IN_PROCESSES = ("signals", "exits", "surroundings", "processes", "hangs", "memory")
+HEAVY = tuple(fault for fault in FAULTS if fault.family in IN_PROCESSES)
+LIGHT = tuple(fault for fault in FAULTS if fault.family not in IN_PROCESSES)
+ROUGH = {"hangs": {"deadline": 3.0}, "memory": {"memory": 400.0}}
+"""What the experiments of some families are given less of."""
+
+
+def experiment(family: str) -> dict[str, Any]:
+    given = {"name": family, "cases": ["stress_channels"], "tracks": ["tuned"], "timing": False}
+    return given | {"variants": [f"planted/{family}_*"]} | ROUGH.get(family, {})
+
+
+def study(faults: tuple[Fault, ...]) -> str:
+    variants = {fault.variant: {"options": {"fault": fault.variant}} for fault in faults}
+    families = dict.fromkeys(fault.family for fault in faults)
+    alone = {"name": "sound", "cases": ["stress_channels"], "tracks": ["tuned"], "timing": False}
+    experiments = [experiment(family) for family in families] or [alone]
+    return tomli_w.dumps(
+        {"name": "planted", "recordings": False, "variants": {"planted": variants}, "experiments": experiments}
+    )
+
+
+def carried_out(folder: Path, plumbline: Command, *faults: Fault) -> pd.DataFrame:
+    (folder / "planted.toml").write_text(study(faults))
+    done = plumbline("run", folder / "planted.toml", "--engine", "planted", "--out", folder / "out", plugins=True)
+    assert done.returncode == 0, done.stderr
+    return Store(folder / "out").trials
+
+
+@pytest.fixture(scope="module")
+def trials(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> pd.DataFrame:
+    """What became of the faults that need a process of their own."""
+    return carried_out(tmp_path_factory.mktemp("planted"), plumbline, *HEAVY)
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> str:
+    """The hash of the sound engine's answer, alone."""
+    (row,) = carried_out(tmp_path_factory.mktemp("sound"), plumbline).to_dict("records")
+    assert row["status"] == "passed"
+    return str(row["trajectory_hash"])
+
+
+def judged(fault: Fault, status: str, reason: str, ledger: Page) -> None:
+    assert (status, reason) == (fault.status, reason)
+    assert fault.reason in reason
+    assert reason.isprintable()
+    ledger.survived(f"engine: {fault.family}", fault.name.replace("_", " "), f"{fault.status}, other cells lost 0")
+
+
+@pytest.mark.parametrize("fault", HEAVY, ids=lambda fault: fault.variant)
+def test_a_fault_of_a_process_has_its_outcome_and_its_reason(trials: pd.DataFrame, fault: Fault, ledger: Page) -> None:
+    (row,) = trials[trials["track"] == fault.variant].to_dict("records")
+    judged(fault, row["status"], row["reason"], ledger)
+
+
+@pytest.mark.parametrize("fault", LIGHT, ids=lambda fault: fault.variant)
+def test_a_fault_of_an_answer_has_its_outcome_and_its_reason(
+    fault: Fault, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
+) -> None:
+    """Told through the pipe that a child has, in this process."""
+    monkeypatch.syspath_prepend(str(PLUGINS))
+    (tmp_path / "planted.toml").write_text(study((fault,)))
+    found = load_study(str(tmp_path / "planted.toml")).trials({CASE.name: CASE}, {"planted": PLANTED}, {"planted": "1.0"})
+    trial = next(trial for trial in found if trial.track == fault.variant)
+    ours, theirs = multiprocessing.Pipe(duplex=False)
+    tell(theirs, trial, tmp_path)
+    theirs.close()
+    ((kind, said),) = Inbox(ours).lines()
+    ours.close()
+    assert kind == "record"
+    try:
+        record = read_record(trial, said)
+        judged(fault, record.status, record.reason, ledger)
+    except BrokenMessage as error:
+        judged(fault, "crashed", f"broken contract: {error}", ledger)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_a_fault_of_an_answer_has_the_same_outcome_in_a_process_of_its_own(tmp_path: Path, plumbline: Command) -> None:
+    found = carried_out(tmp_path, plumbline, *LIGHT).set_index("track")
+    assert {fault.variant: found.loc[fault.variant, "status"] for fault in LIGHT} == {f.variant: f.status for f in LIGHT}
+
+
+def test_the_sound_cells_beside_them_answer_as_alone(trials: pd.DataFrame, sound: str) -> None:
+    beside = trials[trials["track"] == "tuned"]
+    assert len(beside) == len({fault.family for fault in HEAVY})
+    assert set(beside["status"]) == {"passed"}
+    assert set(beside["trajectory_hash"]) == {sound}
+
+
+def test_every_cell_has_exactly_one_row(trials: pd.DataFrame) -> None:
+    assert trials["trial"].is_unique
+    assert len(trials) == len(HEAVY) + len({fault.family for fault in HEAVY})
+
+
+def test_no_process_that_an_engine_started_is_left(trials: pd.DataFrame) -> None:
+    assert len(trials)
+    assert not [process.pid for process in psutil.process_iter(["cmdline"]) if SLEEP in (process.info["cmdline"] or ())]

@@ -47,7 +47,10 @@ class _Guarded(click.Group):
                 stream.reconfigure(errors="backslashreplace")  # a terminal that lacks a letter is no reason to stop
         try:
             return super().invoke(ctx)
-        except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError):
+        except click.ClickException as error:
+            error.message = visible(error.message)
+            raise
+        except (click.exceptions.Exit, click.Abort, BrokenPipeError):
             raise
         except KeyboardInterrupt:
             _stop(_INTERRUPTED, "interrupted")

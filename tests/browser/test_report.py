@@ -10,6 +10,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 import reports
+from reports.policy import guarded
 from tests.run_folder import BAD_CASE, write_run_folder
 
 pytestmark = pytest.mark.browser
@@ -249,6 +250,19 @@ def test_names_that_attack_run_no_script_and_open_no_dialog(hostile: Path, visit
         assert seen.page.evaluate("window.attacked") is None, path.name
         assert seen.said == [], path.name
         assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}, path.name
+
+
+@pytest.mark.parametrize("head", ["", "<!doctype html>", '<!doctype html><html lang="en"><head><meta charset="utf-8">'])
+def test_a_page_of_a_third_party_runs_no_script_of_its_own_text(head: str, tmp_path: Path, visit: Any) -> None:
+    attack = "<script>window.attacked=1</script><img src='x' onerror='window.attacked=1'>"
+    text = f"{head}<title>Roll</title><p id='x'>there</p>{attack}"
+    for name, page in (("bare.html", text), ("guarded.html", guarded(text))):
+        (tmp_path / name).write_text(page, encoding="utf-8")
+    assert visit(tmp_path / "bare.html").page.evaluate("window.attacked") == 1, "the attack is none"
+    seen = visit(tmp_path / "guarded.html")
+    assert seen.page.evaluate("window.attacked") is None
+    assert seen.page.locator("#x").inner_text() == "there"
+    assert seen.page.evaluate("document.compatMode") == ("CSS1Compat" if head else "BackCompat")
 
 
 def test_the_policy_itself_stops_a_script_that_slips_in(plain: Path, tmp_path: Path, visit: Any) -> None:

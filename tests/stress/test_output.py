@@ -14,8 +14,10 @@ from xml.etree import ElementTree
 
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 from markdown_it import MarkdownIt
 
+from harness.cli import main
 from harness.listing import print_csv, print_json, print_markdown, print_table
 from harness.store import Store
 from harness.summary import write_summary
@@ -256,6 +258,33 @@ def test_a_terminal_that_knows_no_letter_beyond_ascii_shows_a_hostile_run(form: 
     ledger.survived(
         "output", f"show --format {form} of hostile names on a terminal of ASCII", f"exit 0, {len(done.stdout)} bytes"
     )
+
+
+WRONG = {
+    "a command": ("\x1b[2J\u202e",),
+    "an option": ("engines", "--\x1b[2J\u202e"),
+    "a study": ("run", "\x1b[2J\u202e"),
+    "a study file": ("run", "\x1b[2J\u202e.toml"),
+    "a case": ("run", "quick", "--case", "\x1b[2J\u202e"),
+    "an engine": ("check", "\x1b[2J\u202e"),
+    "a folder": ("show", "\x1b[2J\u202e"),
+    "a table": ("show", ".", "--table", "\x1b[2J\u202e"),
+    "a shard": ("run", "quick", "--shard", "\x1b[2J\u202e"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_asked_for_wrongly_is_named_without_acting_on_the_terminal(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("harness.cli.listen", lambda: None)  # it would take the signals of the test's own process
+    told = CliRunner().invoke(main, WRONG[name])
+    assert told.exit_code in (2, 3), told.output
+    assert told.exception is None or isinstance(told.exception, SystemExit)
+    assert "\\u202e" in told.output
+    assert all(SHOWN.fullmatch(line) for line in told.output.split("\n"))
+    ledger.survived("output", f"wrong usage: {name} with an escape sequence", f"exit {told.exit_code}, spelled out")
 
 
 @pytest.mark.parametrize(

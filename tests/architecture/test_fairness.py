@@ -6,6 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from harness import discover
+from harness.study import load_study
+from reports.disputes import TABLE, read
+
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "fairness.md"
 
@@ -34,3 +38,21 @@ def test_every_false_finding_is_kept_from_coming_back_by_tests(row: list[str]) -
 @pytest.mark.parametrize("page", ["README.md", "docs/architecture.md", "docs/method.md"])
 def test_the_page_is_linked(page: str) -> None:
     assert "fairness.md)" in (ROOT / page).read_text(encoding="utf-8")
+
+
+WITHOUT = "no vendor's script: "
+"""What a row says before the reason for which a script in a vendor's words has no meaning."""
+
+
+@pytest.mark.parametrize("row", rows(), ids=lambda row: row[1][:60])
+def test_every_false_finding_has_a_script_in_the_vendor_s_words_or_says_why_not(row: list[str]) -> None:
+    assert bool(re.search(r"`tests/vendor/test_\w+\.py`", row[-1])) != (WITHOUT in row[-1])
+    assert WITHOUT not in row[-1] or row[-1].partition(WITHOUT)[2].strip()
+
+
+def test_what_is_disputed_is_of_engines_cases_axes_and_studies_that_there_are() -> None:
+    for one in read(TABLE):
+        assert one.engine in discover.adapters()
+        case = discover.case(one.case)
+        assert one.axis in ("", *case.parameters)
+        assert not one.study or load_study(one.study).name == one.study

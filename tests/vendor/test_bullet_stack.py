@@ -87,9 +87,7 @@ def test_at_fine_steps_a_tower_stands_as_deep_as_ten_contact_slops(world: World,
 
 @BOTH
 @pytest.mark.parametrize("rate", [1920, 3840, 7680])
-def test_without_a_slop_it_comes_down_by_the_steps_until_all_supports_show(
-    world: World, coordinates: int, rate: int
-) -> None:
+def test_without_a_slop_it_comes_down_by_the_steps_until_all_supports_show(world: World, coordinates: int, rate: int) -> None:
     # Each support shows a step after the one below it; whether two that touch exactly overlap is a matter of rounding.
     most, last = sag(world, rate, coordinates, 0.0)
     falls = [9.81 / rate**2 * steps * (steps + 1) / 2 for steps in range(1, 11)]

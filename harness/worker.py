@@ -90,7 +90,7 @@ def confine(log: Path) -> None:
 
 
 def end_started() -> None:
-    """End what was started in this process, into whatever session it went: what lost its parent has become a child of this one."""
+    """End what was started in this process, into whatever session it went: what lost its parent is this one's child."""
     for _ in range(_GENERATIONS):
         children = {int(pid) for file in Path("/proc/self/task").glob("*/children") for pid in file.read_text().split()}
         if not children:

@@ -3,13 +3,15 @@
 import os
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pandas as pd
 import psutil
 import pytest
 
+from harness.servers import WORTH_A_SERVER, Server, context, start_apart, start_loaded
 from harness.store import Store
 from tests.conftest import Command
 from tests.stress.ledger import Page
@@ -65,19 +67,23 @@ def busy(server: psutil.Process) -> bool:
         return False
 
 
-@pytest.mark.parametrize("when", ["while trials run", "while idle"])
-@pytest.mark.parametrize("kind", ["plain", "loaded", "apart", "clock"])
-def test_a_fork_server_that_is_killed_costs_no_cell(
-    kind: str, when: str, tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "kind", ["plain", pytest.param("loaded", marks=SLOW), pytest.param("apart", marks=SLOW), pytest.param("clock", marks=SLOW)]
+)
+def test_a_fork_server_that_is_killed_at_work_costs_no_cell(
+    kind: str, tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page
 ) -> None:
     process = start(study(tmp_path, kind), tmp_path / "out", with_plugins, engine=ENGINE[kind])
     killed, until = 0, time.monotonic() + 200.0
     while process.poll() is None and not killed and time.monotonic() < until:
         for server in servers(process.pid, MARK[kind]):
-            if busy(server) == (when == "while trials run") and _at_work(tmp_path / "out"):
+            if busy(server) and _at_work(tmp_path / "out"):
                 server.kill()
                 killed += 1
-        time.sleep(0.002)
+        time.sleep(0.03)
     _, errors = process.communicate(timeout=200)
     assert killed
     assert process.returncode == 0, errors
@@ -86,7 +92,7 @@ def test_a_fork_server_that_is_killed_costs_no_cell(
     assert len(found) >= CELLS[kind]
     if kind == "clock":
         assert found["cpu_per_sim_s"].notna().all()
-    ledger.survived("fork servers", f"{kind}, killed {when}", f"servers killed {killed}, cells lost 0 of {len(found)}")
+    ledger.survived("fork servers", f"{kind}, killed at work", f"servers killed {killed}, cells lost 0 of {len(found)}")
 
 
 def _at_work(out: Path) -> bool:
@@ -94,7 +100,7 @@ def _at_work(out: Path) -> bool:
     return journal.is_file() and journal.stat().st_size > 0
 
 
-@pytest.mark.parametrize("timing", ["false", "true"])
+@pytest.mark.parametrize("timing", ["false", pytest.param("true", marks=SLOW)])
 def test_an_engine_that_kills_its_fork_server_costs_its_own_cells_alone(
     timing: str, tmp_path: Path, plumbline: Command, ledger: Page
 ) -> None:
@@ -107,6 +113,46 @@ def test_an_engine_that_kills_its_fork_server_costs_its_own_cells_alone(
     assert set(found.loc["patricide", "status"]) == {"crashed"}
     assert set(found.loc["patricide", "reason"]) == {"its fork server died with it, alone too"}
     ledger.survived("fork servers", f"killed by an engine, timing {timing}", "other cells lost 0")
+
+
+def _nothing() -> None:
+    pass
+
+
+STARTS: dict[str, Callable[[BaseProcess], Server]] = {
+    "plain": lambda process: start_loaded(process, (), 1),
+    "loaded": lambda process: start_loaded(process, ("xml.dom.pulldom",), WORTH_A_SERVER),
+    "apart": lambda process: start_apart(process, 7),
+    "its own": lambda process: start_apart(process, 7, only="a trial"),
+}
+
+
+def begun(kind: str, work: Callable[..., object], *of: object) -> tuple[BaseProcess, Server]:
+    process = context().Process(target=work, args=of, daemon=True)
+    return process, STARTS[kind](process)
+
+
+@pytest.mark.parametrize("kind", STARTS)
+def test_a_fork_server_that_is_killed_has_a_successor(kind: str, ledger: Page) -> None:
+    """Idle, and with a process whose end nobody can tell then; an exit code of the engine's own is no such end."""
+    process, server = begun(kind, os._exit, 255)
+    process.join(60.0)
+    assert process.exitcode == 255
+    assert not server.took_along(process)
+    os.kill(server.pid, signal.SIGKILL)
+    process, successor = begun(kind, time.sleep, 600)
+    assert server.ended
+    assert successor.pid != server.pid
+    os.kill(successor.pid, signal.SIGKILL)
+    process.join(60.0)
+    assert successor.took_along(process)
+    os.kill(process.pid or 0, signal.SIGKILL)  # what is not confined lives on
+    process, last = begun(kind, _nothing)
+    process.join(60.0)
+    assert process.exitcode == 0
+    assert not last.ended
+    for when in ("idle", "with a process"):
+        ledger.survived("fork servers", f"{kind}, killed {when}", "processes that could not start 0")
 
 
 def test_the_tracker_of_shared_things_may_die_as_well(tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page) -> None:

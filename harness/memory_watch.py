@@ -67,7 +67,11 @@ class MemoryWatch:
                 taken = (self._process.memory_info().vms - self._before) / _MB + others
                 if taken > self._most:
                     self.taken = taken
+                    started = self._process.children(recursive=True)
                     self._process.kill()
+                    for other in started:
+                        with suppress(psutil.Error):
+                            other.kill()
                     return
 
     def _of_others(self) -> float:

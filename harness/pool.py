@@ -18,7 +18,7 @@ from harness.record import Record
 from harness.run import outcome
 from harness.servers import Server, context, start_apart, start_loaded
 from harness.study import Trial
-from harness.worker import answers, confine, end, exit_code, roughly_clocked
+from harness.worker import answers, confine, end, end_started, exit_code, roughly_clocked
 
 __all__ = ["run_isolated", "tell"]
 
@@ -152,6 +152,7 @@ class _Child:
 def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
     confine(log)
     tell(pipe, trial, folder)
+    end_started()
     pipe.close()
 
 

@@ -9,11 +9,13 @@ can feel that: MuJoCo's and DART's steps of a pendulum were spread by 2 % over e
 forks of one. What is to show such chance, clocks and repetitions, therefore asks for processes off several servers.
 """
 
+import atexit
 import multiprocessing
 import os
+import signal
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import forkserver
 from multiprocessing.context import ForkServerContext
@@ -140,6 +142,19 @@ def _one_thread() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+@atexit.register
+def _end_servers() -> None:
+    """End all servers: one whose processes' processes live on would wait for those, and keep what it was given to write to."""
+    for server in (_PLAIN, *_servers.values(), *_apart.values()):
+        if server is not None and server._forkserver_pid is not None and _ours == os.getpid():
+            with suppress(ProcessLookupError):
+                os.kill(server._forkserver_pid, signal.SIGKILL)
+
+
+_ours = os.getpid()
+"""The process that starts servers; those that come off them have loaded this as well."""
 
 
 def _new_server(modules: tuple[str, ...]) -> Any:

@@ -25,7 +25,7 @@ from harness.message import BrokenMessage, Inbox, read_sample, readable, send
 from harness.record import Sample
 from harness.servers import Server, context, start_apart
 from harness.study import Trial
-from harness.worker import confine, end, exit_code
+from harness.worker import confine, end, end_started, exit_code
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]
 
@@ -82,6 +82,7 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
             send(pipe, "trouble", _told(error, place))
     for bench in benches.values():
         bench.stop()
+    end_started()
 
 
 def _told(error: Exception, place: Place) -> str:

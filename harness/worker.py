@@ -24,7 +24,7 @@ from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
 
-__all__ = ["answers", "confine", "end", "exit_code", "roughly_clocked"]
+__all__ = ["answers", "confine", "end", "end_started", "exit_code", "roughly_clocked"]
 
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
@@ -32,6 +32,10 @@ _LARGEST_FILE = 512 * 2**20
 """Bytes; what an engine prints beyond is lost, so that a flood cannot fill the disk."""
 _PR_SET_PDEATHSIG = 1
 """From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
+_PR_SET_CHILD_SUBREAPER = 36
+"""From linux/prctl.h: what loses its parent becomes the child of this process."""
+_GENERATIONS = 10
+"""How deep the processes of processes are followed."""
 
 
 def exit_code(process: BaseProcess) -> int | None:
@@ -46,9 +50,18 @@ def exit_code(process: BaseProcess) -> int | None:
 
 
 def end(process: BaseProcess) -> None:
-    """End a process that was confined, and every other one that was started in it and stayed in its group."""
+    """End a process that was confined, and every other one that was started in it.
+
+    Where it has ended by itself, those that left its group have escaped; `end_started` is for them.
+    """
     if process.is_alive():
+        started: list[psutil.Process] = []
+        with suppress(psutil.Error):
+            started = psutil.Process(process.pid).children(recursive=True)
         process.kill()
+        for other in started:
+            with suppress(psutil.Error):
+                other.kill()
         process.join()
     with suppress(ProcessLookupError, PermissionError):
         if process.pid:
@@ -65,6 +78,7 @@ def confine(log: Path) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)
         _end_if_forsaken()
     be_killed_first()
     stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
@@ -73,6 +87,18 @@ def confine(log: Path) -> None:
     os.close(stream)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
+
+
+def end_started() -> None:
+    """End what was started in this process, into whatever session it went: what lost its parent is this one's child."""
+    for _ in range(_GENERATIONS):
+        children = {int(pid) for file in Path("/proc/self/task").glob("*/children") for pid in file.read_text().split()}
+        if not children:
+            return
+        for pid in children:
+            with suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
 
 
 def _end_if_forsaken() -> None:

@@ -38,8 +38,8 @@ def write_study(folder: Path, timing: str = "false") -> Path:
     return path
 
 
-def start(study: Path, out: Path, environment: Mapping[str, str], *more: str) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", "sound", "--out", out, *more]
+def start(study: Path, out: Path, environment: Mapping[str, str], *more: str, engine: str = "sound") -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", engine, "--out", out, *more]
     return subprocess.Popen(
         list(map(str, command)),
         env=dict(environment),

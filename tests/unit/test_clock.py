@@ -165,6 +165,7 @@ def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
     monkeypatch.setattr(clockwork, "discover", SimpleNamespace(case=str, adapter=str))
     monkeypatch.setattr(clockwork, "Bench", Idle)
     monkeypatch.setattr(clockwork, "confine", lambda *_: None)
+    monkeypatch.setattr(clockwork, "end_started", lambda: None)
     monkeypatch.setattr(clockwork, "calibrate", lambda *_: 40)
     monkeypatch.setattr("gc.disable", lambda: None)
     gate, children, threads = threading.Barrier(2), [], []

@@ -111,6 +111,11 @@ class Falling:
             self._state.q_WB[0] = 0.0
         elif self._fault == "count":
             self.resolved = replace(self.resolved, iterations=np.int64(5))
+        elif self._fault == "slow":
+            time.sleep(0.4)
+        elif self._fault == "patricide":
+            os.kill(os.getppid(), signal.SIGKILL)
+            time.sleep(60)
         elif self._fault in TOLD:
             os.write(_pipe_to_main().fileno(), TOLD[self._fault])
             if self._fault == "half_a_line":
@@ -207,6 +212,9 @@ OTHER_KIND = Faulty(name="other_kind", fault="other_kind")
 NO_STATUS = Faulty(name="no_status", fault="no_status")
 LONG_NUMBER = Faulty(name="long_number", fault="long_number")
 TWO_KINDS = Faulty(name="two_kinds", fault="two_kinds")
+SLOW = Faulty(name="slow", fault="slow")
+LOADING = Faulty(name="loading", fault="slow", loads=("xml.dom.pulldom",))
+PATRICIDE = Faulty(name="patricide", fault="patricide")
 SEGFAULT_AGAIN = Faulty(name="segfault_again", fault_again="segfault")
 HANG_AGAIN = Faulty(name="hang_again", fault_again="hang")
 RAISE_AGAIN = Faulty(name="raise_again", fault_again="raise")

@@ -1,7 +1,7 @@
 """The command line: the one place that knows every part; each command imports what it needs when it is called."""
 
 import sys
-from io import TextIOWrapper
+from io import StringIO, TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -48,8 +48,9 @@ class _Guarded(click.Group):
         try:
             return super().invoke(ctx)
         except click.ClickException as error:
-            error.message = visible(error.message)
-            raise
+            said = StringIO()
+            error.show(file=said)
+            _stop(error.exit_code, said.getvalue().rstrip("\n"))
         except (click.exceptions.Exit, click.Abort, BrokenPipeError):
             raise
         except KeyboardInterrupt:

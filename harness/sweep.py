@@ -1,13 +1,13 @@
 """Which settings to try for work-precision: a coarse design, then steps along the Pareto front, as many for every engine.
 
 For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares for
-such a scene is turned once; one that leaves the trajectory as it was, bit for bit, or that the adapter refuses, is turned once
-more where the engine errs least, since a slop or a tolerance may be felt there alone, and left alone where that too says
-nothing. From then on each point of the front tries its neighbours: twice and half its time step, and the next value to both
-sides of every knob that matters. Where a round brings nothing to the front, exact answers on it are tried at twice their step,
-then the neighbours of what lies next behind it: an engine whose front stays early is given as many points as one whose front
-goes on. That ends when the experiment's number of points is spent, or nothing is left to try; knobs that mean nothing here are
-not counted.
+such a scene is turned once; one that leaves the error as it was is turned once more where the engine errs least, since a slop
+or a tolerance may be felt there alone. One that leaves the trajectory as it was, bit for bit, or that the adapter refuses, at
+both, means nothing here and is left alone. From then on each point of the front tries its neighbours: twice and half its time
+step, and the next value to both sides of every knob that matters, those first that moved the error most. Where a round brings
+nothing to the front, exact answers on it are tried at twice their step, then the neighbours of what lies next behind it: an
+engine whose front stays early is given as many points as one whose front goes on. That ends when the experiment's number of
+points is spent, or nothing is left to try; knobs that mean nothing here are not counted.
 
 Costs are rough: each is clocked beside its accuracy run, in turns with a yardstick, the default track at the case's own step,
 and what is compared are the ratios. They say nothing about differences of a few per cent; what they leave near the front is
@@ -152,16 +152,17 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     if room <= 0 or sum(trial.round > 0 for trial in group) >= RUNS * group[0].experiment.sweep:
         return []
     knobs = adapter.knobs_in(group[0].scene(case))
-    live = _live(group, records, knobs)
+    live = _live(group, records, here, knobs)
     wanted = list(_screening(base, knobs, adapter)) if last == 0 else []
     if last == 1 and (best := _most_accurate(here, case)) is not None:
-        wanted = list(_screening(best, [knob for knob in knobs if knob not in live], adapter))
+        wanted = list(_screening(best, [knob for knob in knobs if live.get(knob, 1.0) < TELLING], adapter))
     screens = bool(wanted)
     if not screens:
         stays = last > 1 and not _moved(here, last)
         wanted = list(_coarser_still(here, case)) if stays else []
+        foremost = sorted(live, key=lambda knob: -live[knob])
         for layer in _layers(_apart(here)):
-            wanted += _neighbours(layer, live, case, adapter)
+            wanted += _neighbours(layer, foremost, case, adapter)
     tried = [_key(trial.settings) for trial in group]
     found: list[Trial] = []
     limit = room if screens else min(room, PER_ROUND)
@@ -222,17 +223,23 @@ def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
     return [value for value in dict.fromkeys((values[0], values[-1])) if value != now]
 
 
-def _live(group: Group, records: Mapping[str, Record], knobs: Iterable[str]) -> list[str]:
-    """The knobs that changed a trajectory: two runs whose settings differ in the knob alone gave two answers."""
-    live = []
+def _live(group: Group, records: Mapping[str, Record], here: Sequence[Point], knobs: Iterable[str]) -> dict[str, float]:
+    """The knobs that changed a trajectory: two runs whose settings differ in the knob alone gave two answers.
+
+    Returns: by knob, the largest ratio of the errors of two such runs; 1 where no two of them have an error.
+    """
+    errors = {point.trial.trial: point.error for point in here}
+    live = {}
     for knob in knobs:
-        answers: dict[str, set[str]] = {}
+        answers: dict[str, dict[str, str]] = {}
         for trial in group:
             record = records.get(trial.trial)
             if record is not None and record.trajectory_hash is not None:
-                answers.setdefault(_key(_without(trial.settings, knob)), set()).add(record.trajectory_hash)
-        if any(len(found) > 1 for found in answers.values()):
-            live.append(knob)
+                answers.setdefault(_key(_without(trial.settings, knob)), {})[record.trajectory_hash] = trial.trial
+        unlike = [found.values() for found in answers.values() if len(found) > 1]
+        if unlike:
+            told = [[errors[name] for name in names if name in errors] for names in unlike]
+            live[knob] = max((max(some) / min(some) for some in told if some), default=1.0)
     return live
 
 

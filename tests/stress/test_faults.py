@@ -68,7 +68,7 @@ def trials(folder: Path, plumbline: Command) -> Iterator[pd.DataFrame]:
     patch.setenv("PICKLED", str(folder / "pickled"))
     (folder / "faults.toml").write_text(STUDY)
     wanted = [word for engine in ENGINES for word in ("--engine", engine)]
-    done = plumbline("run", folder / "faults.toml", *wanted, "--out", folder / "out", plugins=True)
+    done = plumbline("run", folder / "faults.toml", *wanted, "--workers", 4, "--out", folder / "out", plugins=True)
     assert done.returncode == 0, done.stderr
     yield Store(folder / "out").trials.set_index(["engine", "track"])
     patch.undo()

@@ -21,7 +21,8 @@ The contract, proven by `harness.conformance`:
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * What comes back is checked too: quaternions have norm 1, `resolved` and `warnings()` hold text, Python's own numbers and lists
-  and names of such. What breaks that is a crash with a reason, and costs its own cell.
+  and names of such; contacts, hits, pictures and inertial readings are arrays as `harness.trajectory` says (see
+  `harness.answers`). What breaks that is a crash with a reason, and costs its own cell. What `state` leaves out is not finite.
 * Arrays that are handed in are checked at one door, `harness.boundary`: `wrench`, `cast`, `caster`, `command` and `state` raise
   `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.

@@ -7,6 +7,7 @@ a metric is left out.
 
 import importlib
 import pkgutil
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from harness.scene import Scene
 
 __all__ = ["SCENE_PREFIX", "PluginError", "adapter", "adapters", "case", "cases", "left_out", "metrics", "names", "version_of"]
 
+_LONGEST_VERSION = 100
 SCENE_PREFIX = "scene:"
 """How the name of a case says that it lies in a file."""
 
@@ -82,11 +84,33 @@ class _Lost(Adapter):
 def adapter(name: str) -> Adapter:
     """The adapter of that name; a third party's that cannot be loaded is unavailable. Raises: PluginError."""
     point = None if name in _folder("adapters") else points("plumbline.adapters").get(name)
-    if point is not None and (said := trouble(point)):
-        tracks = {"default": Settings(), "tuned": Settings()}
-        return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=said)
-    found: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
-    return found
+    if point is None:
+        built_in: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
+        return built_in
+    said = trouble(point)
+    if not said:
+        try:
+            found: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
+            said = _wrong(found)
+        except PluginError as error:
+            said = str(error)
+    if not said:
+        return found
+    tracks = {"default": Settings(), "tuned": Settings()}
+    return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=said)
+
+
+def _wrong(found: Adapter) -> str:
+    """What a listing or a study would break on in a third party's adapter; '' where there is nothing."""
+    for field in ("title", "distribution"):
+        if type(getattr(found, field)) is not str:
+            return f"adapter '{found.name}': {field} is {type(getattr(found, field)).__name__}, expected text"
+    if not isinstance(found.features, Feature):
+        return f"adapter '{found.name}': features is {type(found.features).__name__}, expected Feature"
+    tracks = found.tracks
+    if not isinstance(tracks, Mapping) or not all(isinstance(tracks.get(one), Settings) for one in ("default", "tuned")):
+        return f"adapter '{found.name}': tracks, expected Settings for 'default' and 'tuned'"
+    return ""
 
 
 def case(name: str) -> Case:
@@ -133,7 +157,10 @@ def metrics() -> dict[str, Metric]:
 def version_of(engine: Adapter) -> tuple[str, str | None]:
     """The installed version and None, or 'none' and the reason why the engine is unavailable."""
     try:
-        return engine.version(), None
+        version = engine.version()
+        if type(version) is not str or not version.isprintable() or not 0 < len(version) <= _LONGEST_VERSION:
+            return "none", f"version() gave {repr(version)[:80]}, expected up to {_LONGEST_VERSION} printable characters"
+        return version, None
     except Unavailable as error:
         return "none", str(error)
     except Exception as error:

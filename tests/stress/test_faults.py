@@ -12,6 +12,7 @@ import pytest
 
 from harness.store import Store
 from tests.conftest import Command
+from tests.stress.ledger import Page
 
 STUDY = """
 name = "faults"
@@ -67,7 +68,7 @@ def trials(folder: Path, plumbline: Command) -> Iterator[pd.DataFrame]:
     patch.setenv("PICKLED", str(folder / "pickled"))
     (folder / "faults.toml").write_text(STUDY)
     wanted = [word for engine in ENGINES for word in ("--engine", engine)]
-    done = plumbline("run", folder / "faults.toml", *wanted, "--out", folder / "out", plugins=True)
+    done = plumbline("run", folder / "faults.toml", *wanted, "--workers", 4, "--out", folder / "out", plugins=True)
     assert done.returncode == 0, done.stderr
     yield Store(folder / "out").trials.set_index(["engine", "track"])
     patch.undo()
@@ -107,11 +108,15 @@ def trials(folder: Path, plumbline: Command) -> Iterator[pd.DataFrame]:
         ("two_kinds", "crashed", "broken contract: expected one kind of message"),
     ],
 )
-def test_a_faulty_engine_is_an_outcome_with_its_reason(trials: pd.DataFrame, engine: str, status: str, reason: str) -> None:
+def test_a_faulty_engine_is_an_outcome_with_its_reason(
+    trials: pd.DataFrame, engine: str, status: str, reason: str, ledger: Page
+) -> None:
     for track in ("default", "tuned"):
         row = trials.loc[(engine, track)]
         assert row["status"] == status
         assert reason in row["reason"]
+    if engine not in ("sound", "compile"):
+        ledger.survived("engine and its pipe", engine.replace("_", " "), f"{status}, other cells lost 0")
 
 
 def test_what_a_process_hands_over_runs_no_command(trials: pd.DataFrame, folder: Path) -> None:
@@ -180,7 +185,9 @@ def test_a_third_partys_engine_stands_in_the_listing_beside_the_built_in_ones(pl
     ("engine", "reason"),
     [("segfault_again", "killed by SIGSEGV"), ("hang_again", "deadline of 4 s passed"), ("raise_again", "the engine's own")],
 )
-def test_an_answer_outlives_the_rough_clock_of_a_sweep(engine: str, reason: str, tmp_path: Path, plumbline: Command) -> None:
+def test_an_answer_outlives_the_rough_clock_of_a_sweep(
+    engine: str, reason: str, tmp_path: Path, plumbline: Command, ledger: Page
+) -> None:
     """An engine that does not bear to be built twice in a process has its answers, no cost, and a warning that says why."""
     (tmp_path / "faults.toml").write_text(STUDY + "sweep = 4\n")
     done = plumbline("run", tmp_path / "faults.toml", "--engine", engine, "--out", tmp_path / "out", plugins=True)
@@ -191,3 +198,4 @@ def test_an_answer_outlives_the_rough_clock_of_a_sweep(engine: str, reason: str,
         assert pd.isna(told.loc[track, "rough_cost"])
         assert "rough cost: none" in str(told.loc[track, "warnings"])
         assert reason in str(told.loc[track, "warnings"])
+    ledger.survived("engine under the rough clock", engine.replace("_", " "), "answers lost 0")

@@ -88,8 +88,9 @@ def test_a_fork_server_that_is_killed_at_work_costs_no_cell(
     assert killed
     assert process.returncode == 0, errors
     found = answers(tmp_path / "out")
-    assert set(found["status"]) == {"passed"}
-    assert len(found) >= CELLS[kind]
+    # Repetitions that need a saved state are unsupported: this engine has none.
+    assert set(found["status"]) <= {"passed", "unsupported"}
+    assert (found["status"] == "passed").sum() >= CELLS[kind]
     if kind == "clock":
         assert found["cpu_per_sim_s"].notna().all()
     ledger.survived("fork servers", f"{kind}, killed at work", f"servers killed {killed}, cells lost 0 of {len(found)}")
@@ -100,7 +101,8 @@ def _at_work(out: Path) -> bool:
     return journal.is_file() and journal.stat().st_size > 0
 
 
-@pytest.mark.parametrize("timing", ["false", pytest.param("true", marks=SLOW)])
+@SLOW
+@pytest.mark.parametrize("timing", ["false", "true"])
 def test_an_engine_that_kills_its_fork_server_costs_its_own_cells_alone(
     timing: str, tmp_path: Path, plumbline: Command, ledger: Page
 ) -> None:
@@ -132,7 +134,7 @@ def begun(kind: str, work: Callable[..., object], *of: object) -> tuple[BaseProc
     return process, STARTS[kind](process)
 
 
-@pytest.mark.parametrize("kind", STARTS)
+@pytest.mark.parametrize("kind", [kind if kind == "plain" else pytest.param(kind, marks=SLOW) for kind in STARTS])
 def test_a_fork_server_that_is_killed_has_a_successor(kind: str, ledger: Page) -> None:
     """Idle, and with a process whose end nobody can tell then; an exit code of the engine's own is no such end."""
     process, server = begun(kind, os._exit, 255)
@@ -155,6 +157,7 @@ def test_a_fork_server_that_is_killed_has_a_successor(kind: str, ledger: Page) -
         ledger.survived("fork servers", f"{kind}, killed {when}", "processes that could not start 0")
 
 
+@SLOW
 def test_the_tracker_of_shared_things_may_die_as_well(tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page) -> None:
     process = start(study(tmp_path, "plain"), tmp_path / "out", with_plugins, engine="slow")
     killed, until = 0, time.monotonic() + 100.0

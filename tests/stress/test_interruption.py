@@ -15,6 +15,7 @@ import pytest
 
 from harness.store import Store
 from tests.conftest import Command
+from tests.stress.ledger import Page
 
 STUDY = """
 name = "kill"
@@ -81,9 +82,10 @@ def kill_and_resume(folder: Path, instant: float, environment: Mapping[str, str]
 
 @pytest.mark.parametrize("instant", [0.4, 0.9, 1.3, 1.7])
 def test_a_killed_run_that_is_resumed_has_every_cell_exactly_once(
-    instant: float, tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str]
+    instant: float, tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str], ledger: Page
 ) -> None:
     assert kill_and_resume(tmp_path, instant, with_plugins) == undisturbed
+    ledger.survived("interruption", f"SIGKILL of the run after {instant:g} s", "cells lost 0, doubled 0")
 
 
 @pytest.mark.slow
@@ -101,7 +103,7 @@ def test_two_hundred_random_kills_lose_and_double_nothing(
 @pytest.mark.parametrize("ignored", [False, True], ids=["in front", "in the background"])
 @pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
 def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
-    tmp_path: Path, with_plugins: Mapping[str, str], ignored: bool, by: signal.Signals
+    tmp_path: Path, with_plugins: Mapping[str, str], ignored: bool, by: signal.Signals, ledger: Page
 ) -> None:
     study, out = write_study(tmp_path), tmp_path / "out"
     # What a shell without job control starts in the background ignores an interrupt, and so does every child of such a process.
@@ -122,6 +124,8 @@ def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
     assert alive == []
     assert (out / "trials.parquet").is_file()
     assert len(pd.read_parquet(out / "trials.parquet")) == len(Store(out).trials) >= 1
+    where = "in the background" if ignored else "in front"
+    ledger.survived("interruption", f"{by.name} {where}", f"orphans 0 of {len(children)}")
 
 
 def test_resuming_a_finished_run_does_nothing(tmp_path: Path, with_plugins: Mapping[str, str]) -> None:

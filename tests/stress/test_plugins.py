@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness.store import Store
+from tests.stress.ledger import Page
 
 PLUGINS = Path(__file__).parent / "dying_plugins"
 STUDY = """
@@ -55,17 +56,31 @@ REASONS = {
     "raises": "dying_raises:ADAPTER: RuntimeError: no licence",
     "missing": "dying_nowhere:ADAPTER: ModuleNotFoundError: No module named 'dying_nowhere'",
     "no_version": "KeyError: 'version'",
+    "version_none": "version() gave None, expected up to 100 printable characters",
+    "version_number": "version() gave 3, expected",
+    "version_bytes": "version() gave b'1.0', expected",
+    "version_colour": "version() gave '\\x1b[31m1.0', expected",
+    "version_long": "version() gave '1111",
+    "version_empty": "version() gave '', expected",
+    "title_number": "title is int, expected text",
+    "features_number": "features is int, expected Feature",
+    "tracks_none": "tracks, expected Settings for 'default' and 'tuned'",
+    "tracks_one": "tracks, expected Settings for 'default' and 'tuned'",
+    "tracks_text": "tracks, expected Settings for 'default' and 'tuned'",
+    "name_other": "dying_shape:NAME_OTHER: ADAPTER.name is 'another_name', expected 'name_other'",
+    "no_adapter": "dying_shape:NO_ADAPTER: ADAPTER is int, expected Adapter",
     "ends_at_version": "dying_version:ENDS: ends the process that loads it (exit code 0)",
 }
 
 
-def test_listings_say_why_an_engine_is_unavailable_and_list_the_others(call: Call) -> None:
+def test_listings_say_why_an_engine_is_unavailable_and_list_the_others(call: Call, ledger: Page) -> None:
     done = call("engines", "--json")
     assert done.returncode == 0, done.stderr
     rows = {row["name"]: row for row in json.loads(done.stdout)}
     for name, reason in REASONS.items():
         assert not rows[name]["available"]
         assert reason in rows[name]["unavailable"]
+        ledger.survived("plug-ins: engines", name.replace("_", " "), "unavailable with its reason, others lost 0")
     assert rows["reference"]["available"]
     assert rows["well"]["version"] == "1.0"
     assert "\x1b" not in call("engines").stdout
@@ -96,8 +111,9 @@ def test_a_run_has_the_cells_of_all_engines_that_were_asked_for(folder: Path) ->
         ("no_page", "expected a Page with a plain name"),
     ],
 )
-def test_a_page_that_fails_says_so_in_its_place(folder: Path, name: str, reason: str) -> None:
+def test_a_page_that_fails_says_so_in_its_place(folder: Path, name: str, reason: str, ledger: Page) -> None:
     assert reason in (folder / "report" / f"{name}.html").read_text()
+    ledger.survived("plug-ins: pages", name.replace("_", " "), "other pages lost 0")
 
 
 def test_the_other_pages_stand(folder: Path) -> None:

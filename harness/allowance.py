@@ -25,10 +25,9 @@ class Allowance:
 
     Terms:
         bytes of a scene or study file. depth of arrays and tables in each other. digits of a number. parts: arrays and tables.
-        bodies, joints and sensors of a scene; bodies as well of all worlds that are stepped together, and for every whole number
-        that a study gives a case. vertices, and faces, of all shapes of a scene together.
-        rays, pixels and readings of all sensors over the whole duration. steps of a trial. samples: recorded instants times bodies.
-        trials of a study, before any search.
+        bodies, joints and sensors of a scene; bodies as well for every whole number that a study gives a case.
+        vertices, and faces, of all shapes of a scene together. rays, pixels and readings of all sensors over the whole duration.
+        steps of a trial. samples: recorded instants times bodies. trials of a study, before any search.
     """
 
     bytes: int = 16_000_000

@@ -1,4 +1,4 @@
-"""A document of a file filled into typed fields, strictly: what does not fit is said with its place, its value and what fits."""
+"""The document of a file filled into typed fields, strictly: what does not fit is said with place, value and expectation."""
 
 import datetime
 import json
@@ -56,8 +56,9 @@ def _place(told: Any, path: Path) -> str:
     words: list[str] = []
     here = told
     for depth, part in enumerate(path):
-        if isinstance(here, dict) and part not in here and depth < len(path) - 1:
-            continue  # the tag of a union, which pydantic puts between a field and what stands in it
+        tag = part not in here and depth < len(path) - 1 if isinstance(here, dict) else isinstance(part, str)
+        if tag:
+            continue  # of a union, which pydantic puts between a field and what stands in it
         try:
             here = here[part]
         except (KeyError, IndexError, TypeError):

@@ -60,7 +60,7 @@ def read(path: Path) -> str:
     """The text of a regular file in UTF-8 of at most `bytes`, which is looked at before it is opened. Raises: InputError."""
     where = named(path)
     try:
-        _check(where, os.stat(path))
+        _check(where, path.stat())
         # Between the two looks it may have become another file: a pipe without a writer must not stop us.
         with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC), "rb") as file:
             _check(where, os.fstat(file.fileno()))
@@ -116,9 +116,8 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         for name, value in pairs:
             if name in seen:
                 of = f" of {quoted(made['name'], 80)}" if isinstance(made.get("name"), str) else ""
-                raise _Doubled(
-                    f"key {quoted(name, 80)}{of} stands twice, with {quoted(seen[name], 60)} and {quoted(value, 60)}; expected once"
-                )
+                told = f"with {quoted(seen[name], 60)} and {quoted(value, 60)}"
+                raise _Doubled(f"key {quoted(name, 80)}{of} stands twice, {told}; expected once")
             seen[name] = value
     return made
 
@@ -134,7 +133,10 @@ def _too_long(text: str, found: re.Match[str]) -> str:
 
 
 class _Nest:
-    """The arrays and tables around a place in a text. Terms: open: their brackets. within: the top-level key of the outermost."""
+    """The arrays and tables around a place in a text.
+
+    Terms: open: their brackets. within: the top-level key of the outermost. parts, counts: how many there were so far.
+    """
 
     def __init__(self) -> None:
         self.open: list[str] = []

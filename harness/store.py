@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.journal import StoreError, read_journal
+from harness.journal import NoRun, StoreError, read_journal
 from harness.record import Measurement, Record, Sample
 
-__all__ = ["TRIAL_COLUMNS", "Store", "StoreError", "write_atomically", "write_tables"]
+__all__ = ["TRIAL_COLUMNS", "NoRun", "Store", "StoreError", "write_atomically", "write_tables"]
 
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
@@ -72,9 +72,7 @@ class Store:
     def __init__(self, folder: Path) -> None:
         self.folder = Path(folder)
         if not (self.folder / "journal.jsonl").is_file() and not (self.folder / "trials.parquet").is_file():
-            raise StoreError(
-                f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run"
-            )
+            raise NoRun(f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run")
 
     @cached_property
     def _read(self) -> dict[str, pd.DataFrame]:

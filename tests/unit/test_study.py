@@ -20,7 +20,7 @@ def test_every_built_in_study_is_readable() -> None:
     ("text", "words"),
     [
         ("name = 'x'", ("experiments", "Field required")),
-        ("name = 'x'\n[[experiments]]\nname = 'e'\ndt = [-1.0]", ("dt", "greater than 0", "-1.0")),
+        ("name = 'x'\n[[experiments]]\nname = 'e'\ndt = [-1.0]", ("dt", "greater than or equal to", "-1.0")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\ntracks = ['fast']", ("tracks", "fast")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\nsample = 3", ("sample", "3")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\nclocks = ['thinking']", ("clocks", "thinking")),

@@ -260,7 +260,7 @@ class Study:
                             if not experiment.determinism:
                                 yield trial
                             if experiment.effects:
-                                yield from _altered(trial, case, engine)
+                                yield from _altered(trial, case, engine, scene)
                             if experiment.determinism:
                                 yield from _again(trial, case, engine)
 
@@ -328,9 +328,9 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
             yield chosen | ({"seed": seed} if case.ensemble > 1 else {}), seed
 
 
-def _altered(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
+def _altered(trial: "Trial", case: Case, engine: Adapter, scene: Scene) -> "Iterator[Trial]":
     """The trial's scene with its effects switched, and the trial at half its time step and at half of that."""
-    for told in departures(case.scene(**trial.parameters), engine.features.names):
+    for told in departures(scene, engine.features.names):
         yield trial.probing(case, alteration=told)
     for name, parts in REFINED.items():
         yield trial.probing(case, alteration=Alteration(name=name), settings=trial.settings.with_dt(trial.settings.dt / parts))

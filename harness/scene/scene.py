@@ -183,10 +183,10 @@ class Scene:
             called |= Effect.ANGULAR_DAMPING
         if self.sensors:
             called |= Effect.SENSING
-        for b in movable:
-            low, _, high = np.linalg.eigvalsh(np.asarray(b.inertia))
-            turns = any(b.w_WB) or bool(b.collision and touching) or bool(self.joints)
-            if turns and high - low > 1e-12 * high:
+        turning = [b for b in movable if any(b.w_WB) or (b.collision and touching) or self.joints]
+        if turning:
+            moments = np.linalg.eigvalsh(np.array([b.inertia for b in turning]))
+            if (moments[:, 2] - moments[:, 0] > 1e-12 * moments[:, 2]).any():
                 called |= Effect.GYROSCOPIC
         return called
 

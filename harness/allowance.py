@@ -26,14 +26,14 @@ class Allowance:
     Terms:
         bytes of a scene or study file. depth of arrays and tables in each other. digits of a number. parts: arrays and tables.
         bodies, joints and sensors of a scene; bodies as well for every whole number that a study gives a case.
-        vertices, and faces, of all shapes of a scene together. rays, pixels and readings of all sensors over the whole duration.
-        steps of a trial. samples: recorded instants times bodies. trials of a study, before any search.
+        vertices, and faces, of all shapes together. rays, pixels and readings of all sensors over the whole duration.
+        steps of a trial. samples: recorded instants times bodies. trials of a study, searches apart.
     """
 
     bytes: int = 16_000_000
     depth: int = 64
     digits: int = 1000
-    parts: int = 2_000_000
+    parts: int = 1_000_000
     bodies: int = 100_000
     joints: int = 100_000
     sensors: int = 1000
@@ -48,8 +48,8 @@ _NAMES = tuple(one.name for one in fields(Allowance))
 
 
 def _limit(text: str, where: str) -> tuple[str, int]:
-    name, _, told = (part.strip() for part in text.partition("="))
-    if name not in _NAMES:
+    name, equals, told = (part.strip() for part in text.partition("="))
+    if name not in _NAMES or not equals:
         raise AllowanceError(f"{where}: {quoted(text)}, expected NAME=VALUE with one of {', '.join(_NAMES)}")
     try:
         value = float(told) if len(told) < 30 else math.nan

@@ -1,5 +1,6 @@
 """The command line: the one place that knows every part; each command imports what it needs when it is called."""
 
+import re
 import sys
 from io import StringIO
 from pathlib import Path
@@ -169,10 +170,11 @@ def check(engine: str, tracks: tuple[str, ...], as_json: bool) -> None:
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
-    part, _slash, whole = text.partition("/")
-    if not (part.isdigit() and whole.isdigit() and 1 <= int(part) <= int(whole)):
-        raise click.BadParameter(f"'{text}', expected i/n with 1 <= i <= n, like 2/4")
-    return int(part), int(whole)
+    told = re.fullmatch("([0-9]{1,6})/([0-9]{1,6})", text)
+    part, whole = (int(number) for number in told.groups()) if told else (0, 0)
+    if not 1 <= part <= whole:
+        raise click.BadParameter(f"{quoted(text)}, expected i/n with 1 <= i <= n, like 2/4")
+    return part, whole
 
 
 def _is_scene(name: str) -> bool:

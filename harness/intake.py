@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from harness.allowance import AllowanceError, allowance, beyond
+from harness.allowance import Allowance, AllowanceError, allowance, beyond
 from harness.plain_text import quoted, readable
 
 __all__ = ["InputError", "document", "parsed", "read"]
@@ -37,7 +37,8 @@ _TOML_STRING = (
     r"'[^'\n]*+'?",
 )
 _PART = rf"(?:{_BARE}|{_TOML_STRING[2]}|{_TOML_STRING[3]})"
-_CHAIN = rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART})++"
+_CHAIN = rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{3,}}+"
+"""A dotted key of four parts or more: shorter ones may as well be numbers, of which there are many."""
 
 
 class InputError(ValueError):
@@ -210,12 +211,12 @@ def _toml_outline(text: str) -> Iterator[tuple[int, str]]:
             case "header":
                 names = re.findall(_PART, token)
                 nest.parts += 1
-                said = _deep(len(names))
+                said = _deep(names, nest.limits)
                 if token.lstrip().startswith("[[") and len(names) == 1:
                     said = said or nest.count(names[0].strip("\"'"))
             case "chain":
                 tail = re.compile(long).search(text, found.start(), found.end())
-                said = _deep(len(re.findall(_PART, token))) or (_too_long(text, tail) if tail else "")
+                said = _deep(re.findall(_PART, token), nest.limits) or (_too_long(text, tail) if tail else "")
             case "long":
                 said = _too_long(text, found)
             case "bracket" if token in "[{":
@@ -229,9 +230,9 @@ def _toml_outline(text: str) -> Iterator[tuple[int, str]]:
             return
 
 
-def _deep(count: int) -> str:
-    """What is wrong with a dotted key of so many parts, in words."""
-    return beyond("depth", count, "tables in each other")
+def _deep(names: list[str], limits: Allowance) -> str:
+    """What is wrong with a dotted key of these parts, in words."""
+    return beyond("depth", len(names), "tables in each other") if len(names) > limits.depth else ""
 
 
 def _key_before(text: str, place: int) -> str:

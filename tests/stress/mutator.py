@@ -12,11 +12,33 @@ _NUMBERS: Sequence[bytes] = (
     *(b"9" * 25, b"9" * 5000, b"0." + b"3" * 2000, b"0x7fffffffffffffff", b"true", b'"5"', b"[]", b"{}", b"1979-05-27", b"00"),
 )
 _TEXTS: Sequence[bytes] = (
-    *(b'""', b'"' + b"x" * 100_000 + b'"', b'"\\u001b[31m"', b'"\\ud800"', b'"../../etc"', b'"/"', b'"a\\u202eb"', b'"\\u0000"'),
-    *(b"'*'", b'"**[!a-"', b'"world"', b"'''", b'"""', b"5", b"null", b'"=cmd()"', b'"scene:x"', b'"nan"', "\"ü😀\"".encode()),
+    *(
+        b'""',
+        b'"' + b"x" * 100_000 + b'"',
+        b'"\\u001b[31m"',
+        b'"\\ud800"',
+        b'"../../etc"',
+        b'"/"',
+        b'"a\\u202eb"',
+        b'"\\u0000"',
+    ),
+    *(b"'*'", b'"**[!a-"', b'"world"', b"'''", b'"""', b"5", b"null", b'"=cmd()"', b'"scene:x"', b'"nan"', '"ü😀"'.encode()),
 )
 _BYTES: Sequence[bytes] = (
-    *(b"\x00", b"\xff", b"\x1b[2J", b"\xef\xbb\xbf", b"\xed\xa0\x80", "\u202e".encode(), b"\r", b"\x7f", b"\\", b'"', b"#", b"="),
+    *(
+        b"\x00",
+        b"\xff",
+        b"\x1b[2J",
+        b"\xef\xbb\xbf",
+        b"\xed\xa0\x80",
+        "\u202e".encode(),
+        b"\r",
+        b"\x7f",
+        b"\\",
+        b'"',
+        b"#",
+        b"=",
+    ),
     *(b"[", b"]", b"{", b"}", b"[[", b"]]", b",", b".", b"[" * 20_000, b"{" * 300, b"a." * 5_000, b"\n", b"[[bodies]]\n", b"-"),
 )
 

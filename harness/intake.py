@@ -16,7 +16,7 @@ from typing import Any
 from harness.allowance import Allowance, AllowanceError, allowance, beyond
 from harness.plain_text import quoted, readable
 
-__all__ = ["InputError", "document", "parsed", "read"]
+__all__ = ["InputError", "document", "named", "parsed", "read", "regular"]
 
 _KINDS = {
     stat.S_IFDIR: "a folder",
@@ -82,11 +82,20 @@ def read(path: Path) -> str:
         ) from None
 
 
+def regular(path: Path) -> None:
+    """Check that a path is a regular file, of any size. Raises: InputError, OSError."""
+    _check_kind(named(path), path.stat())
+
+
 def _check(where: str, found: os.stat_result) -> None:
+    _check_kind(where, found)
+    _check_size(where, found.st_size)
+
+
+def _check_kind(where: str, found: os.stat_result) -> None:
     kind = stat.S_IFMT(found.st_mode)
     if kind != stat.S_IFREG:
         raise InputError(f"{where}: is {_KINDS.get(kind, 'no regular file')}, expected a file")
-    _check_size(where, found.st_size)
 
 
 def _check_size(where: str, size: int) -> None:

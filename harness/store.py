@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from harness.journal import NoRun, StoreError, read_journal
 from harness.record import Measurement, Record, Sample
+from harness.stored_tables import read_tables
 
 __all__ = ["TRIAL_COLUMNS", "NoRun", "Store", "StoreError", "write_atomically", "write_tables"]
 
@@ -79,10 +80,9 @@ class Store:
         journal = self.folder / "journal.jsonl"
         if journal.is_file():
             return _tables(read_journal(journal))
-        try:
-            return {n: pd.read_parquet(self.folder / f"{n}.parquet") for n in ("trials", "measurements", "samples")}
-        except (OSError, ValueError) as error:
-            raise StoreError(f"{self.folder}: tables not readable: {error}") from error
+        trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
+        needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
+        return read_tables(self.folder, needed, _JSON_COLUMNS)
 
     @property
     def trials(self) -> pd.DataFrame:

@@ -120,6 +120,7 @@ TEXT: dict[str, Fault] = {
     "escape sequence in a key": told(BALL + '"\\u001b]0;x\\u0007" = 1', "Unexpected keyword"),
     "escape sequence in a parameter": study('parameters = { "\\u001b[2J" = [1] }', "printable"),
     "reversal of direction": told('[[bodies]]\nname = "b\\u202egnp"', "printable"),
+    "an invisible sign in a key": told(BALL + '"ma\ufeffss" = 1.0', f"{BODY} ma\\ufeffss"),
     "line breaks in a name": told('[[bodies]]\nname = "b\\n\\n\\ngate: all passed"', "printable"),
 }
 VALUES: dict[str, Fault] = {
@@ -399,6 +400,16 @@ def test_a_bomb_costs_no_memory(what: str, tmp_path: Path, ledger: Page) -> None
     assert code == "2"
     assert float(peak) < 200.0
     ledger.survived("input: bombs", what, f"exit code 2 after {float(seconds):.2f} s, {float(peak):.0f} MB")
+
+
+@pytest.mark.parametrize("told", ["/dev/null", str(Path(__file__) / "y")])
+def test_a_folder_for_compiled_code_that_can_be_none_is_no_crash_of_the_engine(told: str, ledger: Page) -> None:
+    command = [sys.executable, "-m", "harness.cli", "engines", "--json"]
+    environment = os.environ | {"PLUMBLINE_KERNEL_CACHE": told}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=280, check=True)
+    (row,) = [row for row in json.loads(done.stdout) if row["name"] == "reference"]
+    assert row["unavailable"].startswith(f"PLUMBLINE_KERNEL_CACHE: {told!r}")
+    ledger.survived("input: environment", f"PLUMBLINE_KERNEL_CACHE in {Path(told).name}", "unavailable, with the reason")
 
 
 ABSENT = [("show", "DIR"), ("report", "DIR"), ("view", "DIR", "x"), ("serve", "DIR"), ("reproduce", "DIR", "x")]

@@ -27,7 +27,7 @@ def misfit(own: Any, value: bool | int | float | str) -> str:
     if isinstance(own, list | tuple):
         return f"{quoted(value)}, expected none: a study cannot set it"
     if isinstance(own, int) and not isinstance(own, bool) and not isinstance(value, str):
-        return beyond("bodies", abs(value), "is a number of things")
+        return beyond("things", abs(value))
     return ""
 
 

@@ -25,7 +25,7 @@ class Allowance:
 
     Terms:
         bytes of a scene or study file. depth of arrays and tables in each other. digits of a number. parts: arrays and tables.
-        bodies, joints and sensors of a scene; bodies as well for every whole number that a study gives a case.
+        bodies, joints and sensors of a scene. things: every whole number that a study gives a case, of whatever it counts.
         vertices, and faces, of all shapes together. rays, pixels and readings of all sensors over the whole duration.
         steps of a trial. samples: recorded instants times bodies. trials of a study, searches apart.
     """
@@ -37,6 +37,7 @@ class Allowance:
     bodies: int = 100_000
     joints: int = 100_000
     sensors: int = 1000
+    things: int = 10_000
     vertices: int = 1_000_000
     rays: int = 1_000_000_000
     steps: int = 100_000_000

@@ -41,14 +41,16 @@ Deviations:
       have weight (some 20 times the cost of a soft step), sequential impulses where bodies start inside each other.
 """
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, assert_never, cast
 
 import numpy as np
 
-from harness.adapter import Adapter, Advantage, Diverged, Feature, Settings, SettingsError, Simulation, Unsupported
+from harness.adapter import Adapter, Advantage, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
 from harness.batch import Batch
 from harness.boundary import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
@@ -572,11 +574,21 @@ def _build(scene: Scene, settings: Settings) -> Simulation:
 # --- the adapter ----------------------------------------------------------------------------------
 
 
+def _check_cache() -> None:
+    """Raises: Unavailable, where the folder for compiled code that the environment names can be none."""
+    told = os.environ.get("PLUMBLINE_KERNEL_CACHE", "")
+    there = next((place for place in (Path(told), *Path(told).absolute().parents) if os.access(place, os.F_OK)), Path("/"))
+    if told and not (there.is_dir() and os.access(there, os.W_OK)):
+        why = "cannot be written" if there.is_dir() else "is no folder"
+        raise Unavailable(f"PLUMBLINE_KERNEL_CACHE: {told[:200]!r}: {there} {why}; unset it, or name a folder that can be made")
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Reference(Adapter):
     """The reference engine."""
 
     def version(self) -> str:
+        _check_cache()
         import engine
         from engine.sources import source_digest
 

@@ -1,5 +1,6 @@
 """The command line: the one place that knows every part; each command imports what it needs when it is called."""
 
+import re
 import sys
 from io import StringIO, TextIOWrapper
 from pathlib import Path
@@ -8,9 +9,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from harness import tables
+from harness.allowance import allowing
+from harness.intake import document
 from harness.interrupt import listen
 from harness.listing import print_csv, print_json, print_markdown, print_table
-from harness.safe_text import one_line, visible
+from harness.safe_text import one_line, quoted, readable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,9 +29,30 @@ _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.tables`."""
 
 
+_CODES = {
+    "NoRun": _USAGE,
+    "FolderTaken": _USAGE,
+    "StoreError": _MACHINE,
+    "StudyError": _USAGE,
+    "SceneError": _USAGE,
+    "InputError": _USAGE,
+    "AllowanceError": _USAGE,
+    "PluginError": _USAGE,
+    "SettingsError": _USAGE,
+}
+"""By the names of errors, whose modules are not imported for it."""
+
+
 def _stop(code: int, message: str) -> NoReturn:
-    click.echo(visible(message), err=True)
+    click.echo(readable(message), err=True)
     sys.exit(code)
+
+
+def _misused(error: click.ClickException) -> NoReturn:
+    """Say what click says of a wrong use, cleaned."""
+    said = StringIO()
+    error.show(file=said)
+    _stop(error.exit_code, said.getvalue().rstrip("\n"))
 
 
 def _say(sentence: str, err: bool = False) -> None:
@@ -39,6 +63,13 @@ def _say(sentence: str, err: bool = False) -> None:
 class _Guarded(click.Group):
     """Turns the errors that people can mend into a line and an exit code; anything else keeps its trace."""
 
+    def make_context(self, *arguments: Any, **extra: Any) -> click.Context:
+        """Parse the part of the command line that comes before the command."""
+        try:
+            return super().make_context(*arguments, **extra)
+        except click.ClickException as error:
+            _misused(error)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command. Requests to stop are heard even where the shell has told its children to ignore them."""
         listen()
@@ -48,9 +79,7 @@ class _Guarded(click.Group):
         try:
             return super().invoke(ctx)
         except click.ClickException as error:
-            said = StringIO()
-            error.show(file=said)
-            _stop(error.exit_code, said.getvalue().rstrip("\n"))
+            _misused(error)
         except (click.exceptions.Exit, click.Abort, BrokenPipeError):
             raise
         except KeyboardInterrupt:
@@ -58,15 +87,7 @@ class _Guarded(click.Group):
         except OSError as error:
             _stop(_MACHINE, f"{error.filename or 'machine'}: {error.strerror or error}")
         except Exception as error:
-            codes = {
-                "StoreError": _MACHINE,
-                "FolderTaken": _USAGE,
-                "StudyError": _USAGE,
-                "SceneError": _USAGE,
-                "PluginError": _USAGE,
-                "SettingsError": _USAGE,
-            }
-            code = codes.get(type(error).__name__)
+            code = next((_CODES[kind.__name__] for kind in type(error).__mro__ if kind.__name__ in _CODES), None)
             if code is None:
                 raise
             _stop(code, str(error))
@@ -148,46 +169,62 @@ def check(engine: str, tracks: tuple[str, ...], as_json: bool) -> None:
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
-    part, _slash, whole = text.partition("/")
-    if not (part.isdigit() and whole.isdigit() and 1 <= int(part) <= int(whole)):
-        raise click.BadParameter(f"'{text}', expected i/n with 1 <= i <= n, like 2/4")
-    return int(part), int(whole)
+    told = re.fullmatch("([0-9]{1,6})/([0-9]{1,6})", text)
+    part, whole = (int(number) for number in told.groups()) if told else (0, 0)
+    if not 1 <= part <= whole:
+        raise click.BadParameter(f"{quoted(text)}, expected i/n with 1 <= i <= n, like 2/4")
+    return part, whole
 
 
 def _is_scene(name: str) -> bool:
+    """Is it a scene file? What cannot be read is refused before anything is imported for it. Raises: InputError."""
     path = Path(name)
-    if path.suffix == ".json":
-        return True
-    if path.suffix != ".toml" or not path.is_file():
+    if path.suffix not in {".json", ".toml"}:
         return False
-    import tomllib
-
-    try:
-        return "bodies" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError:
-        return False
+    told = document(path)
+    return path.suffix == ".json" or "bodies" in told
 
 
-def _study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
+def _once(name: str, given: "Sequence[str]") -> None:
+    """Refuse an option's value that is given twice."""
+    from harness.roll_call import twice
+
+    if double := twice(given):
+        raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
+
+
+def _study_and_cases(name: str, own: bool, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
     from fnmatch import fnmatchcase
 
     from harness import discover
+    from harness.roll_call import call_roll
     from harness.study import Experiment, Study, load_study
 
-    if _is_scene(name):
+    if own:
         case = discover.case(f"{discover.SCENE_PREFIX}{Path(name).resolve()}")
+        if globs:
+            raise click.BadParameter(f"{quoted(globs[0])}: a scene file is one case, expected none", param_hint="--case")
         ladder = Experiment(name="scene", dt=(1 / 240, 1 / 480, 1 / 960))
         needs = Experiment(name="effects", tracks=("tuned",), effects=True, samples=3, sample_seconds=0.01)
         return Study(name="scene", title=case.title, experiments=(ladder, needs)), {case.name: case}
+    study = load_study(name)
+    _once("--case", globs)
     for sentence in _left_out("cases", "metrics", "pages"):
         _say(sentence, err=True)
-    study, found = load_study(name), discover.cases()
+    call_roll(study, discover.names("cases"), discover.names("adapters"))
+    found = discover.cases()
     for glob in globs:
         if not any(fnmatchcase(case, glob) for case in found):
             raise click.BadParameter(
-                f"'{glob}' names no case, expected a pattern over: {', '.join(found)}", param_hint="--case"
+                f"{quoted(glob)} names no case, expected a pattern over: {', '.join(found)}", param_hint="--case"
             )
     return study, {n: c for n, c in found.items() if not globs or any(fnmatchcase(n, glob) for glob in globs)}
+
+
+def _of_file(study: str, error: Exception) -> str:
+    """What is wrong with a study, with the file that says it."""
+    said = str(error)
+    return said if not study.endswith(".toml") or said.startswith(study) else f"{study}: {said}"
 
 
 def _publish(store: "Store", recordings: bool) -> Path:
@@ -200,6 +237,22 @@ def _publish(store: "Store", recordings: bool) -> Path:
     return build(store.folder)
 
 
+def _allow(context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> None:
+    if given:
+        context.with_resource(allowing(given, "--limit"))
+
+
+_limited = click.option(
+    "--limit",
+    multiple=True,
+    metavar="NAME=VALUE",
+    expose_value=False,
+    is_eager=True,
+    callback=_allow,
+    help="Allow a file so much: bytes, bodies, joints, vertices, rays, steps, ...; may be repeated.",
+)
+
+
 @main.command()
 @click.argument("study")
 @click.option("--engine", "engine_names", multiple=True, help="Only this engine; may be repeated.")
@@ -208,6 +261,7 @@ def _publish(store: "Store", recordings: bool) -> Path:
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
 @click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
 @click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
+@_limited
 def run(
     study: str,
     engine_names: tuple[str, ...],
@@ -218,24 +272,33 @@ def run(
     resume: bool,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
+    own = _is_scene(study)
+    _once("--engine", engine_names)
+
     from harness import discover
     from harness.campaign import carry_out
+    from harness.study import StudyError
 
-    plan, chosen = _study_and_cases(study, globs)
+    try:
+        plan, chosen = _study_and_cases(study, own, globs)
+    except StudyError as error:
+        _stop(_USAGE, _of_file(study, error))
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
     try:
         store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume, shard=shard)
+    except StudyError as error:
+        _stop(_USAGE, _of_file(study, error))
     except KeyboardInterrupt:
         _stop(_INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
     index = _publish(store, plan.recordings)
     counts = store.trials["status"].value_counts()
     _say(f"{len(store.trials)} trials: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
     _say(str(index))
-    failures = _failures(store, audited=not _is_scene(study))
+    failures = _failures(store, audited=not own)
     for sentence in failures:
         _say(sentence, err=True)
-    if _is_scene(study):
+    if own:
         effects = tables.table("effects")
         for sentence in tables.sentences(effects, effects.rows(store)):
             _say(sentence, err=True)
@@ -345,6 +408,7 @@ def serve(folder: Path, port: int) -> None:
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.argument("trial")
+@_limited
 def reproduce(folder: Path, trial: str) -> None:
     """Run TRIAL of DIR again and say whether the answer is bit-identical."""
     from tempfile import TemporaryDirectory

@@ -6,6 +6,7 @@ from typing import Literal
 import pandas as pd
 
 from harness.store import Store
+from harness.stored_study import experiments_of
 from harness.sweep import RUNS
 
 __all__ = ["ALIKE", "Effort", "Ended", "efforts"]
@@ -32,7 +33,7 @@ class Effort:
 
 def efforts(store: Store, part: pd.DataFrame) -> dict[str, Effort]:
     """By engine, of the trials of one case at one set of parameters."""
-    rooms = {one["name"]: int(one.get("sweep", 0)) for one in store.study.get("experiments", ())}
+    rooms = {one.name: one.sweep for one in experiments_of(store)}
     found = {}
     for engine, mine in part.groupby("engine", sort=False):
         room = max((rooms.get(name, 0) for name in mine["experiment"]), default=0)

@@ -22,29 +22,29 @@ def features_of(scene: Scene) -> Feature:
     Neither what is asked of a running simulation (contacts, rays, pictures, saving), nor whether pairs of materials need a law
     each, nor whether one moment of inertia is turned against another.
     """
-    found = Feature.NONE
-    for one in (*_of_bodies(scene), *_of_joints(scene)):
+    found, effects = Feature.NONE, scene.effects  # what it takes to tell effects grows with the scene: it is done once
+    for one in (*_of_bodies(scene, effects), *_of_joints(scene, effects)):
         found |= one
     for effect, feature in (_DAMPING | _CONTACT).items():
-        if effect in scene.effects:
+        if effect in effects:
             found |= feature
-    if Effect.FRICTION in scene.effects and any(law.static_friction > law.kinetic_friction for law in scene.surfaces):
+    if Effect.FRICTION in effects and any(law.static_friction > law.kinetic_friction for law in scene.surfaces):
         found |= Feature.STATIC_FRICTION
     return found
 
 
-def _of_bodies(scene: Scene) -> Iterator[Feature]:
+def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
     for body in scene.bodies:
         if body.motion == "kinematic" and (any(body.v_WB) or any(body.w_WB)):
             yield Feature.KINEMATIC
         if len(body.collision) > 1:
             yield Feature.COMPOUND
-        if Effect.CONTACT in scene.effects:
+        if Effect.CONTACT in effects:
             yield from (Feature[placed.shape.type.upper()] for placed in body.collision)
 
 
-def _of_joints(scene: Scene) -> Iterator[Feature]:
-    joints = scene.joints if Effect.JOINTS in scene.effects else ()
+def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
+    joints = scene.joints if Effect.JOINTS in effects else ()
     for joint in joints:
         yield Feature[joint.type.upper()]
         if isinstance(joint, Fixed | Ball):
@@ -53,7 +53,7 @@ def _of_joints(scene: Scene) -> Iterator[Feature]:
             yield Feature.LIMITS
         if joint.spring is not None:
             yield Feature.SPRINGS
-        if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in scene.effects:
+        if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
             yield Feature.DRIVES
     if _loops(scene, joints):
         yield Feature.CLOSED_LOOP
@@ -64,8 +64,8 @@ def _loops(scene: Scene, joints: tuple[Joint, ...]) -> bool:
     above: dict[str, str] = {}
 
     def root(name: str) -> str:
-        while above.get(name, name) != name:
-            name = above[name]
+        while (over := above.get(name, name)) != name:
+            above[name] = name = above.get(over, over)  # each walk shortens the next one
         return name
 
     still = {body.name for body in scene.bodies if body.motion == "static"}

@@ -10,13 +10,17 @@ from typing import IO, Any, Literal
 
 from harness.record import SCHEMA_VERSION, Record, Timing
 
-__all__ = ["FolderTaken", "Journal", "StoreError", "read_journal"]
+__all__ = ["FolderTaken", "Journal", "NoRun", "StoreError", "read_journal"]
 
 Kind = Literal["accuracy", "timing"]
 
 
 class StoreError(Exception):
     """A run folder that cannot be read or written; the message names the path and what to do."""
+
+
+class NoRun(StoreError):
+    """What was asked for is not there: a run folder, a trial or a recording; the message says what there is."""
 
 
 class FolderTaken(StoreError):

@@ -8,7 +8,6 @@ to fill. Text loses what a terminal, a table or an encoder would choke on.
 import dataclasses
 import json
 import os
-import re
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -20,31 +19,23 @@ from pydantic import TypeAdapter, ValidationError
 
 from harness.record import Record, Sample
 from harness.run import outcome
+from harness.safe_text import readable
 from harness.study import Trial
 
 __all__ = ["LONGEST", "BrokenMessage", "Inbox", "readable", "read_record", "read_sample", "send"]
 
 LONGEST = 4 * 2**20
 """Bytes of a line; the longest of the catalogue's records take some 30 kB."""
-LONGEST_TEXT = 8000
-"""Characters of a text in a message; what is longer is cut."""
 _PART = 2**16
 _ANSWERED = (
     *("status", "reason", "detail", "resolved", "warnings", "measurements"),
     *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep"),
 )
 """The fields of a record that are the child's to fill. What was asked of it, the parent knows better."""
-_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
 
 
 class BrokenMessage(Exception):
     """A child said what no child may say; the text says what."""
-
-
-def readable(text: str, most: int = LONGEST_TEXT) -> str:
-    """The text with escapes in place of control characters, reversals of direction and halves of characters, cut to `most`."""
-    clean = _UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
-    return clean if len(clean) <= most else f"{clean[: most - 3]}..."
 
 
 def _cleaned(value: Any) -> Any:

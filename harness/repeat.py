@@ -4,8 +4,10 @@ import json
 
 from harness.adapter import Settings
 from harness.alteration import Alteration
-from harness.store import Store, StoreError
-from harness.study import Experiment, Trial, experiment_from
+from harness.journal import NoRun
+from harness.store import Store
+from harness.stored_study import experiments_of
+from harness.study import Experiment, Trial
 
 __all__ = ["trial_of"]
 
@@ -14,11 +16,11 @@ def trial_of(store: Store, name: str) -> Trial:
     """The trial whose name starts with `name`, with the settings that were requested and the limits that were set then.
 
     Raises:
-        StoreError: where no trial, or more than one, has that name.
+        NoRun: where no trial, or more than one, has that name. StoreError: where the folder's study is not readable.
     """
     found = store.trials[store.trials["trial"].str.startswith(name)]
     if len(found) != 1:
-        raise StoreError(f"{store.folder}: trial '{name}' names {len(found)} trials, expected one; see plumbline show")
+        raise NoRun(f"{store.folder}: trial '{name}' names {len(found)} trials, expected one; see plumbline show")
     row = found.iloc[0]
     return Trial(
         trial=row["trial"],
@@ -41,6 +43,6 @@ def _limited(store: Store, name: str, case: str) -> Experiment:
 
     A store that does not hold its study, or another one, leaves the limits as they are where nobody sets them.
     """
-    asked = [experiment_from(part) for part in store.study.get("experiments", ()) if part.get("name") == name]
+    asked = [one for one in experiments_of(store) if one.name == name]
     told = next((one for one in asked if one.asks(case)), Experiment(name=name))
     return Experiment(name=name, timing=False, deadline=told.deadline, memory=told.memory)

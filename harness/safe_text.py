@@ -3,12 +3,16 @@
 import re
 import unicodedata
 from numbers import Number
+from reprlib import Repr
 from typing import Any
 
-__all__ = ["LONGEST", "csv_cell", "markdown_cell", "one_line", "visible"]
+__all__ = ["LONGEST", "LONGEST_TEXT", "csv_cell", "markdown_cell", "one_line", "quoted", "readable", "visible"]
 
 LONGEST = 2000
 """Characters of one string that people are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
+
+LONGEST_TEXT = 8000
+"""Characters of a text of several lines."""
 
 _HIDDEN = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
 _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
@@ -38,6 +42,24 @@ def visible(text: str, keep: str = "\n\t") -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in keep or not _is_hidden(c) else _spelled(c) for c in text)
+
+
+def readable(text: str, most: int = LONGEST_TEXT) -> str:
+    """The text with its lines, without hidden characters, cut to `most` characters."""
+    clean = visible(text[: most + 1])
+    return clean if len(clean) <= most else f"{clean[: most - 3]}..."
+
+
+def quoted(value: object, most: int = 120) -> str:
+    """A value as it would stand in a file, on one line, cut to `most` characters."""
+    if value is None or isinstance(value, bool):
+        return {True: "true", False: "false", None: "nothing"}[value]
+    short = Repr()
+    short.maxstring = short.maxother = short.maxlong = most
+    try:
+        return readable(short.repr(value), most)
+    except ValueError:  # an integer with more digits than Python writes out
+        return "a whole number too long to write out"
 
 
 def one_line(text: str, most: int | None = None) -> str:

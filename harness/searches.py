@@ -12,7 +12,8 @@ from harness.case import Axis
 from harness.endure import BROKE_BY, HELD, OWN_CHECKS, STARTS
 from harness.limits import BROKE, Bracket, Ruler, bracket
 from harness.store import Store
-from harness.study import Experiment, axis_among, experiment_from
+from harness.stored_study import experiments_of
+from harness.study import Experiment, axis_among
 
 __all__ = ["Hold", "Search", "amount", "searches"]
 
@@ -99,8 +100,7 @@ class Search:
 
 
 def _experiments(store: Store) -> dict[str, Experiment]:
-    sought = [one for one in store.study.get("experiments", ()) if "limit" in one]
-    return {one.name: one for one in map(experiment_from, sought)}
+    return {one.name: one for one in experiments_of(store) if one.limit is not None}
 
 
 def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:

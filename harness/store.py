@@ -15,10 +15,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.journal import StoreError, read_journal
+from harness.journal import NoRun, StoreError, read_journal
 from harness.record import Measurement, Record, Sample
+from harness.stored_tables import read_tables
 
-__all__ = ["TRIAL_COLUMNS", "Store", "StoreError", "write_atomically", "write_tables"]
+__all__ = ["TRIAL_COLUMNS", "NoRun", "Store", "StoreError", "write_atomically", "write_tables"]
 
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
@@ -72,19 +73,16 @@ class Store:
     def __init__(self, folder: Path) -> None:
         self.folder = Path(folder)
         if not (self.folder / "journal.jsonl").is_file() and not (self.folder / "trials.parquet").is_file():
-            raise StoreError(
-                f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run"
-            )
+            raise NoRun(f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run")
 
     @cached_property
     def _read(self) -> dict[str, pd.DataFrame]:
         journal = self.folder / "journal.jsonl"
         if journal.is_file():
             return _tables(read_journal(journal))
-        try:
-            return {n: pd.read_parquet(self.folder / f"{n}.parquet") for n in ("trials", "measurements", "samples")}
-        except (OSError, ValueError) as error:
-            raise StoreError(f"{self.folder}: tables not readable: {error}") from error
+        trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
+        needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
+        return read_tables(self.folder, needed, _JSON_COLUMNS)
 
     @property
     def trials(self) -> pd.DataFrame:

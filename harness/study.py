@@ -1,25 +1,30 @@
 """A study: which cases are put to which engines, under which settings; it unfolds into trials."""
 
 import hashlib
-import tomllib
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, Field, TypeAdapter
 from pydantic.dataclasses import dataclass as validated
 
-from harness.adapter import Adapter, Settings
+from harness.adapter import Adapter, Settings, SettingsError
+from harness.afford import NoScene, misfit, scene_at, too_much
+from harness.allowance import beyond
 from harness.alteration import ALONE, AS_IT_IS, REFINED, Alteration, departures
 from harness.case import Axis, Case, Clocks
 from harness.control import wrench_after
+from harness.filled import FieldError, filled
+from harness.intake import InputError, document, named
 from harness.record import digest
+from harness.safe_text import quoted
 from harness.scene import Scene
 from harness.scene.file import dump_json
-from harness.scene.values import FROZEN, Name, Positive
+from harness.scene.values import FROZEN, Name
 from harness.trajectory import State
 
 __all__ = [
@@ -36,6 +41,39 @@ __all__ = [
 ]
 
 Track = Literal["default", "tuned"]
+Value: TypeAlias = bool | int | float | str
+T = TypeVar("T")
+
+
+def _distinct(values: tuple[T, ...]) -> tuple[T, ...]:
+    """Each once: what is listed twice would be run twice under one name."""
+    seen: set[T] = set()
+    for value in values:
+        if value in seen:
+            raise ValueError(f"{quoted(value)} stands twice, expected each once")
+        seen.add(value)
+    return values
+
+
+def _file_name(name: str) -> str:
+    """A name that a folder can have, and that leads nowhere else."""
+    if len(name) > 100 or name[0] in ".-~" or set(name) & set('/\\:*?"<>|'):
+        raise ValueError("the name of a study names its folder, expected up to 100 letters, digits, blanks, '-', '_' or '.'")
+    return name
+
+
+def _some(values: tuple[T, ...]) -> tuple[T, ...]:
+    if not values:
+        raise ValueError("the list is empty, expected at least one")
+    return values
+
+
+Each = AfterValidator(_distinct)
+Some = AfterValidator(_some)
+FolderName = Annotated[Name, AfterValidator(_file_name)]
+Pattern = Annotated[str, Field(min_length=1, max_length=200)]
+Step = Annotated[float, Field(ge=1e-12, le=1e3, allow_inf_nan=False)]
+"""A time step [s], within what `Settings` take."""
 
 BEYOND = 4.0
 """A limit along the time step is sought up to so many times the coarsest step of a case's ladder."""
@@ -53,13 +91,13 @@ class Variant:
     """
 
     on: Track = "tuned"
-    substeps: int | None = None
-    iterations: int | None = None
-    integrator: str | None = None
-    solver: str | None = None
-    tolerance: float | None = None
-    options: dict[str, bool | int | float | str] = Field(default_factory=dict)
-    source: str = ""
+    substeps: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    iterations: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    integrator: Name | None = None
+    solver: Name | None = None
+    tolerance: Annotated[float, Field(ge=0, lt=1)] | None = None
+    options: dict[Name, Value] = Field(default_factory=dict)
+    source: Annotated[str, Field(max_length=2000)] = ""
 
     def over(self, tracks: Mapping[str, Settings]) -> Settings:
         """The settings of this variant of an engine with these tracks."""
@@ -83,14 +121,14 @@ class Limit:
         compared at equal sub-steps: an engine that takes sub-steps takes so many, another one steps of dt / parts.
     """
 
-    along: str = "axis"
+    along: Name = "axis"
     easy: float | None = None
     extreme: float | None = None
     scan: int = Field(default=4, ge=2, le=1000)
     within: float = Field(default=1.25, gt=1.0, le=100.0)
     members: int = Field(default=16, ge=2, le=100_000)
-    remedies: tuple[Track, ...] = ()
-    parts: tuple[Annotated[int, Field(ge=1, le=1000)], ...] = ()
+    remedies: Annotated[tuple[Track, ...], Each] = ()
+    parts: Annotated[tuple[Annotated[int, Field(ge=1, le=1000)], ...], Each] = ()
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -102,7 +140,8 @@ class Experiment:
         variants: patterns over '<engine>/<variant>' of the study's variants, run beside the tracks under their own names.
         dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at
         instead of its own, each a list; all combinations are run. timing: also clock it, by `samples` samples of
-        `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process.
+        `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process: no less than
+        a process needs, no more than a machine has.
         sweep: how many settings beyond these may be tried for each case on an engine, in search of its Pareto front (see
         `harness.sweep`); then only what lies near the front is clocked.
         clocks: what runs under the clock, each a trial of its own. workers: how many processes step the scene side by side,
@@ -115,21 +154,21 @@ class Experiment:
     """
 
     name: Name
-    cases: tuple[str, ...] = ("*",)
-    without: tuple[str, ...] = ()
-    engines: tuple[str, ...] = ("*",)
-    tracks: tuple[Track, ...] = ("default", "tuned")
-    variants: tuple[str, ...] = ()
-    dt: Literal["case", "ladder"] | tuple[Positive, ...] = "case"
-    parameters: dict[str, tuple[bool | int | float | str, ...]] = Field(default_factory=dict)
+    cases: Annotated[tuple[Pattern, ...], Some, Each] = ("*",)
+    without: Annotated[tuple[Pattern, ...], Each] = ()
+    engines: Annotated[tuple[Pattern, ...], Some, Each] = ("*",)
+    tracks: Annotated[tuple[Track, ...], Each] = ("default", "tuned")
+    variants: Annotated[tuple[Pattern, ...], Each] = ()
+    dt: Literal["case", "ladder"] | Annotated[tuple[Step, ...], Some, Each] = "case"
+    parameters: dict[Name, Annotated[tuple[Value, ...], Some, Each]] = Field(default_factory=dict)
     timing: bool = True
-    clocks: tuple[Clocks, ...] = ("work",)
-    workers: tuple[Annotated[int, Field(ge=1, le=1000)], ...] = (1,)
+    clocks: Annotated[tuple[Clocks, ...], Some, Each] = ("work",)
+    workers: Annotated[tuple[Annotated[int, Field(ge=1, le=1000)], ...], Some, Each] = (1,)
     samples: int = Field(default=5, ge=1, le=10_000)
     processes: int = Field(default=1, ge=1, le=100)
-    sample_seconds: Positive = 0.05
-    deadline: Positive = 60.0
-    memory: Positive = 4096.0
+    sample_seconds: Annotated[float, Field(ge=1e-6, le=3600)] = 0.05
+    deadline: Annotated[float, Field(ge=1e-3, le=1e7)] = 60.0
+    memory: Annotated[float, Field(ge=16, le=2**24)] = 4096.0
     sweep: int = Field(default=0, ge=0, le=10_000)
     limit: Limit | None = None
     effects: bool = False
@@ -160,14 +199,18 @@ class Study:
         variants: by engine and name, the settings beyond the two tracks that its experiments can call for.
     """
 
-    name: Name
-    title: str = ""
-    purpose: str = ""
+    name: FolderName
+    title: Annotated[str, Field(max_length=2000)] = ""
+    purpose: Annotated[str, Field(max_length=20_000)] = ""
     recordings: bool = True
     variants: dict[Name, dict[Name, Variant]] = Field(default_factory=dict)
-    experiments: tuple[Experiment, ...]
+    experiments: Annotated[tuple[Experiment, ...], Some]
 
     def __post_init__(self) -> None:
+        names = [experiment.name for experiment in self.experiments]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"experiments: '{name}' stands {names.count(name)} times, expected names of their own")
         for engine, variants in self.variants.items():
             if taken := {"default", "tuned"} & variants.keys():
                 raise ValueError(f"variant '{engine}/{min(taken)}': the name is a track's, expected another")
@@ -175,7 +218,11 @@ class Study:
     def trials(
         self, cases: Mapping[str, Case], adapters: Mapping[str, Adapter], versions: Mapping[str, str]
     ) -> "Iterator[Trial]":
-        """All trials, engine by engine innermost so that engines are interleaved; every cell of the matrix is there."""
+        """All trials, engine by engine innermost so that engines are interleaved; every cell of the matrix is there.
+
+        Raises: StudyError, where it asks for what there is not, or for more than is allowed.
+        """
+        self._check_count(cases, adapters)
         for experiment in self.experiments:
             engines = [e for e in adapters.values() if any(fnmatchcase(e.name, pattern) for pattern in experiment.engines)]
             sides = [part for side in self._sides(experiment, engines) for part in _divided(experiment, side)]
@@ -187,9 +234,12 @@ class Study:
                         axis = axis_of(experiment, case)
                         parameters = parameters | ({} if axis.parameter == "dt" else {axis.parameter: axis.easy})
                     members = 1 if experiment.limit is None else experiment.limit.members
-                    question = _question(case, parameters)
+                    scene = _scene(case, parameters)
+                    question = _question(case, parameters, scene)
                     clocked = list(_clocked(experiment, case, parameters))
                     for dt, (track, engine, settings, parts) in product(steps_of(experiment, case), sides):
+                        if said := too_much(case, scene, dt / (parts or 1), every_step=experiment.determinism):
+                            raise StudyError(f"experiment '{experiment.name}': case '{case.name}': {said}")
                         for clocks, workers in clocked:
                             trial = Trial(
                                 study=self.name,
@@ -210,9 +260,21 @@ class Study:
                             if not experiment.determinism:
                                 yield trial
                             if experiment.effects:
-                                yield from _altered(trial, case, engine)
+                                yield from _altered(trial, case, engine, scene)
                             if experiment.determinism:
                                 yield from _again(trial, case, engine)
+
+    def _check_count(self, cases: Mapping[str, Case], adapters: Mapping[str, Adapter]) -> None:
+        """Refuse more trials than are allowed before the first one is made."""
+        total = 0
+        for experiment in self.experiments:
+            sides = sum(any(fnmatchcase(name, one) for one in experiment.engines) for name in adapters)
+            sides *= len(experiment.tracks) + max(map(len, self.variants.values()), default=0)
+            each = math.prod(map(len, experiment.parameters.values())) * len(experiment.clocks) * len(experiment.workers)
+            asked = [case for case in cases.values() if experiment.asks(case.name)]
+            total += sides * each * sum(case.ensemble * len(steps_of(experiment, case)) for case in asked)
+            if said := beyond("trials", total):
+                raise StudyError(f"study '{self.name}': with experiment '{experiment.name}' up to {said}")
 
     def _sides(self, experiment: Experiment, engines: Sequence[Adapter]) -> Iterator[tuple[str, Adapter, Settings]]:
         """Tracks, then variants, each with the engines that have it and the settings that it means there."""
@@ -222,7 +284,10 @@ class Study:
         for engine in engines:
             for name, variant in self.variants.get(engine.name, {}).items():
                 if any(fnmatchcase(f"{engine.name}/{name}", pattern) for pattern in experiment.variants):
-                    yield name, engine, variant.over(engine.tracks)
+                    try:
+                        yield name, engine, variant.over(engine.tracks)
+                    except SettingsError as error:
+                        raise StudyError(f"study '{self.name}': variant '{engine.name}/{name}': {error}") from None
 
 
 Side: TypeAlias = tuple[str, Adapter, Settings]
@@ -253,15 +318,19 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
         if name not in case.parameters:
             known = ", ".join(case.parameters) or "none"
             raise StudyError(f"experiment '{experiment.name}': case '{case.name}' has no parameter '{name}', expected: {known}")
+    for name, values in experiment.parameters.items():
+        for value in values:
+            if said := misfit(case.parameters[name], value):
+                raise StudyError(f"experiment '{experiment.name}': case '{case.name}': parameter '{name}': {said}")
     for values in product(*experiment.parameters.values()):
         chosen = dict(case.parameters) | dict(zip(experiment.parameters, values, strict=True))
         for seed in range(case.ensemble):
             yield chosen | ({"seed": seed} if case.ensemble > 1 else {}), seed
 
 
-def _altered(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
+def _altered(trial: "Trial", case: Case, engine: Adapter, scene: Scene) -> "Iterator[Trial]":
     """The trial's scene with its effects switched, and the trial at half its time step and at half of that."""
-    for told in departures(case.scene(**trial.parameters), engine.features.names):
+    for told in departures(scene, engine.features.names):
         yield trial.probing(case, alteration=told)
     for name, parts in REFINED.items():
         yield trial.probing(case, alteration=Alteration(name=name), settings=trial.settings.with_dt(trial.settings.dt / parts))
@@ -300,9 +369,16 @@ def _clocked(experiment: Experiment, case: Case, parameters: Mapping[str, Any]) 
         yield clocks, workers
 
 
-def _question(case: Case, parameters: Mapping[str, Any]) -> str:
+def _scene(case: Case, parameters: Mapping[str, Any]) -> Scene:
+    """The scene of a case. Raises: StudyError."""
+    try:
+        return scene_at(case, parameters)
+    except NoScene as error:
+        raise StudyError(str(error)) from error
+
+
+def _question(case: Case, parameters: Mapping[str, Any], scene: Scene) -> str:
     """A digest of what is asked: the scene, how long it runs, what is sampled, what acts on it, its retellings, its rays."""
-    scene = case.scene(**parameters)
     told = hashlib.sha256(dump_json(scene).encode()).hexdigest()
     asked = [told, case.duration, case.sample_interval, case.with_contacts]
     if case.control is not None:
@@ -421,13 +497,17 @@ class Trial:
     def probing(self, case: Case, **changes: Any) -> "Trial":
         """Another trial of a search, with other parameters, settings or alteration; its name follows from all of them."""
         if "parameters" in changes:
-            changes["question"] = _question(case, changes["parameters"])
+            parameters = changes["parameters"]
+            changes["question"] = _question(case, parameters, _scene(case, parameters))
         return replace(self, **changes).named()
 
 
-def experiment_from(document: Mapping[str, Any]) -> Experiment:
-    """The experiment that a part of a study file says. Raises: ValidationError."""
-    return TypeAdapter(Experiment).validate_python(document)
+def experiment_from(told: Any, source: str) -> Experiment:
+    """The experiment that a part of a study file says; `source` names the file. Raises: StudyError."""
+    try:
+        return filled(TypeAdapter(Experiment), told, source)
+    except FieldError as error:
+        raise StudyError(str(error)) from None
 
 
 def load_study(name: str) -> Study:
@@ -436,19 +516,16 @@ def load_study(name: str) -> Study:
     Raises:
         StudyError: naming file, element, field, value and expectation.
     """
-    folder = Path(__file__).parent / "studies"
-    path = Path(name) if name.endswith(".toml") else folder / f"{name}.toml"
-    if not path.is_file():
-        built_in = ", ".join(sorted(p.stem for p in folder.glob("*.toml")))
-        raise StudyError(f"study '{name}': no such study or file, expected one of {built_in}, or a path ending in .toml")
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-        return TypeAdapter(Study).validate_python(document)
-    except tomllib.TOMLDecodeError as error:
-        raise StudyError(f"{path}: not readable: {error}") from error
-    except ValidationError as error:
-        lines = (
-            f"{path}: {'.'.join(map(str, p['loc']))}: {p['msg'].removeprefix('Value error, ')}, got {p['input']!r:.120}"
-            for p in error.errors(include_url=False)
+    built_in = {path.stem: path for path in sorted((Path(__file__).parent / "studies").glob("*.toml"))}
+    if name.endswith(".toml"):
+        path = Path(name)
+    elif name in built_in:
+        path = built_in[name]
+    else:
+        raise StudyError(
+            f"study {quoted(name)}: no such study or file, expected one of {', '.join(built_in)}, or a path ending in .toml"
         )
-        raise StudyError("\n".join(lines)) from error
+    try:
+        return filled(TypeAdapter(Study), document(path), named(path))
+    except (InputError, FieldError) as error:
+        raise StudyError(str(error)) from None

@@ -31,7 +31,7 @@ def recording_of(folder: Path, case: str) -> Path:
     """The recording of a case in a run folder.
 
     Raises:
-        StoreError: no run folder, or no such recording; the message names those that exist.
+        NoRun: no run folder, or no such recording; the message names those that exist.
     """
     from reports.recordings import recording_of as find
 

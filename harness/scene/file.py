@@ -1,19 +1,19 @@
 """Scene files: TOML and JSON in and out, and the JSON schema, by pydantic."""
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Any
 
 import tomli_w
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
+from harness.allowance import beyond
+from harness.filled import FieldError, filled
+from harness.intake import InputError, document, named, parsed
+from harness.safe_text import quoted
 from harness.scene.scene import Scene, SceneError
 
-__all__ = ["MAX_BYTES", "dump_json", "dump_toml", "load", "parse", "schema"]
-
-MAX_BYTES = 64 * 1024 * 1024
-"""A larger scene file is refused before it is read."""
+__all__ = ["dump_json", "dump_toml", "load", "parse", "schema"]
 
 _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)
 
@@ -38,34 +38,35 @@ def schema() -> dict[str, Any]:
     return _ADAPTER.json_schema()
 
 
-def _place(document: Any, path: tuple[str | int, ...]) -> str:
-    """A path into the document in words: indices become the names of the elements where they have one."""
-    words: list[str] = []
-    here = document
-    for depth, part in enumerate(path):
-        if isinstance(here, dict) and part not in here and depth < len(path) - 1:
-            continue  # the tag of a union, which pydantic puts between a field and what stands in it
-        try:
-            here = here[part]
-        except (KeyError, IndexError, TypeError):
-            here = None
-        if isinstance(part, int) and words:
-            name = here.get("name") if isinstance(here, dict) else None
-            words[-1] += f"[{part}]" + (f" '{name}'" if isinstance(name, str) else "")
-        else:
-            words.append(str(part))
-    return " > ".join(words)
+def _listed(table: Any, key: str) -> list[Any]:
+    """The list under a key of what should be a table; nothing where either is something else."""
+    found = table.get(key) if isinstance(table, dict) else None
+    return found if isinstance(found, list) else []
 
 
-def _explain(source: str, document: Any, error: ValidationError) -> SceneError:
-    lines = []
-    for problem in error.errors(include_url=False):
-        place = _place(document, problem["loc"])
-        message = problem["msg"].removeprefix("Value error, ")
-        got = problem["input"]
-        shown = f", got {got!r:.120}" if isinstance(got, str | int | float | bool | list | type(None)) else ""
-        lines.append(f"{source}: {place + ': ' if place else ''}{message}{shown}")
-    return SceneError("\n".join(lines))
+def _beyond(told: Any) -> str:
+    """What of a scene goes beyond a limit, in words; '' where nothing does."""
+    for kind in ("bodies", "joints", "sensors"):
+        if said := beyond(kind, len(_listed(told, kind))):
+            return f"{kind}: {said}"
+    counts = {"vertices": 0, "faces": 0}
+    for place, body in enumerate(_listed(told, "bodies")):
+        for placed in (*_listed(body, "collision"), *_listed(body, "visual")):
+            shape = placed.get("shape") if isinstance(placed, dict) else None
+            for kind in counts:
+                counts[kind] += len(_listed(shape, kind))
+                if said := beyond("vertices", counts[kind], kind):
+                    return f"bodies[{place}] {quoted(body.get('name'), 80)}: with it the scene has {said}"
+    return ""
+
+
+def _scene(told: Any, source: str) -> Scene:
+    if said := _beyond(told):
+        raise SceneError(f"{source}: {said}")
+    try:
+        return filled(_ADAPTER, told, source)
+    except FieldError as error:
+        raise SceneError(str(error)) from None
 
 
 def parse(text: str, source: str = "scene.json") -> Scene:
@@ -75,24 +76,16 @@ def parse(text: str, source: str = "scene.json") -> Scene:
         SceneError: naming source, element, field, value and expectation.
     """
     try:
-        document = tomllib.loads(text) if source.endswith(".toml") else json.loads(text)
-    except (tomllib.TOMLDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise SceneError(f"{source}: not readable: {error}") from error
-    try:
-        return _ADAPTER.validate_python(document)
-    except ValidationError as error:
-        raise _explain(source, document, error) from error
+        told = parsed(text, source, ".toml" if source.endswith(".toml") else ".json")
+    except InputError as error:
+        raise SceneError(str(error)) from None
+    return _scene(told, source)
 
 
 def load(path: Path) -> Scene:
-    """Read a scene file ending in .toml or .json.
-
-    Raises:
-        SceneError: where the file is no scene. OSError: where it cannot be read.
-    """
-    if path.suffix not in {".toml", ".json"}:
-        raise SceneError(f"{path}: ending {path.suffix!r}, expected .toml or .json")
-    size = path.stat().st_size
-    if size > MAX_BYTES:
-        raise SceneError(f"{path}: {size} bytes, expected at most {MAX_BYTES}")
-    return parse(path.read_text(encoding="utf-8"), str(path))
+    """Read a scene file ending in .toml or .json. Raises: SceneError, where it cannot be read or is no scene."""
+    try:
+        told = document(path)
+    except InputError as error:
+        raise SceneError(str(error)) from None
+    return _scene(told, named(path))

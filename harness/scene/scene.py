@@ -97,23 +97,28 @@ class Scene:
                 raise ValueError(f"surface {a}/{b}: missing; bodies of these materials can touch, expected their law")
 
     def _check_joints(self, names: set[str]) -> None:
+        movable = {body.name: body.movable for body in self.bodies}
         for joint in self.joints:
             for end, name in (("parent", joint.parent), ("child", joint.child)):
                 if name not in names and not (end == "parent" and name == WORLD):
                     raise ValueError(f"joint '{joint.name}': {end} '{name}' is not a body of the scene")
             if joint.parent == joint.child:
                 raise ValueError(f"joint '{joint.name}': parent and child are both '{joint.child}'")
-            fixed = (joint.parent == WORLD or not self.body(joint.parent).movable) and not self.body(joint.child).movable
-            if fixed:
+            if not movable.get(joint.parent, False) and not movable[joint.child]:
                 raise ValueError(f"joint '{joint.name}': neither '{joint.parent}' nor '{joint.child}' can move")
 
-    def _material_pairs(self) -> set[tuple[str, str]]:
-        """Pairs of materials of which two bodies could touch: one of them is movable, and they are not apart."""
-        kinds = {(b.material, b.movable) for b in self.bodies if b.collision}
-        pairs = {(min(a, b), max(a, b)) for a, m in kinds for b, n in kinds if (m or n) and (a, m) != (b, n)}
-        movable = Counter(b.material for b in self.bodies if b.collision and b.movable)
-        alike = {(m, m) for m, count in movable.items() if count > 1}
-        return (pairs | alike) - {(min(a, b), max(a, b)) for a, b in self.apart}
+    def _material_pairs(self) -> Iterator[tuple[str, str]]:
+        """Pairs of materials of which two bodies could touch: one of them is movable, and they are not apart.
+
+        One after the other, some twice: where most have no law, the first one without says enough.
+        """
+        kinds = sorted({(b.material, b.movable) for b in self.bodies if b.collision})
+        counts = Counter(b.material for b in self.bodies if b.collision and b.movable)
+        apart = {frozenset(pair) for pair in self.apart}
+        for a in sorted(counts):
+            for b, movable in kinds:
+                if (a != b or not movable or counts[a] > 1) and frozenset((a, b)) not in apart:
+                    yield min(a, b), max(a, b)
 
     def body(self, name: str) -> Body:
         """The body of that name; KeyError where there is none."""
@@ -178,10 +183,10 @@ class Scene:
             called |= Effect.ANGULAR_DAMPING
         if self.sensors:
             called |= Effect.SENSING
-        for b in movable:
-            low, _, high = np.linalg.eigvalsh(np.asarray(b.inertia))
-            turns = any(b.w_WB) or bool(b.collision and touching) or bool(self.joints)
-            if turns and high - low > 1e-12 * high:
+        turning = [b for b in movable if any(b.w_WB) or (b.collision and touching) or self.joints]
+        if turning:
+            moments = np.linalg.eigvalsh(np.array([b.inertia for b in turning]))
+            if (moments[:, 2] - moments[:, 0] > 1e-12 * moments[:, 2]).any():
                 called |= Effect.GYROSCOPIC
         return called
 

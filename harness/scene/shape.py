@@ -10,9 +10,6 @@ from harness.scene.values import FROZEN, Axis, Positive, Vector3
 
 __all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Plane", "Shape", "Sphere", "TriangleMesh", "width"]
 
-MAX_VERTICES = 1_000_000
-"""A mesh above this size is refused before it is read into any engine."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Sphere:
@@ -60,7 +57,7 @@ class Plane:
 class ConvexHull:
     """The convex hull of `vertices` [m], shape (n, 3), n >= 4, not all in one plane."""
 
-    vertices: Annotated[tuple[Vector3, ...], Field(min_length=4, max_length=MAX_VERTICES)]
+    vertices: Annotated[tuple[Vector3, ...], Field(min_length=4)]
     type: Literal["convex_hull"] = "convex_hull"
 
     def __post_init__(self) -> None:
@@ -76,8 +73,8 @@ class ConvexHull:
 class TriangleMesh:
     """A triangle mesh: `vertices` [m] (n, 3), `faces` (m, 3) counter-clockwise seen from outside."""
 
-    vertices: Annotated[tuple[Vector3, ...], Field(min_length=3, max_length=MAX_VERTICES)]
-    faces: Annotated[tuple[tuple[int, int, int], ...], Field(min_length=1, max_length=MAX_VERTICES)]
+    vertices: Annotated[tuple[Vector3, ...], Field(min_length=3)]
+    faces: Annotated[tuple[tuple[int, int, int], ...], Field(min_length=1)]
     type: Literal["triangle_mesh"] = "triangle_mesh"
 
     def __post_init__(self) -> None:

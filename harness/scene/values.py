@@ -23,8 +23,9 @@ FROZEN = ConfigDict(extra="forbid", allow_inf_nan=False, ser_json_inf_nan="strin
 
 
 def _as_tuple(value: Any) -> Any:
-    """Let NumPy arrays stand where a tuple is expected."""
-    return value.tolist() if hasattr(value, "tolist") else value
+    """Let NumPy arrays, and the lists of files, stand where a tuple is expected."""
+    found = value.tolist() if hasattr(value, "tolist") else value
+    return tuple(_as_tuple(part) for part in found) if isinstance(found, list) else found
 
 
 def _unit(q: tuple[float, float, float, float]) -> tuple[float, float, float, float]:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.store import Store, StoreError
+from harness.store import NoRun, Store
 from reports.text import slug
 
 __all__ = [
@@ -58,7 +58,7 @@ def recording_of(folder: Path, case: str) -> Path:
     """The recording of a case in a run folder.
 
     Raises:
-        StoreError: no run folder, or no recording of that case; the message names those that exist.
+        NoRun: no run folder, or no recording of that case; the message names those that exist.
     """
     recordings = Store(folder).folder / "recordings"
     path = recordings / file_name(case)
@@ -66,4 +66,4 @@ def recording_of(folder: Path, case: str) -> Path:
         return path
     there = sorted(found.stem for found in recordings.glob("*.rrd")) if recordings.is_dir() else []
     listed = f"there are: {', '.join(there)}" if there else "the folder has none; run the study again with recordings = true"
-    raise StoreError(f"{path}: no recording of case '{case}'; {listed}")
+    raise NoRun(f"{path}: no recording of case '{case}'; {listed}")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness import discover
+from harness.roll_call import call_roll
 from harness.run import outcome
 from harness.study import Experiment, Study, StudyError, Trial, Variant, load_study
 
@@ -20,7 +21,7 @@ def test_every_built_in_study_is_readable() -> None:
     ("text", "words"),
     [
         ("name = 'x'", ("experiments", "Field required")),
-        ("name = 'x'\n[[experiments]]\nname = 'e'\ndt = [-1.0]", ("dt", "greater than 0", "-1.0")),
+        ("name = 'x'\n[[experiments]]\nname = 'e'\ndt = [-1.0]", ("dt", "greater than or equal to", "-1.0")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\ntracks = ['fast']", ("tracks", "fast")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\nsample = 3", ("sample", "3")),
         ("name = 'x'\n[[experiments]]\nname = 'e'\nclocks = ['thinking']", ("clocks", "thinking")),
@@ -158,3 +159,8 @@ def test_every_variant_of_a_study_is_one_that_its_engine_builds(given: str, scen
         if discover.version_of(engine)[1] is None:
             for variant in variants.values():
                 engine.build(case.scene(), variant.over(engine.tracks)).close()
+
+
+def test_every_built_in_study_calls_whom_there_is() -> None:
+    for path in (Path(discover.__file__).parent / "studies").glob("*.toml"):
+        call_roll(load_study(path.stem), discover.names("cases"), discover.names("adapters"))

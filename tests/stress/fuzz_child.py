@@ -1,0 +1,58 @@
+"""A process that has many mutants of one file read by the command line, up to the first trial, and prints what became of them.
+
+Arguments: the sound file, the first seed, how many, seconds of processor time in all. Prints one JSON object.
+"""
+
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from tests.stress.mutator import mutant
+from tests.stress.reading import Reading, read_by_command
+
+
+def _trouble(path: Path, found: Reading) -> str:
+    """What is wrong with how a mutant was read; '' where nothing is."""
+    if found.ended == "refused" and path.name not in found.text:
+        return "the file is not named"
+    return "" if found.ended in ("refused", "accepted") else found.ended
+
+
+def _peak() -> float:
+    """The most memory [MB] that this process ever held; what getrusage says begins with that of who started it."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM"))
+
+
+def _all(sound: Path, first: int, count: int, budget: float) -> dict[str, Any]:
+    totals: dict[str, Any] = {"refused": 0, "accepted": 0, "slowest": 0.0, "troubles": [], "tried": 0}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / sound.name
+        arguments = ["run", str(path), "--out", str(Path(folder) / "out")]
+        content = sound.read_bytes()
+        path.write_bytes(content)
+        found = read_by_command(arguments)  # the first one imports everything
+        if found.ended != "accepted":
+            raise AssertionError(f"{sound}: {found.ended}: {found.text}")
+        start = time.process_time()
+        for seed in range(first, first + count):
+            path.write_bytes(mutant(content, seed))
+            found = read_by_command(arguments)
+            totals["slowest"] = max(totals["slowest"], found.seconds)
+            totals["tried"] += 1
+            if trouble := _trouble(path, found):
+                totals["troubles"].append(f"seed {seed}: {trouble}")
+            else:
+                totals[found.ended] += 1
+            if time.process_time() - start > budget:
+                break
+    totals["peak"] = _peak()
+    return totals
+
+
+if __name__ == "__main__":
+    name, first, count, budget = sys.argv[1:]
+    print(json.dumps(_all(Path(name), int(first), int(count), float(budget))))

@@ -1,0 +1,100 @@
+"""One file as `plumbline run` reads it, up to the first trial, in a process that is given up to it.
+
+As a program: takes a JSON list of [name, arguments, environment] on standard input, and prints [name, reading] of each.
+"""
+
+import contextlib
+import io
+import json
+import os
+import signal
+import sys
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+from unittest.mock import patch
+
+import harness.campaign
+from harness.catalogue import describe_case
+from harness.cli import main
+from harness.discover import SCENE_PREFIX
+from harness.study import Study
+
+__all__ = ["LONGEST", "Reading", "read_by_command"]
+
+LONGEST = 2.0
+"""Seconds of processor time that one file may cost."""
+WAIT = 60.0
+"""Seconds that it may cost on a clock, however many others want the processor: a pipe nobody writes to costs no time of its."""
+MOST_SAID = 10_000
+"""Characters that may be said of one file."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What became of a file: 'refused' (exit code 2), 'accepted' (the next would be the first trial), or a trouble in words."""
+
+    ended: str
+    text: str
+    seconds: float
+
+
+class _Hang(BaseException):
+    pass
+
+
+class _Accepted(BaseException):
+    pass
+
+
+def _stop(*_: Any) -> NoReturn:
+    raise _Hang
+
+
+def _up_to_here(study: Study, _folder: Path, cases: Any, adapters: Any, **_more: Any) -> NoReturn:
+    """In the place of `carry_out`: unfold all trials, describe the file's own case, run none."""
+    trials = list(study.trials(cases, adapters, dict.fromkeys(adapters, "1")))
+    for name in dict.fromkeys(trial.case for trial in trials if trial.case.startswith(SCENE_PREFIX)):
+        describe_case(cases[name])
+    raise _Accepted
+
+
+def _called(arguments: list[str]) -> str:
+    signal.setitimer(signal.ITIMER_PROF, LONGEST)
+    signal.setitimer(signal.ITIMER_REAL, WAIT)
+    try:
+        main(arguments)
+    except SystemExit as error:
+        return "refused" if error.code == 2 else f"exit code {error.code}"
+    except _Accepted:
+        return "accepted"
+    except _Hang:
+        return f"more than {LONGEST} s"
+    except BaseException as error:
+        return f"traceback: {type(error).__name__}: {error}"
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+    return "ended without a word"
+
+
+def read_by_command(arguments: list[str]) -> Reading:
+    """What the command line makes of arguments."""
+    signal.signal(signal.SIGPROF, _stop)
+    signal.signal(signal.SIGALRM, _stop)
+    said, start = io.StringIO(), time.process_time()
+    with patch.object(harness.campaign, "carry_out", _up_to_here), contextlib.redirect_stderr(said):
+        ended = _called(arguments)
+    text = said.getvalue()
+    if any(not sign.isprintable() and sign not in "\n\t" for sign in text):
+        ended = "control characters are printed"
+    if len(text) > MOST_SAID:
+        ended = f"{len(text)} characters are printed"
+    return Reading(ended, text[:MOST_SAID], time.process_time() - start)
+
+
+if __name__ == "__main__":
+    for name, arguments, environment in json.load(sys.stdin):
+        with patch.dict(os.environ, environment):
+            print(json.dumps([name, asdict(read_by_command(arguments))]))

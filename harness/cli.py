@@ -186,14 +186,33 @@ def _publish(store: "Store", recordings: bool) -> Path:
     return build(store.folder)
 
 
-@main.command()
+_MERGE = "--resume-with-another-study"
+
+
+class _Resumable(click.Command):
+    """A command with a flag that may have a value: click would take the word behind a plain `--resume` for it."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click does, where `--resume=merge` is a flag of its own."""
+        for word in args:
+            if word.startswith("--resume=") and word != "--resume=merge":
+                raise click.BadParameter(
+                    f"'{word.partition('=')[2]}', expected merge, or --resume alone", param_hint="--resume"
+                )
+        return super().parse_args(ctx, [_MERGE if word == "--resume=merge" else word for word in args])
+
+
+@main.command(cls=_Resumable)
 @click.argument("study")
 @click.option("--engine", "engine_names", multiple=True, help="Only this engine; may be repeated.")
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
 @click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
-@click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
+@click.option(
+    "--resume", "resume", flag_value="same", help="Go on with a run that was stopped; =merge: with another study too."
+)
+@click.option(_MERGE, "resume", flag_value="merge", hidden=True)
 def run(
     study: str,
     engine_names: tuple[str, ...],
@@ -201,7 +220,7 @@ def run(
     out: Path | None,
     workers: int,
     shard: tuple[int, int],
-    resume: bool,
+    resume: str | None,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
     from harness import discover
@@ -211,7 +230,9 @@ def run(
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
     try:
-        store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume, shard=shard)
+        store = carry_out(
+            plan, folder, chosen, adapters, workers=workers, resume="merge" if resume == "merge" else bool(resume), shard=shard
+        )
     except KeyboardInterrupt:
         _stop(_INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
     index = _publish(store, plan.recordings)
@@ -252,6 +273,16 @@ def _failures(store: "Store", audited: bool) -> list[str]:
     return told
 
 
+def _opened(folder: Path) -> "Store":
+    """The store of a folder; what a reader has to know of it goes to standard error."""
+    from harness.store import Store
+
+    store = Store(folder)
+    for note in store.notes:
+        click.echo(note, err=True)
+    return store
+
+
 def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
     """The rows of a stored table and its columns."""
     frame = getattr(store, table)
@@ -268,9 +299,7 @@ def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence
 @click.option("--format", "form", type=click.Choice(["text", "json", "csv", "markdown"]), default="text", show_default=True)
 def show(folder: Path, table: str, form: str) -> None:
     """Print a table of the run folder DIR."""
-    from harness.store import Store
-
-    store = Store(folder)
+    store = _opened(folder)
     worked_out = None if table in _TABLES else tables.table(table)
     rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.COLUMNS)
     if form == "json":
@@ -296,10 +325,9 @@ def show(folder: Path, table: str, form: str) -> None:
 @click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
 def report(folder: Path, show_it: bool) -> None:
     """Rebuild the HTML report of DIR from its store."""
-    from harness.store import Store
     from reports import build
 
-    index = build(Store(folder).folder)
+    index = build(_opened(folder).folder)
     click.echo(str(index))
     if show_it:
         click.launch(str(index))
@@ -322,10 +350,24 @@ def view(folder: Path, case: str) -> None:
 @click.option("--port", type=click.IntRange(0, 65535), default=8800, show_default=True, help="0 takes any free port.")
 def serve(folder: Path, port: int) -> None:
     """Serve the report and the web viewer of DIR on loopback until interrupted."""
-    from harness.store import Store
     from reports import serve as serve_reports
 
-    serve_reports(Store(folder).folder, port, announce=click.echo)
+    serve_reports(_opened(folder).folder, port, announce=click.echo)
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+def verify(folder: Path) -> None:
+    """Check every file that DIR keeps against its checksum and the journal; one line for each that is not as written."""
+    from harness.message import readable
+    from harness.verify import problems
+
+    found = [readable(str(problem)) for problem in problems(folder)]
+    for sentence in found:
+        click.echo(sentence)
+    click.echo(f"{len(found)} problems" if found else "every file is as it was written", err=True)
+    if found:
+        sys.exit(_MACHINE)
 
 
 @main.command()
@@ -338,9 +380,8 @@ def reproduce(folder: Path, trial: str) -> None:
     from harness import discover
     from harness.pool import run_isolated
     from harness.repeat import trial_of
-    from harness.store import Store
 
-    store = Store(folder)
+    store = _opened(folder)
     again = trial_of(store, trial)
     row = store.trials.set_index("trial").loc[again.trial]
     version, reason = discover.version_of(discover.adapter(again.engine))

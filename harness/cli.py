@@ -195,10 +195,9 @@ class _Resumable(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click does, where `--resume=merge` is a flag of its own."""
         for word in args:
-            if word.startswith("--resume=") and word != "--resume=merge":
-                raise click.BadParameter(
-                    f"'{word.partition('=')[2]}', expected merge, or --resume alone", param_hint="--resume"
-                )
+            value = word.removeprefix("--resume=")
+            if value not in (word, "merge"):
+                raise click.BadParameter(f"'{value}', expected merge, or --resume alone", param_hint="--resume")
         return super().parse_args(ctx, [_MERGE if word == "--resume=merge" else word for word in args])
 
 
@@ -209,9 +208,7 @@ class _Resumable(click.Command):
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
 @click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
-@click.option(
-    "--resume", "resume", flag_value="same", help="Go on with a run that was stopped; =merge: with another study too."
-)
+@click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
 @click.option(_MERGE, "resume", flag_value="merge", hidden=True)
 def run(
     study: str,
@@ -230,9 +227,8 @@ def run(
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
     try:
-        store = carry_out(
-            plan, folder, chosen, adapters, workers=workers, resume="merge" if resume == "merge" else bool(resume), shard=shard
-        )
+        how = "merge" if resume == "merge" else resume is not None
+        store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard)
     except KeyboardInterrupt:
         _stop(_INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
     index = _publish(store, plan.recordings)

@@ -65,7 +65,7 @@ def test_a_last_line_cut_at_any_byte_is_dropped_and_the_rest_kept(tmp_path: Path
         assert read_journal(path)["b"].cpu_per_sim_s is None
         journal = Journal(tmp_path)
         assert journal.dropped == cut - last
-        assert journal.timings == set()
+        assert journal.timings == {}
         journal.close()
         assert path.read_bytes() == whole[:last]
 

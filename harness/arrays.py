@@ -9,21 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import disk
+from harness.journal import StoreError
 from harness.seal import Damaged, check_seal, sealed_archive
 
 __all__ = ["read_arrays", "write_arrays"]
 
 
 def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write the arrays and their seal, whole or not at all. Raises: OSError."""
+    """Write the arrays and their seal, whole or not at all. Raises: StoreError, where the machine does not let it."""
 
     def archive() -> bytes:
         buffer = io.BytesIO()
         np.savez(buffer, **arrays)  # type: ignore[arg-type]  # the stub takes the keyword 'allow_pickle' for one of them
         return sealed_archive(path.name, buffer.getvalue())
 
-    disk.make_folder(path.parent)
-    disk.write_atomically(path, disk.calls.filled(archive))
+    try:
+        disk.make_folder(path.parent)
+        disk.write_atomically(path, disk.calls.filled(archive))
+    except OSError as error:
+        raise StoreError(f"{path}: not written: {error.strerror or error}; mend that, and --resume runs its trial") from error
 
 
 def read_arrays(path: Path, only: Sequence[str] = ()) -> dict[str, NDArray[Any]]:

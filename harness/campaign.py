@@ -70,12 +70,17 @@ def _accuracy(
         return
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
+    lost: list[str] = []
     with Progress(what, len(waiting)) as progress:
         for part, side in ((beside, workers), (alone, 1)):
             for record in run_isolated(part, folder, side):
-                if record.status != "interrupted":
+                if record.status == "interrupted":
+                    lost.append(record.reason)
+                else:
                     journal.append(replace(record, answered_on=machine))
                 progress.advance(f"{record.case} {record.engine}/{record.track} {record.status}")
+    if lost:
+        raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
 
 
 def _timing(

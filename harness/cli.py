@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import click
 
@@ -217,7 +217,7 @@ def run(
     out: Path | None,
     workers: int,
     shard: tuple[int, int],
-    resume: str | None,
+    resume: Literal["same", "merge"] | None,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
     from harness import discover
@@ -227,7 +227,7 @@ def run(
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
     try:
-        how = "merge" if resume == "merge" else resume is not None
+        how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
         store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard)
     except KeyboardInterrupt:
         _stop(_INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")

@@ -15,6 +15,7 @@ from harness.arrays import read_arrays, write_arrays
 from harness.case import Case, Converged
 from harness.converge import converged
 from harness.discover import adapter
+from harness.journal import StoreError
 from harness.record import digest
 from harness.scene import Scene
 from harness.scene.file import dump_json
@@ -86,8 +87,7 @@ def bounded(
         start = clock.monotonic()
         bounds = [check.bound(dt, parameters, substep) for check in case.checks]
         if kept is not None and clock.monotonic() - start > LONG:
-            disk.make_folder(kept.parent)
-            disk.write_atomically(kept, sealed_json(kept.name, {"bounds": bounds}))
+            _write_bounds(kept, bounds)
     return replace(case, checks=tuple(replace(check, at_most=b) for check, b in zip(case.checks, bounds, strict=True)))
 
 
@@ -116,6 +116,14 @@ def _read_bounds(kept: Path | None) -> list[float] | None:
         _damaged(kept, error)
         return None
     return bounds
+
+
+def _write_bounds(kept: Path, bounds: list[float]) -> None:
+    try:
+        disk.make_folder(kept.parent)
+        disk.write_atomically(kept, sealed_json(kept.name, {"bounds": bounds}))
+    except OSError as error:
+        raise StoreError(f"{kept}: not written: {error.strerror or error}; mend that, and --resume goes on") from error
 
 
 def _read(kept: Path | None) -> Converged | None:

@@ -19,6 +19,7 @@ from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
 from harness.bench import Bench, rough_cost_beside
 from harness.case import Case
 from harness.endure import endure
+from harness.journal import StoreError
 from harness.record import Record, Status
 from harness.run import outcome, run_trial
 from harness.study import Trial
@@ -97,6 +98,8 @@ def isolated_trial(trial: Trial, folder: Path, log: Path) -> Iterator[Record]:
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
         record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
+    except StoreError as error:  # ours, not the engine's
+        record = outcome(trial, "interrupted", str(error))
     except MemoryError:
         record = outcome(trial, "oom", f"more than {trial.experiment.memory:g} MB asked for")
     except Exception as error:

@@ -43,6 +43,8 @@ class _Guarded(click.Group):
             _stop(_INTERRUPTED, "interrupted")
         except OSError as error:
             _stop(_MACHINE, f"{error.filename or 'machine'}: {error.strerror or error}")
+        except MemoryError:
+            _stop(_MACHINE, "no memory is left for this process; free some, and go on with --resume")
         except Exception as error:
             codes = {
                 "StoreError": _MACHINE,

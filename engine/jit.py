@@ -18,6 +18,7 @@ from typing import Any, TypeVar, cast
 import platformdirs
 
 from engine.compilers import entry_compiler, kernel_compiler, stream_compiler
+from engine.kernel_cache import check_files
 from engine.sources import source_digest
 
 __all__ = [
@@ -195,6 +196,7 @@ def _loaded_lightly(function: Function) -> Function:
 
     from numba.core.runtime.nrt import rtsys
 
+    check_files(cache)
     runtime: Any = rtsys
 
     def load(signature: Any, context: Any) -> Any:

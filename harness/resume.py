@@ -171,7 +171,8 @@ def _mended_truths(folder: Path) -> list[str]:
     said = []
     for path in sorted((folder / "truths").glob("[!.]*")):
         try:
-            check_seal(path, disk.read(path))
+            if not check_seal(path, disk.read(path)):
+                raise Damaged("it has no checksum")
         except (Damaged, KeyError) as error:
             disk.remove(path)
             said.append(f"{path} was damaged ({error}): removed, and made again when it is wanted")

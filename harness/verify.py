@@ -78,6 +78,8 @@ def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
             found[name] = read_plain(path)
         except (Damaged, StoreError) as error:
             yield Problem(path, str(error).removeprefix(f"{path}: ").partition(";")[0], _ANEW)
+    for sentence in ends_early(written, found.get("machine.json", {})):
+        yield Problem(written.path, sentence.partition(": ")[2], "restore it, or --resume runs their trials anew")
     if not written.sessions:
         return
     last = written.sessions[-1]
@@ -89,8 +91,6 @@ def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
     if machine is not None:
         if circumstances(machine) != last["machine"]:
             yield Problem(folder / "machine.json", "is not the machine of this run", _ANEW)
-        for sentence in ends_early(written, machine):
-            yield Problem(written.path, sentence.partition(": ")[2], "restore it, or --resume runs their trials anew")
         if not machine.get("complete"):
             yield Problem(folder / "machine.json", "the run did not come to its end", "--resume goes on with it")
     missing = sum(trial not in written.records for trial in last["trials"])

@@ -4,6 +4,7 @@ import random
 from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import pandas as pd
 import pytest
@@ -44,7 +45,7 @@ def light(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(campaign, "clock_group", _by_formula)
 
 
-def carry_out(folder: Path, study: Study = STUDY, resume: bool = True) -> Store:
+def carry_out(folder: Path, study: Study = STUDY, resume: bool | Literal["merge"] = True) -> Store:
     """The study, with the summaries that the command line writes behind it."""
     cases, engines = {"stress_fall": discover.case("stress_fall")}, {"sound": discover.adapter("sound")}
     store = campaign.carry_out(study, folder, cases, engines, workers=1, resume=resume)

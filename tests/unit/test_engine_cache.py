@@ -99,6 +99,38 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
 
 
+@pytest.mark.parametrize("damage", ["flip", "cut", "swap", "gone"])
+def test_damaged_compiled_code_is_named_and_compiled_anew(copy: Path, damage: str) -> None:
+    """Of an index and of a data file, at places all over them; a file of zeros is one that was swapped."""
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
+    for kind in ("nbi", "nbc"):
+        (path,) = (copy / "cache").rglob(f"*.{kind}")
+        whole = path.read_bytes()
+        places = (0, 70, len(whole) // 2, len(whole) - 1) if damage == "flip" else (len(whole) // 2,)
+        for place in places:
+            if damage == "flip":
+                path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+            elif damage == "cut":
+                path.write_bytes(whole[:place])
+            elif damage == "swap":
+                path.write_bytes(bytes(len(whole)))
+            else:
+                path.unlink()
+            said = subprocess.run(
+                [sys.executable, "-B", "-c", FALL],
+                cwd=copy,
+                env=os.environ
+                | {"PYTHONPATH": str(copy), "PLUMBLINE_KERNEL_CACHE": str(copy / "cache"), "NUMBA_DISABLE_JIT": "0"},
+                capture_output=True,
+                text=True,
+                check=True,
+            )
+            assert float(said.stdout.split()[0]) == pytest.approx(-9.81 / 240)
+            assert said.stdout.split()[1] == "0"
+            assert (path.name in said.stderr) == (damage != "gone"), said.stderr
+            assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
+
+
 def test_the_unit_tests_pass_without_the_compiler() -> None:
     """A part that takes less than a minute; `make test-nojit` runs them all."""
     here = Path(__file__).parent

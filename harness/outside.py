@@ -40,6 +40,12 @@ os._exit(0)
 
 def points(group: str) -> dict[str, EntryPoint]:
     """The entry points of a group by name."""
+    return dict(_points(group, tuple(sys.path)))
+
+
+@cache
+def _points(group: str, _path: tuple[str, ...]) -> dict[str, EntryPoint]:
+    """Read once for a path: each of its distributions has a file to be parsed."""
     return {point.name: point for point in entry_points(group=group)}
 
 

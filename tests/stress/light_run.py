@@ -2,7 +2,6 @@
 
 import random
 from collections.abc import Iterator, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -40,7 +39,6 @@ def _by_formula(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random)
 def light(patch: pytest.MonkeyPatch) -> None:
     """Run trials in this process from here on, and let nothing be clocked."""
     patch.syspath_prepend(str(PLUGINS))
-    patch.setattr(discover, "points", cache(discover.points))
     patch.setattr(campaign, "run_isolated", _in_this_process)
     patch.setattr(campaign, "clock_group", _by_formula)
 

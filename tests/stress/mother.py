@@ -14,6 +14,8 @@ import harness.campaign
 import harness.cli
 import harness.pool
 import harness.team
+from harness import discover
+from harness.provenance import sources_of
 from harness.store import Store
 from harness.summary import write_summary
 
@@ -37,6 +39,8 @@ def run(arguments: list[str], log: str) -> int:
 
 
 if __name__ == "__main__":
+    for case in discover.cases():
+        sources_of(case, "sound")
     harness.cli._publish = publish
     harness.pool.context = harness.team.context = lambda: multiprocessing.get_context("fork")  # type: ignore
     for line in sys.stdin:

@@ -2,15 +2,19 @@
 
 import random
 import shutil
-from collections.abc import Iterator
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from harness import disk
+from harness import campaign, disk, worker
 from harness.journal import Journal, StoreError
+from harness.record import Record
 from harness.store import Store
+from harness.study import Trial
 from harness.verify import problems
 from tests.stress.failing_disk import ERRORS, Counting, Failing, Losing, PowerCut
 from tests.stress.ledger import Page
@@ -162,3 +166,48 @@ def test_a_disk_that_forgets_what_is_not_synchronised_shows_a_store_that_does_no
     shown = (folder / "journal.jsonl").stat().st_size
     losing.settle(random.Random(0))
     assert (folder / "journal.jsonl").stat().st_size < shown
+
+
+def starve(folder: Path, last: int, ledger: Page) -> None:
+    pytest.importorskip("_testcapi", reason="this Python was built without its test modules")
+    command = [sys.executable, "-m", "tests.stress.starved", folder, 0, last]
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, timeout=280)
+    assert done.returncode == 0, done.stderr[-2000:]
+    failed = int(done.stdout)
+    assert failed > last // 2
+    ledger.survived("memory ends", f"at each of {last} allocations of an append", f"{failed} raised, 0 lines lost or doubled")
+
+
+def test_memory_ends_at_each_of_the_first_allocations_of_an_append(tmp_path: Path, ledger: Page) -> None:
+    starve(tmp_path, 60, ledger)
+
+
+@pytest.mark.parametrize("error", ["ENOSPC", "EIO"])
+def test_an_answer_that_cannot_be_kept_is_no_crash_of_its_engine(
+    error: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
+) -> None:
+    """In the child: the trial stays open, the run ends with what the machine said, and a resume runs it."""
+    plain = disk.write_atomically
+
+    def refuse(path: Path, content: bytes) -> None:
+        if path.suffix == ".npz":
+            raise ERRORS[error]()
+        plain(path, content)
+
+    def isolated(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
+        monkeypatch.setattr(worker, "confine", lambda _memory, _log: None)
+        for trial in trials:
+            yield from worker.isolated_trial(trial, folder, folder / "log")
+
+    folder = tmp_path / "run"
+    with monkeypatch.context() as patch:
+        patch.setattr(campaign, "run_isolated", isolated)
+        patch.setattr(disk, "write_atomically", refuse)
+        with pytest.raises(StoreError, match=r"2 of 2 answers could not be kept, first: .*\.npz: not written"):
+            carry_out(folder)
+    assert len(Store(folder).trials) == 0
+    assert any("2 of 2 trials have no record; --resume runs them" in str(problem) for problem in problems(folder))
+    assert set(carry_out(folder).trials["status"]) == {"passed"}
+    ledger.survived(
+        "store call fails", f"{error} while a child keeps its trajectory", "engines blamed 0; completed by a resume"
+    )

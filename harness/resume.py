@@ -6,6 +6,7 @@ that it rests on has changed; and where its trajectory is as it was written.
 
 import json
 import re
+import shutil
 from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
@@ -23,7 +24,7 @@ from harness.study import Trial
 
 __all__ = ["another_study", "clear_drafts", "clocked_elsewhere", "damage", "merged", "review"]
 
-_DRAFT = re.compile(r"\..+\.\d+|\.timing-\w+\.log")
+_DRAFT = re.compile(r"\..+\.\d+(\.old)?|\.timing-\w+\.log")
 _CELL = ("study", "experiment", "case", "engine", "track", "dt", "seed", "clocks", "workers", "members", "remedied", "parts")
 
 
@@ -102,7 +103,9 @@ def clear_drafts(folder: Path) -> None:
     """Take away what a kill left half written. Raises: OSError."""
     for place in (folder, folder / "trajectories", folder / "truths", folder / "recordings"):
         for path in place.glob(".*"):
-            if _DRAFT.fullmatch(path.name) and path.is_file():
+            if _DRAFT.fullmatch(path.name) and path.is_dir():
+                shutil.rmtree(path)
+            elif _DRAFT.fullmatch(path.name):
                 disk.remove(path)
 
 

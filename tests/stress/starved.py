@@ -1,4 +1,7 @@
-"""Memory ends at the n-th allocation while a line is appended: prints what the journal then holds. For `test_failing_disk`."""
+"""Memory ends at each allocation in turn while a line is appended, until one runs through. For `test_failing_disk`.
+
+Prints how many there were, and how many of them failed.
+"""
 
 import _testcapi
 import sys
@@ -7,10 +10,14 @@ from pathlib import Path
 from harness.journal import Journal, read_written
 from tests.unit.test_journal import record
 
+ENOUGH = 10
+"""Appends in a row that run through: the allocations that fail come after them, or are none."""
+
 if __name__ == "__main__":
-    folder, first, last = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-    failed = 0
-    for number in range(first, last):
+    folder, every = Path(sys.argv[1]), int(sys.argv[2])
+    failed, through, number = 0, 0, 0
+    while through < ENOUGH:
+        number += every
         place = folder / str(number)
         place.mkdir()
         journal, entry = Journal(place), record("b")
@@ -19,7 +26,9 @@ if __name__ == "__main__":
         try:
             journal.append(entry)
         except MemoryError:
-            failed += 1
+            failed, through = failed + 1, 0
+        else:
+            through += 1
         finally:
             _testcapi.remove_mem_hooks()
         journal.close()
@@ -32,4 +41,4 @@ if __name__ == "__main__":
         again.close()
         if [*read_written(place / "journal.jsonl").records] != ["a", "b"]:
             raise SystemExit(f"allocation {number}: not completed")
-    print(failed)
+    print(number - through * every, failed)

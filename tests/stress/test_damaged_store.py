@@ -176,6 +176,17 @@ def test_strangers_in_a_folder_are_named(run: Path) -> None:
         path.unlink()
 
 
+def test_drafts_that_a_kill_left_are_named_and_cleared_by_a_resume(run: Path) -> None:
+    drafts = [run / name for name in (".trials.parquet.7", "truths/.a.npz.7", ".timing-abc.log", ".report.7/index.html")]
+    for path in drafts:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"half")
+    assert len([*problems(run)]) == len(drafts)
+    carry_out(run)
+    assert [*problems(run)] == []
+    assert not any(path.exists() for path in drafts)
+
+
 def test_verify_ends_well_or_with_a_machine_that_failed(run: Path, plumbline: Command) -> None:
     whole = plumbline("verify", run)
     assert (whole.returncode, whole.stdout, whole.stderr) == (0, "", "every file is as it was written\n")

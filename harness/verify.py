@@ -179,6 +179,6 @@ def _strangers(folder: Path, written: Written) -> Iterator[Problem]:
     known |= {*_SHOWN, "trajectories", "truths", "logs"}
     trials = {*written.records, *written.lost, *(trial for session in written.sessions for trial in session["trials"])}
     logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
-    drafts = (path for place in ("trajectories", "truths", "recordings") for path in (folder / place).glob(".*"))
+    drafts = (folder / "recordings").glob(".*")
     for path in sorted({*(path for path in folder.iterdir() if path.name not in known), *logs, *drafts}):
         yield Problem(path, "is not of this run", _DELETE)

@@ -104,7 +104,7 @@ def test_every_dependency_is_locked_and_no_index_is_named() -> None:
 
 
 def test_files_get_their_names_in_one_function() -> None:
-    """It puts on the disk what is in a file before the rename, and the name behind it. A report that makes way is thrown away."""
+    """It synchronises the file before and the folder behind. A report that makes way is thrown away."""
     found = [
         f"{path.relative_to(ROOT)}: {ast.unparse(node)}"
         for package in ("harness", "reports")

@@ -22,6 +22,10 @@ from tests.stress.ledger import Page
 from tests.stress.test_interruption import write_study
 
 LONGEST = 60.0
+MACHINE = 3
+HELD = "another run writes to this folder"
+"""A child that was forked the instant before its parent was killed has the journal open until its trial ends. Those of a real run
+come off a fork server, and have not."""
 
 
 class Mother:
@@ -76,12 +80,14 @@ def kill_somewhere(pid: int, journal: Path, chance: random.Random) -> None:
         os.kill(pid, signal.SIGKILL)
 
 
-def kills(count: int, folder: Path, environment: Mapping[str, str], expected: Mapping[str, str]) -> dict[str, int]:
+def kills(
+    count: int, folder: Path, environment: Mapping[str, str], expected: Mapping[str, str], seed: int = 2
+) -> dict[str, int]:
     """Kill a run and resume it, so many times, in a new folder whenever one is complete.
 
     Returns: how many kills hit, folders completed, torn lines met, trials lost.
     """
-    chance, found = random.Random(2), {"kills": 0, "completed": 0, "torn": 0, "lost": 0}
+    chance, found = random.Random(seed), {"kills": 0, "completed": 0, "torn": 0, "lost": 0}
     study = write_study(folder)
     with mother(environment) as started:
         while found["kills"] < count:
@@ -95,7 +101,10 @@ def kills(count: int, folder: Path, environment: Mapping[str, str], expected: Ma
                 code = started.ended()
                 if killer.ident is not None:
                     killer.join()
-                assert code in (0, -signal.SIGKILL), (out.with_suffix(".log")).read_text()
+                if code == MACHINE and HELD in out.with_suffix(".log").read_text().splitlines()[-1]:
+                    time.sleep(0.05)
+                    continue
+                assert code in (0, -signal.SIGKILL), out.with_suffix(".log").read_text()
                 found["kills"] += code == -signal.SIGKILL
                 written = read_written(out / "journal.jsonl")  # raises where a line is doubled, missing or damaged
                 found["lost"] += len(safe - written.records.keys())

@@ -24,8 +24,8 @@ from tests.stress.test_interruption import write_study
 LONGEST = 60.0
 MACHINE = 3
 HELD = "another run writes to this folder"
-"""A child that was forked the instant before its parent was killed has the journal open until its trial ends. Those of a real run
-come off a fork server, and have not."""
+"""A child that was forked the instant before its parent was killed has the journal open until its trial ends. Those of a real
+run come off a fork server, and have not."""
 
 
 class Mother:

@@ -7,12 +7,17 @@ That takes a fifth off the first step, and what comes out does not depend on wha
 Nothing else of this project touches what Numba does not document; `INTERNALS` lists it, and a test says what a version lacks.
 """
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+import io
+import pickle
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TypeVar, cast
+
+from engine.kernel_cache import read_checked, write_checked
 
 __all__ = [
     "INTERNALS",
@@ -45,6 +50,9 @@ INTERNALS: dict[str, tuple[str, ...]] = {
         *("codegen", "finalize", "enable_object_caching", "get_pointer_to_function", "_raise_if_finalized"),
         *("_finalize_dynamic_globals", "_get_module_for_linking", "_optimize_final_module"),
     ),
+    "numba.core.caching.IndexDataCacheFile": (
+        *("_data_path", "_index_path", "_load_data", "_load_index", "_open_for_write", "_source_stamp", "_version"),
+    ),
     "numba.core.environment": ("lookup_environment",),
     "numba.core.runtime.nrt.rtsys": ("initialize",),
     "numba.core.types": ("FunctionType",),
@@ -53,7 +61,7 @@ INTERNALS: dict[str, tuple[str, ...]] = {
     "the options of njit": ("forceinline", "no_cfunc_wrapper", "no_cpython_wrapper", "pipeline_class"),
     "the type of a function": ("ftype",),
     "a compiled function": ("compile", "get_call_template", "get_compile_result", "_cache"),
-    "its cache": ("load_overload", "_guard_against_spurious_io_errors", "_load_overload"),
+    "its cache": ("load_overload", "_cache_file", "_guard_against_spurious_io_errors", "_load_overload"),
     "what its compiler made": ("fndesc", "library", "signature"),
     "its description": ("llvm_cfunc_wrapper_name",),
     "its library": ("_codegen", "_final_module", "_finalized", "_linking_libraries", "_reload_init"),
@@ -296,6 +304,7 @@ def loaded_lightly(function: Function) -> Function:
 
     from numba.core.runtime.nrt import rtsys
 
+    cache._cache_file.__class__ = _checked_files()
     runtime: Any = rtsys
 
     def load(signature: Any, context: Any) -> Any:
@@ -305,6 +314,43 @@ def loaded_lightly(function: Function) -> Function:
 
     cache.load_overload = load
     return function
+
+
+@cache
+def _checked_files() -> type:
+    """Numba's index and data files, each with a digest: what was damaged is compiled anew, never run."""
+    from numba.core.caching import IndexDataCacheFile
+
+    files: Any = IndexDataCacheFile
+
+    class Checked(files):  # type: ignore[misc]  # Numba is untyped
+        def _load_index(self) -> dict[Any, str]:
+            try:
+                content = read_checked(Path(self._index_path))
+            except FileNotFoundError:
+                return {}
+            if content is None:
+                return {}
+            stream = io.BytesIO(content)
+            if pickle.load(stream) != self._version:
+                return {}
+            stamp, overloads = pickle.loads(stream.read())
+            return overloads if stamp == self._source_stamp else {}
+
+        def _load_data(self, name: str) -> Any:
+            path = Path(self._data_path(name))
+            content = read_checked(path)
+            if content is None:
+                raise OSError(f"{path}: damaged")  # what Numba takes for a file that is not there
+            return pickle.loads(content)
+
+        @contextmanager
+        def _open_for_write(self, filepath: str) -> Iterator[io.BytesIO]:
+            buffer = io.BytesIO()
+            yield buffer
+            write_checked(Path(filepath), buffer.getvalue())
+
+    return Checked
 
 
 def entry_point(function: Any, signature: Any) -> tuple[Any, int]:

@@ -4,7 +4,7 @@ import re
 import sys
 from io import StringIO, TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import click
 
@@ -86,6 +86,8 @@ class _Guarded(click.Group):
             _stop(_INTERRUPTED, "interrupted")
         except OSError as error:
             _stop(_MACHINE, f"{error.filename or 'machine'}: {error.strerror or error}")
+        except MemoryError:
+            _stop(_MACHINE, "no memory is left for this process; free some, and go on with --resume")
         except Exception as error:
             code = next((_CODES[kind.__name__] for kind in type(error).__mro__ if kind.__name__ in _CODES), None)
             if code is None:
@@ -253,14 +255,30 @@ _limited = click.option(
 )
 
 
-@main.command()
+_MERGE = "--resume-with-another-study"
+
+
+class _Resumable(click.Command):
+    """A command with a flag that may have a value: click would take the word behind a plain `--resume` for it."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click does, where `--resume=merge` is a flag of its own."""
+        for word in args:
+            value = word.removeprefix("--resume=")
+            if value not in (word, "merge"):
+                raise click.BadParameter(f"'{value}', expected merge, or --resume alone", param_hint="--resume")
+        return super().parse_args(ctx, [_MERGE if word == "--resume=merge" else word for word in args])
+
+
+@main.command(cls=_Resumable)
 @click.argument("study")
 @click.option("--engine", "engine_names", multiple=True, help="Only this engine; may be repeated.")
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
 @click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
-@click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
+@click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
+@click.option(_MERGE, "resume", flag_value="merge", hidden=True)
 @_limited
 def run(
     study: str,
@@ -269,7 +287,7 @@ def run(
     out: Path | None,
     workers: int,
     shard: tuple[int, int],
-    resume: bool,
+    resume: Literal["same", "merge"] | None,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
     own = _is_scene(study)
@@ -286,7 +304,8 @@ def run(
     adapters = {name: discover.adapter(name) for name in engine_names} if engine_names else discover.adapters()
     folder = out or Path("build") / plan.name
     try:
-        store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume, shard=shard)
+        how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
+        store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard)
     except StudyError as error:
         _stop(_USAGE, _of_file(study, error))
     except KeyboardInterrupt:
@@ -329,6 +348,16 @@ def _failures(store: "Store", audited: bool) -> list[str]:
     return told
 
 
+def _opened(folder: Path) -> "Store":
+    """The store of a folder; what a reader has to know of it goes to standard error."""
+    from harness.store import Store
+
+    store = Store(folder)
+    for note in store.notes:
+        click.echo(note, err=True)
+    return store
+
+
 def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
     """The rows of a stored table and its columns."""
     frame = getattr(store, table)
@@ -345,9 +374,7 @@ def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence
 @click.option("--format", "form", type=click.Choice(["text", "json", "csv", "markdown"]), default="text", show_default=True)
 def show(folder: Path, table: str, form: str) -> None:
     """Print a table of the run folder DIR."""
-    from harness.store import Store
-
-    store = Store(folder)
+    store = _opened(folder)
     worked_out = None if table in _TABLES else tables.table(table)
     rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.COLUMNS)
     if form == "json":
@@ -373,10 +400,9 @@ def show(folder: Path, table: str, form: str) -> None:
 @click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
 def report(folder: Path, show_it: bool) -> None:
     """Rebuild the HTML report of DIR from its store."""
-    from harness.store import Store
     from reports import build
 
-    index = build(Store(folder).folder)
+    index = build(_opened(folder).folder)
     _say(str(index))
     if show_it:
         click.launch(str(index))
@@ -399,10 +425,23 @@ def view(folder: Path, case: str) -> None:
 @click.option("--port", type=click.IntRange(0, 65535), default=8800, show_default=True, help="0 takes any free port.")
 def serve(folder: Path, port: int) -> None:
     """Serve the report and the web viewer of DIR on loopback until interrupted."""
-    from harness.store import Store
     from reports import serve as serve_reports
 
-    serve_reports(Store(folder).folder, port, announce=_say)
+    serve_reports(_opened(folder).folder, port, announce=_say)
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+def verify(folder: Path) -> None:
+    """Check every file that DIR keeps against its checksum and the journal; one line for each that is not as written."""
+    from harness.verify import problems
+
+    found = [str(problem) for problem in problems(folder)]
+    for sentence in found:
+        _say(sentence)
+    _say(f"{len(found)} problems" if found else "every file is as it was written", err=True)
+    if found:
+        sys.exit(_MACHINE)
 
 
 @main.command()
@@ -416,9 +455,8 @@ def reproduce(folder: Path, trial: str) -> None:
     from harness import discover
     from harness.pool import run_isolated
     from harness.repeat import trial_of
-    from harness.store import Store
 
-    store = Store(folder)
+    store = _opened(folder)
     again = trial_of(store, trial)
     row = store.trials.set_index("trial").loc[again.trial]
     version, reason = discover.version_of(discover.adapter(again.engine))

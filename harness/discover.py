@@ -18,7 +18,19 @@ from harness.metric import Metric
 from harness.outside import points, trouble
 from harness.scene import Scene
 
-__all__ = ["SCENE_PREFIX", "PluginError", "adapter", "adapters", "case", "cases", "left_out", "metrics", "names", "version_of"]
+__all__ = [
+    "SCENE_PREFIX",
+    "PluginError",
+    "adapter",
+    "adapters",
+    "case",
+    "cases",
+    "left_out",
+    "metrics",
+    "module_of",
+    "names",
+    "version_of",
+]
 
 _LONGEST_VERSION = 100
 SCENE_PREFIX = "scene:"
@@ -47,6 +59,12 @@ def names(kind: str) -> tuple[str, ...]:
             f"entry point plumbline.{kind} '{name}' ({outside[name].value}): the name is built in; choose another"
         )
     return (*inside, *outside)
+
+
+def module_of(kind: str, name: str) -> str | None:
+    """The module of a plug-in of a kind ('adapters' or 'cases'), which is not imported; None where there is none."""
+    point = points(f"plumbline.{kind}").get(name)
+    return _folder(kind).get(name, None if point is None else point.module)
 
 
 def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | type[Case]) -> Any:

@@ -78,8 +78,8 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
     # Height means nothing in a scene that may fall.
     shown, sign = first_break(start.scene, actual, SIGNS if _stands(case) else [sign for sign in SIGNS if sign != "height"])
     told = start.back(actual)
-    truth = truth_of(case, scene, actual.time, plain.parameters, folder)
-    asked = bounded(case, trial.settings.dt, answer.substep(trial.settings), plain.parameters, folder)
+    truth = truth_of(case, scene, actual.time, plain.parameters, folder, trial.sources)
+    asked = bounded(case, trial.settings.dt, answer.substep(trial.settings), plain.parameters, folder, trial.sources)
     measured = judge(asked, scene, told, truth) if number == 0 or not (_stands(case) or _limited(case)) else ()
     failed = [one.metric for one in measured if one.passed is False]
     by, time = "", end

@@ -1,8 +1,11 @@
 """The machine's fingerprint: what a number has to be read with."""
 
+import hashlib
+import json
 import os
 import platform
 import sys
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -10,7 +13,7 @@ from typing import Any
 
 import psutil
 
-__all__ = ["fingerprint"]
+__all__ = ["circumstances", "fingerprint", "machine_digest"]
 
 _PACKAGES = ("plumbline", "numpy", "scipy", "numba", "pandas", "pyarrow", "rerun-sdk", "altair")
 
@@ -29,6 +32,20 @@ def _version(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return "none"
+
+
+def circumstances(machine: Mapping[str, Any]) -> dict[str, Any]:
+    """What of a fingerprint a timing depends on; nothing that changes from run to run."""
+    kept = {name: machine.get(name) for name in ("processor", "cores", "system", "python", "memory_mb")}
+    # Some of a machine's memory is the system's, a little more or less from start to start.
+    return kept | {"memory_mb": None if kept["memory_mb"] is None else round(kept["memory_mb"], -3)}
+
+
+def machine_digest(machine: Mapping[str, Any]) -> str:
+    """Sixteen hexadecimal digits that name the machine of a fingerprint; '' for none."""
+    if not machine:
+        return ""
+    return hashlib.sha256(json.dumps(circumstances(machine), sort_keys=True).encode()).hexdigest()[:16]
 
 
 def fingerprint() -> dict[str, Any]:

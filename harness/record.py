@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 __all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "Timing", "digest"]
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Raised when a column changes its meaning; a store with a higher number is refused."""
 
 Status = Literal["passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted"]
@@ -71,7 +71,10 @@ class Sample:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timing:
-    """What the timing run of a trial gave: the timing columns of the table `trials`, and the samples behind them."""
+    """What the timing run of a trial gave: the timing columns of the table `trials`, and the samples behind them.
+
+    Terms: clocked_on: the digest of the machine, '' where it was not said.
+    """
 
     trial: str
     cpu_per_sim_s: float | None = None
@@ -85,6 +88,7 @@ class Timing:
     cpu_per_unit_low: float | None = None
     cpu_per_unit_high: float | None = None
     note: str = ""
+    clocked_on: str = ""
     samples: tuple[Sample, ...] = ()
 
     def plain(self) -> dict[str, Any]:
@@ -94,7 +98,9 @@ class Timing:
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Timing":
         """Read back what `plain` wrote."""
-        return cls(**{**plain, "samples": tuple(Sample(**s) for s in plain.get("samples", ()))})
+        known = {f.name for f in dataclasses.fields(cls)}
+        fields = {name: value for name, value in plain.items() if name in known}
+        return cls(**{**fields, "samples": tuple(Sample(**s) for s in plain.get("samples", ()))})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,6 +119,8 @@ class Record:
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
         substep [s]: the step that the engine really took, dt over the sub-steps that it says it used; None without an answer.
         clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.
+        sources: digests of the texts that decide the answer, by what they are; see `harness.sources`. answered_on, clocked_on:
+        the digests of the machines of the accuracy run, and rough cost, and of the timing run; see `harness.machine`.
     """
 
     trial: str
@@ -155,6 +163,9 @@ class Record:
     remedied: str = ""
     substep: float | None = None
     parts: int = 0
+    sources: Mapping[str, str] = field(default_factory=dict)
+    answered_on: str = ""
+    clocked_on: str = ""
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 

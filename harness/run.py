@@ -49,6 +49,7 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         remedy=trial.remedy,
         remedied=trial.remedied,
         parts=trial.parts,
+        sources=trial.sources,
         status=status,
         reason=reason,
         detail=detail,
@@ -228,13 +229,13 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         return refusal(trial, error)
     actual, broke, warnings = answer.actual, answer.broke, answer.warnings
     try:
-        truth = truth_of(case, scene, actual.time, trial.parameters, folder)
+        truth = truth_of(case, scene, actual.time, trial.parameters, folder, trial.sources)
     except (NotMeasurable, Unsupported) as error:
         truth, warnings = None, (*warnings, f"no truth: {error}")
     expected = None if truth is None else truth.trajectory
     measurements: tuple[Measurement, ...] = ()
     if broke is None:
-        told = bounded(case, trial.settings.dt, answer.substep(trial.settings), trial.parameters, folder)
+        told = bounded(case, trial.settings.dt, answer.substep(trial.settings), trial.parameters, folder, trial.sources)
         measurements = judge(told, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     return replace(

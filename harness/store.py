@@ -1,44 +1,47 @@
 """A run folder read back as tables, trajectories and catalogue; and its Parquet tables made from the journal."""
 
 import dataclasses
+import hashlib
 import json
 import math
-import os
 import tomllib
-import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.journal import NoRun, StoreError, read_journal
+from harness import disk
+from harness.arrays import read_arrays
+from harness.journal import NoRun, StoreError, Written, read_journal, read_written
 from harness.record import Measurement, Record, Sample
+from harness.seal import Damaged, check_seal, sealed_json
 from harness.stored_tables import read_tables
 
-__all__ = ["TRIAL_COLUMNS", "NoRun", "Store", "StoreError", "write_atomically", "write_tables"]
+__all__ = [
+    "TABLES", "TRIAL_COLUMNS", "NoRun", "Store", "StoreError", "parquet", "read_plain", "tables_of", "write_json",
+    "write_tables",
+]  # fmt: skip
 
-_JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration")
+_JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
+TABLES = ("trials", "measurements", "samples")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
-_SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0}
+_SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0} | {
+    "sources": "{}",
+    "answered_on": "",
+    "clocked_on": "",
+}
 """What the trials of a store from before there were these columns mean by their absence."""
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
 _PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep")
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that a kill leaves the old one or the new one, never a part."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    draft.write_bytes(content)
-    draft.replace(path)
-
-
-def _tables(records: dict[str, Record]) -> dict[str, pd.DataFrame]:
+def tables_of(records: Mapping[str, Record]) -> dict[str, pd.DataFrame]:
+    """The tables `TABLES` by name."""
     trials, measurements, samples = [], [], []
     for record in sorted(
         records.values(), key=lambda r: (r.study, r.experiment, r.case, -r.dt, r.seed, r.track, r.engine, r.trial)
@@ -56,10 +59,51 @@ def _tables(records: dict[str, Record]) -> dict[str, pd.DataFrame]:
     return {"trials": frame, "measurements": table, "samples": pd.DataFrame(samples, columns=list(_SAMPLE_COLUMNS))}
 
 
-def write_tables(folder: Path) -> None:
-    """Make the Parquet tables from the journal. Raises: StoreError."""
-    for name, frame in _tables(read_journal(folder / "journal.jsonl")).items():
-        write_atomically(folder / f"{name}.parquet", frame.to_parquet(index=False))
+def parquet(frame: pd.DataFrame) -> bytes:
+    """The bytes of a table's file; equal tables have equal bytes."""
+    made: bytes = disk.calls.filled(lambda: frame.to_parquet(index=False))
+    return made
+
+
+def write_tables(folder: Path) -> dict[str, str]:
+    """Make the Parquet tables from the journal, and give the digest of each file's bytes. Raises: StoreError, OSError."""
+    digests = {}
+    for name, frame in tables_of(read_journal(folder / "journal.jsonl")).items():
+        content = parquet(frame)
+        disk.write_atomically(folder / f"{name}.parquet", content)
+        digests[name] = hashlib.sha256(content).hexdigest()
+    return digests
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON object with its seal. Raises: OSError."""
+    disk.write_atomically(path, disk.calls.filled(lambda: sealed_json(path.name, content)))
+
+
+def read_plain(path: Path) -> dict[str, Any]:
+    """What a JSON or TOML file of the store says, without its seal; nothing of one that is not there. Raises: StoreError."""
+    if not path.is_file():
+        return {}
+    content = disk.read(path)
+    try:
+        check_seal(path, content)
+        text = content.decode()
+        found: dict[str, Any] = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+    except (Damaged, ValueError) as error:
+        raise StoreError(f"{path}: {error}; restore it, or --resume writes it anew") from error
+    found.pop("checksum", None)
+    return found
+
+
+def ends_early(written: Written, machine: Mapping[str, Any]) -> tuple[str, ...]:
+    """Whether a journal ends before the place that it had reached when its folder's machine.json was written."""
+    known = machine.get("journal", {"lines": 0, "checksum": ""})
+    lines, checksum = known["lines"], known["checksum"]
+    if lines == 0 or (lines <= len(written.checksums) and written.checksums[lines - 1] == checksum):
+        return ()
+    if lines > len(written.checksums):
+        return (f"{written.path}: ends at line {len(written.checksums)}, and had {lines}: what the others held is missing",)
+    return (f"{written.path}: line {lines} is another than was there when a run last ended: the file was exchanged",)
 
 
 class Store:
@@ -76,10 +120,20 @@ class Store:
             raise NoRun(f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run")
 
     @cached_property
+    def _written(self) -> Written:
+        return read_written(self.folder / "journal.jsonl")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader has to know of how the folder came down: what was dropped, what is missing. Raises: StoreError."""
+        written = self._written
+        return (*written.notes, *ends_early(written, self.machine))
+
+    @cached_property
     def _read(self) -> dict[str, pd.DataFrame]:
         journal = self.folder / "journal.jsonl"
         if journal.is_file():
-            return _tables(read_journal(journal))
+            return tables_of(self._written.records)
         trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
         needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)
@@ -109,28 +163,20 @@ class Store:
         """One row a timing sample."""
         return self._read["samples"]
 
-    def _json(self, name: str) -> dict[str, Any]:
-        path = self.folder / name
-        if not path.is_file():
-            return {}
-        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        return content
-
     @cached_property
     def catalogue(self) -> dict[str, Any]:
         """Cases and engines: what was asked, of whom."""
-        return self._json("catalogue.json")
+        return read_plain(self.folder / "catalogue.json")
 
     @cached_property
     def machine(self) -> dict[str, Any]:
         """The machine, the versions, the command and the dates."""
-        return self._json("machine.json")
+        return read_plain(self.folder / "machine.json")
 
     @cached_property
     def study(self) -> dict[str, Any]:
         """The study file of the run."""
-        path = self.folder / "study.toml"
-        return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+        return read_plain(self.folder / "study.toml")
 
     def trajectory(self, trajectory_hash: str, only: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
         """The arrays of one trajectory: time, p_WB, ..., truth_p_WB, ..., contacts_..., stream:..., scene (JSON).
@@ -139,7 +185,8 @@ class Store:
         """
         path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
         try:
-            with np.load(path, allow_pickle=False) as arrays:
-                return {name: arrays[name] for name in only or arrays.files}
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-            raise StoreError(f"{path}: not readable: {error}") from error
+            return read_arrays(path, only)
+        except FileNotFoundError as error:
+            raise StoreError(f"{path}: missing; --resume makes it anew") from error
+        except (Damaged, OSError) as error:
+            raise StoreError(f"{path}: not readable: {error}; --resume makes it anew") from error

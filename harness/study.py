@@ -2,8 +2,8 @@
 
 import hashlib
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from itertools import product
 from pathlib import Path
@@ -216,10 +216,15 @@ class Study:
                 raise ValueError(f"variant '{engine}/{min(taken)}': the name is a track's, expected another")
 
     def trials(
-        self, cases: Mapping[str, Case], adapters: Mapping[str, Adapter], versions: Mapping[str, str]
+        self,
+        cases: Mapping[str, Case],
+        adapters: Mapping[str, Adapter],
+        versions: Mapping[str, str],
+        sources: "Callable[[str, str], Mapping[str, str]]" = lambda _case, _engine: {},
     ) -> "Iterator[Trial]":
         """All trials, engine by engine innermost so that engines are interleaved; every cell of the matrix is there.
 
+        Args: sources: of a case and an engine, by name: digests of the texts that decide an answer.
         Raises: StudyError, where it asks for what there is not, or for more than is allowed.
         """
         self._check_count(cases, adapters)
@@ -256,6 +261,7 @@ class Study:
                                 clocks=clocks,
                                 workers=workers,
                                 members=members,
+                                sources=sources(case.name, engine.name),
                             ).named()
                             if not experiment.determinism:
                                 yield trial
@@ -444,6 +450,7 @@ class Trial:
         what the study names itself. alteration: how its scene departs from the case's. members: starts of the scene, each in a
         random phase, of which it says how many held; 1 for the scene as it is. remedy: what it tries to help with, where the
         trial `remedied` broke. parts: that the time step of the search was taken in, 0 where that is left to its settings.
+        sources: digests of the texts that decide the answer, by what they are; see `harness.provenance`.
     """
 
     study: str
@@ -465,13 +472,14 @@ class Trial:
     remedy: str = ""
     remedied: str = ""
     parts: int = 0
+    sources: Mapping[str, str] = field(default_factory=dict)
 
     def scene(self, case: Case) -> Scene:
         """What is put to the engine."""
         return self.alteration.of(case.scene(**self.parameters))
 
     def named(self) -> "Trial":
-        """The trial with its name: a digest of all that decides its answer, the question and versions included."""
+        """The trial with its name: a digest of all that decides its answer, question, versions and sources included."""
         asked = {
             "study": self.study,
             "experiment": self.experiment.name,
@@ -491,6 +499,7 @@ class Trial:
             "members": (self.members, 1),
             "remedied": (self.remedied, ""),
             "parts": (self.parts, 0),
+            "sources": (dict(self.sources), {}),
         }
         return replace(self, trial=digest(asked | {name: value for name, (value, plain) in unusual.items() if value != plain}))
 

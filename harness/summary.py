@@ -6,11 +6,12 @@ from xml.etree import ElementTree
 
 import pandas as pd
 
+from harness.disk import write_atomically
 from harness.emulations import whose
 from harness.safe_text import markdown_cell, visible
-from harness.store import Store, write_atomically
+from harness.store import Store
 
-__all__ = ["write_summary"]
+__all__ = ["summaries", "write_summary"]
 
 _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")
@@ -54,7 +55,12 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
+def summaries(store: Store) -> dict[str, bytes]:
+    """The content of junit.xml and summary.md."""
+    return {"junit.xml": _junit(store.trials), "summary.md": _markdown(store.trials, store.catalogue)}
+
+
 def write_summary(store: Store) -> None:
     """Write junit.xml and summary.md into the run folder."""
-    write_atomically(store.folder / "junit.xml", _junit(store.trials))
-    write_atomically(store.folder / "summary.md", _markdown(store.trials, store.catalogue))
+    for name, content in summaries(store).items():
+        write_atomically(store.folder / name, content)

@@ -19,6 +19,7 @@ from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
 from harness.bench import Bench, rough_cost_beside
 from harness.case import Case
 from harness.endure import endure
+from harness.journal import StoreError
 from harness.memory_watch import be_killed_first
 from harness.record import Record, Status
 from harness.run import outcome, run_trial
@@ -132,6 +133,8 @@ def answers(trial: Trial, folder: Path) -> Iterator[Record]:
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
         record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
+    except StoreError as error:  # ours, not the engine's
+        record = outcome(trial, "interrupted", str(error))
     except Exception as error:
         status: Status = "oom" if isinstance(error, MemoryError) else "crashed"
         record = outcome(trial, status, _in_words(error), traceback.format_exc()[-4000:])

@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping
 from functools import cache
 from pathlib import Path
 
+from harness.disk import put_in_place
 from harness.safe_text import LONGEST, one_line
 from harness.store import Store
 from reports.figure import VEGA_LITE
@@ -73,7 +74,7 @@ def write_report(folder: Path) -> Path:
             path.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
         if report.exists():
             report.rename(old)
-        draft.rename(report)
+        put_in_place(draft, report)
     finally:
         for leftover in (draft, old):
             shutil.rmtree(leftover, ignore_errors=True)

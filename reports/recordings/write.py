@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from harness.disk import put_in_place
 from harness.record import digest
 from harness.store import Store
 from reports.recordings.blueprint import layout
@@ -60,7 +61,7 @@ def write_case(store: Store, name: str, target: Path) -> Path:
             fill(rec, draft, store, stage)
         finally:
             rec.disconnect()  # writes the footer: the file is whole only now
-        draft.replace(path)
+        put_in_place(draft, path)
     finally:
         draft.unlink(missing_ok=True)
     return path

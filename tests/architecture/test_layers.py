@@ -101,3 +101,19 @@ def test_every_dependency_is_locked_and_no_index_is_named() -> None:
     for requirement in (*project["dependencies"], *project["optional-dependencies"]["dev"]):
         name = requirement.split(">")[0].split("=")[0].split(";")[0].strip()
         assert f"\n{name}==" in f"\n{lock}", f"{name} is not in requirements.lock"
+
+
+def test_files_get_their_names_in_one_function() -> None:
+    """It synchronises the file before and the folder behind. A report that makes way is thrown away."""
+    found = [
+        f"{path.relative_to(ROOT)}: {ast.unparse(node)}"
+        for package in ("harness", "reports")
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Attribute)
+        and node.func.attr in ("rename", "replace", "link_to", "move")
+        and len(node.args) == (2 if ast.unparse(node.func.value) in ("os", "shutil") else 1)
+        and not node.keywords
+    ]
+    assert found == ["harness/disk.py: old.replace(new)", "reports/html.py: report.rename(old)"]

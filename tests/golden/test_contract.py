@@ -36,7 +36,7 @@ TRIALS = [
     "trajectory_hash",
 ]
 MEASUREMENTS = ["trial", "metric", "value", "unit", "at_most", "passed", "because"]
-COMMANDS = ["cases", "check", "engines", "report", "reproduce", "run", "serve", "show", "view"]
+COMMANDS = ["cases", "check", "engines", "report", "reproduce", "run", "serve", "show", "verify", "view"]
 FILES = [
     "trials.parquet",
     "measurements.parquet",
@@ -131,6 +131,8 @@ def test_the_report_is_rebuilt_from_the_store_alone(folder: Path, plumbline: Com
         (("check", "nonsense"), 2, "expected one of"),
         (("show", "nowhere"), 2, "nowhere"),
         (("report", "nowhere"), 2, "nowhere"),
+        (("verify", "nowhere"), 2, "nowhere"),
+        (("run", "quick", "--resume=again"), 2, "expected merge"),
         (("view", "nowhere", "x"), 2, "nowhere"),
         (("reproduce", "nowhere", "x"), 2, "nowhere"),
         (("show", ".", "--table", "nonsense"), 2, "nonsense"),

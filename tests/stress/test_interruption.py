@@ -113,7 +113,7 @@ def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
         signal.signal(signal.SIGINT, before)
     deadline = time.monotonic() + 60.0
     journal = out / "journal.jsonl"
-    while time.monotonic() < deadline and not (journal.is_file() and journal.stat().st_size):
+    while time.monotonic() < deadline and not (journal.is_file() and b'"kind": "accuracy"' in journal.read_bytes()):
         time.sleep(0.02)
     children = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(by)

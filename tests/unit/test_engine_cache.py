@@ -4,11 +4,14 @@ import os
 import shutil
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import engine
+from engine import kernel_cache
 
 pytestmark = pytest.mark.compiler
 
@@ -96,6 +99,45 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     motion.write_text(text.replace(KICK, KICK.replace("load3", "scale(-1.0, load3") + ")"))
     assert _fall(copy) == (pytest.approx(9.81 / 240), 0)
     motion.write_text(text)
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
+
+
+def _stored(folder: Path) -> Any:
+    """Numba's index and data files as the engine keeps them, with one entry."""
+    files: Any = kernel_cache._checked_files()(str(folder), "step", ("stamp", 1))
+    files.save("key", {"code": b"machine code" * 50})
+    return files
+
+
+def test_stored_code_comes_back_and_that_of_an_older_source_does_not(tmp_path: Path) -> None:
+    assert _stored(tmp_path).load("key") == {"code": b"machine code" * 50}
+    assert kernel_cache._checked_files()(str(tmp_path), "step", ("stamp", 2)).load("key") is None
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".nbc", ".nbi"]
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+def test_damaged_code_is_named_never_loaded_and_replaced(tmp_path: Path, kind: str) -> None:
+    files = _stored(tmp_path)
+    (path,), (other,) = tmp_path.glob(f"*.{kind}"), tmp_path.glob("*.nbc" if kind == "nbi" else "*.nbi")
+    whole = path.read_bytes()
+    flipped = [whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :] for place in range(0, len(whole), 3)]
+    for content in (*flipped, whole[: len(whole) // 2], b"", other.read_bytes()):
+        path.write_bytes(content)
+        with pytest.warns(RuntimeWarning, match=f"{path.name}: compiled code is damaged .* compiled anew"):
+            assert files.load("key") is None
+    with pytest.warns(RuntimeWarning) if kind == "nbi" else nullcontext():
+        files.save("key", "anew")
+    assert files.load("key") == "anew"
+    path.unlink()
+    assert files.load("key") is None
+
+
+def test_a_step_whose_stored_code_is_damaged_is_compiled_anew(copy: Path) -> None:
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
+    (path,) = (copy / "cache").rglob("*.nbc")
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-100] + bytes([whole[-100] ^ 1]) + whole[-99:])
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
     assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
 
 

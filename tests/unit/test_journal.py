@@ -1,11 +1,14 @@
 """The journal: torn tails are dropped, corruption is named, nothing stands twice."""
 
+import dataclasses
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
-from harness.journal import Journal, StoreError, read_journal
+from harness import disk
+from harness.journal import Journal, StoreError, read_journal, read_written
 from harness.record import Measurement, Record, Sample, Timing
 
 
@@ -65,7 +68,7 @@ def test_a_last_line_cut_at_any_byte_is_dropped_and_the_rest_kept(tmp_path: Path
         assert read_journal(path)["b"].cpu_per_sim_s is None
         journal = Journal(tmp_path)
         assert journal.dropped == cut - last
-        assert journal.timings == set()
+        assert journal.timings == {}
         journal.close()
         assert path.read_bytes() == whole[:last]
 
@@ -106,3 +109,128 @@ def test_a_trial_cannot_be_written_twice(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="trial a is already there"):
         journal.append(record("a"))
     journal.close()
+
+
+def test_a_corrupt_last_line_is_named_and_not_dropped(tmp_path: Path) -> None:
+    whole = write(tmp_path)
+    path = tmp_path / "journal.jsonl"
+    path.write_bytes(whole[:-20] + bytes([whole[-20] ^ 1]) + whole[-19:])
+    with pytest.raises(StoreError, match=r"line 4, the last, is corrupt .*--resume run its trial anew"):
+        Journal(tmp_path)
+    with pytest.raises(StoreError, match="line 4, the last, is corrupt"):
+        read_journal(path)
+
+
+def test_whatever_bit_flips_is_noticed(tmp_path: Path) -> None:
+    whole = write(tmp_path)
+    path = tmp_path / "journal.jsonl"
+    for place in range(0, len(whole), 5):
+        for bit in (0, 2, 7):
+            path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+            with pytest.raises(StoreError, match=r"journal\.jsonl: line [1-4]"):
+                read_journal(path)
+
+
+def test_lines_that_are_missing_doubled_or_swapped_are_noticed(tmp_path: Path) -> None:
+    lines = write(tmp_path).splitlines(keepends=True)
+    path = tmp_path / "journal.jsonl"
+    for k in range(len(lines) - 1):
+        path.write_bytes(b"".join(lines[:k] + lines[k + 1 :]))
+        with pytest.raises(StoreError, match=f"line {k + 1} is numbered {k + 2}: line {k + 1} is missing before it"):
+            read_journal(path)
+    for k in range(len(lines)):
+        path.write_bytes(b"".join(lines[: k + 1] + lines[k:]))
+        with pytest.raises(StoreError, match=f"line {k + 2} is numbered {k + 1}: it stands twice, or was moved"):
+            read_journal(path)
+        for j in range(k):
+            moved = [*lines]
+            moved[j], moved[k] = moved[k], moved[j]
+            path.write_bytes(b"".join(moved))
+            with pytest.raises(StoreError, match=f"line {j + 1} is numbered {k + 1}"):
+                read_journal(path)
+
+
+def test_a_line_of_another_run_does_not_follow(tmp_path: Path) -> None:
+    lines = write(tmp_path).splitlines(keepends=True)
+    other = tmp_path / "other"
+    other.mkdir()
+    journal = Journal(other)
+    for name in ("x", "y", "z"):
+        journal.append(record(name))
+    journal.close()
+    foreign = (other / "journal.jsonl").read_bytes().splitlines(keepends=True)
+    path = tmp_path / "journal.jsonl"
+    path.write_bytes(b"".join([lines[0], foreign[1], lines[2]]))
+    with pytest.raises(StoreError, match="line 2 does not follow the line before it"):
+        read_journal(path)
+
+
+def test_blocks_that_never_reached_the_disk_are_a_torn_tail(tmp_path: Path) -> None:
+    whole = write(tmp_path)
+    last = whole.rstrip(b"\n").rfind(b"\n") + 1
+    path = tmp_path / "journal.jsonl"
+    path.write_bytes(whole[: last + 30] + b"\0" * (len(whole) - last - 31) + b"\n")
+    written = read_written(path)
+    assert written.torn == len(whole) - last
+    assert written.notes == (f"{path}: line 4, the last, is torn, as a kill leaves it: {written.torn} bytes are dropped",)
+
+
+def test_what_is_withdrawn_can_be_run_again_or_brought_back(tmp_path: Path) -> None:
+    write(tmp_path)
+    journal = Journal(tmp_path)
+    journal.withdraw(["a", "b"], "the engine changed")
+    assert [*journal.records] == ["c"]
+    journal.append(record("a"))
+    journal.restore(["b"])
+    journal.close()
+    written = read_written(tmp_path / "journal.jsonl")
+    assert sorted(written.records) == ["a", "b", "c"]
+    assert written.records["b"].cpu_per_sim_s == 0.5
+    assert written.withdrawn == {}
+
+
+def test_a_trial_is_clocked_once_on_a_machine_and_once_more_on_another(tmp_path: Path) -> None:
+    write(tmp_path)
+    journal = Journal(tmp_path)
+    with pytest.raises(StoreError, match="trial b is already there"):
+        journal.append(TIMING)
+    journal.append(dataclasses.replace(TIMING, cpu_per_sim_s=0.25, clocked_on="another"))
+    journal.close()
+    written = read_written(tmp_path / "journal.jsonl")
+    assert written.records["b"].cpu_per_sim_s == 0.25
+    assert written.clocked == {"b": "another"}
+
+
+def test_the_journal_takes_nothing_more_behind_a_piece_that_it_could_not_take_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(tmp_path)
+    journal = Journal(tmp_path)
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(disk.calls, "sync", full)
+        patch.setattr(disk.calls, "truncate", full)
+        with pytest.raises(OSError, match="No space"):
+            journal.append(record("d"))
+    with pytest.raises(OSError, match="open the file anew"):
+        journal.append(record("e"))
+    journal.close()
+    assert "e" not in read_journal(tmp_path / "journal.jsonl")
+
+
+def test_lines_of_the_first_schema_are_read_and_followed(tmp_path: Path) -> None:
+    old = Path(__file__).parents[1] / "stress" / "schema_1" / "journal.jsonl"
+    shutil.copy(old, tmp_path)
+    journal = Journal(tmp_path)
+    assert not journal.written.chained
+    journal.append(record("new"))
+    journal.close()
+    lines = (tmp_path / "journal.jsonl").read_bytes().splitlines(keepends=True)
+    assert json.loads(lines[2].partition(b" ")[2])["number"] == 3
+    assert "new" in read_journal(tmp_path / "journal.jsonl")
+    (tmp_path / "journal.jsonl").write_bytes(lines[0] + lines[2])
+    with pytest.raises(StoreError, match="line 2 is numbered 3"):
+        read_journal(tmp_path / "journal.jsonl")

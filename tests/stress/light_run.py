@@ -1,0 +1,62 @@
+"""A study small enough to be run a thousand times: two trials of a falling body, in this process, clocked by formula."""
+
+import random
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Literal
+
+import pandas as pd
+import pytest
+
+from harness import campaign, discover
+from harness.record import Record, Sample, Timing
+from harness.run import run_trial
+from harness.store import TABLES, Store
+from harness.study import Experiment, Study, Trial
+from harness.summary import write_summary
+from tests.conftest import PLUGINS
+
+__all__ = ["STUDY", "carry_out", "light", "same_tables", "tables"]
+
+STUDY = Study(
+    name="light",
+    recordings=False,
+    experiments=(Experiment(name="light", cases=("stress_fall",), engines=("sound",), dt=(0.05,)),),
+)
+
+
+def _in_this_process(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
+    for trial in trials:
+        yield run_trial(trial, discover.case(trial.case), discover.adapter(trial.engine), folder)
+
+
+def _by_formula(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
+    for trial in trials:
+        sample = Sample(process=0, block=0, steps=1, cpu=trial.settings.dt, wall=trial.settings.dt, canary=1.0, switches=0)
+        yield Timing(trial=trial.trial, unit="step", cpu_per_unit=trial.settings.dt, samples=(sample,))
+
+
+def light(patch: pytest.MonkeyPatch) -> None:
+    """Run trials in this process from here on, and let nothing be clocked."""
+    patch.syspath_prepend(str(PLUGINS))
+    patch.setattr(campaign, "run_isolated", _in_this_process)
+    patch.setattr(campaign, "clock_group", _by_formula)
+
+
+def carry_out(folder: Path, study: Study = STUDY, resume: bool | Literal["merge"] = True) -> Store:
+    """The study, with the summaries that the command line writes behind it."""
+    cases, engines = {"stress_fall": discover.case("stress_fall")}, {"sound": discover.adapter("sound")}
+    store = campaign.carry_out(study, folder, cases, engines, workers=1, resume=resume)
+    write_summary(store)
+    return store
+
+
+def tables(folder: Path) -> dict[str, pd.DataFrame]:
+    """The tables as they lie on the disk."""
+    return {name: pd.read_parquet(folder / f"{name}.parquet") for name in TABLES}
+
+
+def same_tables(folder: Path, expected: dict[str, pd.DataFrame]) -> None:
+    """Raises: AssertionError, where a table in the folder differs."""
+    for name, frame in tables(folder).items():
+        pd.testing.assert_frame_equal(frame, expected[name])

@@ -1,0 +1,52 @@
+"""A process that has loaded the command line and forks a run of it for each line of arguments that it is told.
+
+A run starts in milliseconds that way, and so do its children, which are forked too: what is killed is the parent of a run, as a
+person starts it, without the seconds in which it loads and in which it draws a report.
+"""
+
+import json
+import multiprocessing
+import os
+import sys
+from pathlib import Path
+
+import harness.campaign
+import harness.cli
+import harness.pool
+import harness.team
+from harness import discover
+from harness.provenance import sources_of
+from harness.store import Store
+from harness.summary import write_summary
+
+
+def publish(store: Store, _recordings: bool) -> Path:
+    """What stands beside the tables, without the report."""
+    write_summary(store)
+    return store.folder / "summary.md"
+
+
+def run(arguments: list[str], log: str) -> int:
+    """The command line in this process; its exit code."""
+    stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+    os.dup2(stream, 1)
+    os.dup2(stream, 2)
+    try:
+        harness.cli.main(arguments)
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else 1
+    return 0
+
+
+if __name__ == "__main__":
+    for case in discover.cases():
+        sources_of(case, "sound")
+    harness.cli._publish = publish
+    harness.pool.context = harness.team.context = lambda: multiprocessing.get_context("fork")  # type: ignore
+    for line in sys.stdin:
+        told = json.loads(line)
+        child = os.fork()
+        if child == 0:
+            os._exit(run(told["arguments"], told["log"]))
+        print(child, flush=True)
+        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)

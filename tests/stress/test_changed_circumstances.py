@@ -1,0 +1,244 @@
+"""A run that goes on after something has changed: what holds is kept, the rest is run anew and says why, nothing is mixed."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness import campaign, discover, provenance, sources
+from harness.journal import FolderTaken, read_written
+from harness.store import Store
+from harness.verify import problems
+from tests.conftest import PLUGINS, Command
+from tests.stress.ledger import Page
+from tests.stress.light_run import STUDY, carry_out, light
+from tests.stress.test_interruption import write_study
+
+FAMILY = "resume under changed circumstances"
+OTHER_MACHINE = {"processor": "another", "cores": 3}
+
+
+def clear() -> None:
+    for module in (sources, provenance):
+        for one in vars(module).values():
+            if hasattr(one, "cache_clear"):
+                one.cache_clear()
+
+
+@pytest.fixture(autouse=True)
+def _light(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    light(monkeypatch)
+    clear()
+    yield
+    clear()
+
+
+def marks(folder: Path) -> set[tuple[str, ...]]:
+    """What tells rows apart that do not belong together."""
+    trials = Store(folder).trials
+    return {*zip(*(map(str, trials[name]) for name in ("engine_version", "sources", "clocked_on")), strict=True)}
+
+
+def unmixed(folder: Path, trials: int = 2) -> None:
+    """As many rows as cells, all of today's circumstances, and a folder that is whole."""
+    assert len(Store(folder).trials) == trials
+    assert len(marks(folder)) == 1
+    assert [*problems(folder)] == []
+
+
+def edit(monkeypatch: pytest.MonkeyPatch, file: Path) -> None:
+    """As if a line were added to a source file."""
+    plain = Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda self: plain(self) + b"\n# changed" * (self == file))
+    clear()
+
+
+@pytest.mark.parametrize(
+    ("file", "words"),
+    [
+        (PLUGINS / "faulty.py", "runs anew 2: the adapter's source changed: faulty.py; the case's source changed: faulty.py"),
+        (Path(sources.__file__).with_name("simulate.py"), "the harness that steps and measures changed: harness/simulate.py"),
+        (
+            Path(sources.__file__).parent / "metrics" / "position.py",
+            "runs anew 2: the adapter's source changed: harness/metrics/position.py",
+        ),
+    ],
+    ids=lambda value: value.name if isinstance(value, Path) else "",
+)
+def test_a_changed_source_runs_its_trials_anew(
+    file: Path, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    before = set(carry_out(tmp_path / "run").trials["trial"])
+    edit(monkeypatch, file)
+    after = set(carry_out(tmp_path / "run").trials["trial"])
+    assert not before & after
+    assert words in capsys.readouterr().err
+    unmixed(tmp_path / "run")
+    ledger.survived(FAMILY, f"{file.name} edited before a resume", "unmarked rows 0")
+
+
+def test_an_edit_that_is_taken_back_brings_its_rows_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page) -> None:
+    first = carry_out(tmp_path / "run").trials
+    with monkeypatch.context() as patch:
+        edit(patch, PLUGINS / "faulty.py")
+        carry_out(tmp_path / "run")
+    clear()
+    lines = len(read_written(tmp_path / "run" / "journal.jsonl").checksums)
+    again = carry_out(tmp_path / "run").trials
+    assert again.equals(first)
+    # One line brings two trials back, one withdraws those of the edit, one says what the session began under; two are clocked.
+    assert len(read_written(tmp_path / "run" / "journal.jsonl").checksums) <= lines + 5
+    unmixed(tmp_path / "run")
+    ledger.survived(FAMILY, "an edit made and taken back", "unmarked rows 0, run anew 0")
+
+
+def test_another_version_of_an_engine_runs_its_trials_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    carry_out(tmp_path / "run")
+    monkeypatch.setattr(campaign, "version_of", lambda _engine: ("2.0", None))
+    carry_out(tmp_path / "run")
+    assert "runs anew 2: sound: version 1.0 -> 2.0" in capsys.readouterr().err
+    unmixed(tmp_path / "run")
+    assert set(Store(tmp_path / "run").trials["engine_version"]) == {"2.0"}
+    ledger.survived(FAMILY, "another engine version", "unmarked rows 0")
+
+
+def test_other_numeric_libraries_run_trials_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    carry_out(tmp_path / "run")
+    monkeypatch.setattr(sources, "libraries", lambda: "numpy 9.9")
+    clear()
+    carry_out(tmp_path / "run")
+    assert "-> numpy 9.9" in capsys.readouterr().err
+    unmixed(tmp_path / "run")
+    ledger.survived(FAMILY, "other numeric libraries", "unmarked rows 0")
+
+
+def test_another_machine_clocks_anew_and_answers_nothing_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    first = carry_out(tmp_path / "run").trials
+    plain = campaign.fingerprint
+    monkeypatch.setattr(campaign, "fingerprint", lambda: plain() | OTHER_MACHINE)
+    second = carry_out(tmp_path / "run").trials
+    said = capsys.readouterr().err
+    assert "clocks anew 2: clocked on another machine (processor " in said
+    assert "-> another, cores " in said
+    assert list(second["trial"]) == list(first["trial"])
+    assert set(first["clocked_on"]) != set(second["clocked_on"])
+    unmixed(tmp_path / "run")
+    ledger.survived(FAMILY, "another machine", "unmarked timings 0, run anew 0")
+
+
+@pytest.mark.parametrize(
+    ("other", "where"),
+    [
+        (replace(STUDY, name="other"), "name"),
+        (replace(STUDY, experiments=(replace(STUDY.experiments[0], dt=(0.1,)),)), r"experiments\[0\].dt\[0\]"),
+        (replace(STUDY, experiments=(replace(STUDY.experiments[0], tracks=("tuned",)),)), r"experiments\[0\].tracks"),
+    ],
+    ids=["name", "dt", "tracks"],
+)
+def test_another_study_is_refused_and_merged_where_that_is_asked(other: Any, where: str, tmp_path: Path, ledger: Page) -> None:
+    folder = tmp_path / "run"
+    carry_out(folder)
+    before = (folder / "journal.jsonl").read_bytes()
+    with pytest.raises(FolderTaken, match=f"a run of study 'light', which differs in {where}.*--resume=merge"):
+        carry_out(folder, other)
+    assert (folder / "journal.jsonl").read_bytes() == before
+    assert [*problems(folder)] == []
+    merged = carry_out(folder, other, resume="merge").trials
+    assert len(merged) == (4 if where != r"experiments\[0\].tracks" else 2)
+    assert [*problems(folder)] == []
+    carry_out(folder)
+    carry_out(folder, other)
+    assert len(Store(folder).trials) == len(merged)
+    ledger.survived(
+        FAMILY, f"another study (its {where.rpartition('.')[2].partition(chr(92))[0]})", "refused; merged on request"
+    )
+
+
+def test_an_engine_that_is_gone_and_comes_back_keeps_its_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
+) -> None:
+    first = carry_out(tmp_path / "run").trials
+    with monkeypatch.context() as patch:
+        patch.setattr(campaign, "version_of", lambda _engine: ("none", "not installed"))
+        plain = campaign.describe_engine
+        patch.setattr(campaign, "describe_engine", lambda engine: plain(engine) | {"unavailable": "not installed"})
+        gone = carry_out(tmp_path / "run").trials
+        assert set(gone["status"]) == {"unavailable"}
+        assert len(gone) == 2
+    again = carry_out(tmp_path / "run").trials
+    assert list(again["trajectory_hash"]) == list(first["trajectory_hash"])
+    unmixed(tmp_path / "run")
+    ledger.survived(FAMILY, "an engine that is gone, and back", "unmarked rows 0, run anew 0")
+
+
+def test_a_folder_of_the_first_schema_is_read_and_run_anew(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    folder = tmp_path / "run"
+    shutil.copytree(Path(__file__).parent / "schema_1", folder)
+    store = Store(folder)
+    (row,) = store.trials.to_dict(orient="records")
+    assert (row["status"], row["sources"], row["clocked_on"]) == ("passed", "{}", "")
+    assert store.trajectory(row["trajectory_hash"])["p_WB"].shape == (6, 1, 3)
+    assert store.notes == ()
+    with pytest.raises(FolderTaken, match="a run of study 'old'"):
+        carry_out(folder)
+    old = replace(
+        STUDY,
+        name="old",
+        experiments=(
+            replace(
+                STUDY.experiments[0], name="old", engines=("*",), tracks=("tuned",), dt=(0.1,), samples=1, sample_seconds=0.001
+            ),
+        ),
+    )
+    carry_out(folder, old)
+    assert "runs anew 1: an earlier version of plumbline, which did not say what an answer rests on" in capsys.readouterr().err
+    unmixed(folder, trials=1)
+    ledger.survived(FAMILY, "a folder of the first schema", "read; unmarked rows 0")
+
+
+def test_records_beside_what_is_asked_now_stay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    carry_out(tmp_path / "run")
+    study = replace(STUDY, experiments=(replace(STUDY.experiments[0], cases=("*",), engines=("*",)),))
+    fall = {"stress_fall": discover.case("stress_fall")}
+    for name in ("sound", "raise"):
+        engines = {name: discover.adapter(name)}
+        campaign.carry_out(study, tmp_path / "two", fall, engines, workers=1, resume=True)
+    assert "keeps 2 of 2 trials, 2 of them beside what is asked now (sound 1.0)" in capsys.readouterr().err
+    assert len(Store(tmp_path / "two").trials) == 4
+
+
+def test_the_command_line_says_what_it_keeps_and_what_it_runs_anew(
+    tmp_path: Path, with_plugins: Mapping[str, str], plumbline: Command
+) -> None:
+    """For real: the plug-in's file is edited between two runs."""
+    shutil.copytree(PLUGINS, tmp_path / "plugins")
+    study, out = write_study(tmp_path), tmp_path / "out"
+    paths = os.pathsep.join((str(tmp_path / "plugins"), with_plugins.get("PYTHONPATH", "")))
+
+    def run(*more: str) -> "subprocess.CompletedProcess[str]":
+        command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", "sound", "--out", out, *more]
+        environment = dict(with_plugins) | {"PYTHONPATH": paths}
+        return subprocess.run([*map(str, command)], env=environment, capture_output=True, text=True, timeout=280, check=False)
+
+    assert run().returncode == 0
+    with (tmp_path / "plugins" / "faulty.py").open("a") as file:
+        file.write("\n# another line\n")
+    done = run("--resume")
+    assert done.returncode == 0, done.stderr
+    assert f"{out}: runs anew 20: the adapter's source changed: faulty.py" in done.stderr
+    assert len(Store(out).trials) == 20
+    assert plumbline("verify", out).returncode == 0

@@ -21,6 +21,7 @@ from engine.kernel_cache import read_checked, write_checked
 
 __all__ = [
     "INTERNALS",
+    "checked_files",
     "compiled_under",
     "entry_options",
     "entry_point",
@@ -50,9 +51,7 @@ INTERNALS: dict[str, tuple[str, ...]] = {
         *("codegen", "finalize", "enable_object_caching", "get_pointer_to_function", "_raise_if_finalized"),
         *("_finalize_dynamic_globals", "_get_module_for_linking", "_optimize_final_module"),
     ),
-    "numba.core.caching.IndexDataCacheFile": (
-        *("_data_path", "_index_path", "_load_data", "_load_index", "_open_for_write", "_source_stamp", "_version"),
-    ),
+    "numba.core.caching.IndexDataCacheFile": ("_data_path", "_load_data", "_load_index", "_open_for_write"),
     "numba.core.environment": ("lookup_environment",),
     "numba.core.runtime.nrt.rtsys": ("initialize",),
     "numba.core.types": ("FunctionType",),
@@ -62,6 +61,7 @@ INTERNALS: dict[str, tuple[str, ...]] = {
     "the type of a function": ("ftype",),
     "a compiled function": ("compile", "get_call_template", "get_compile_result", "_cache"),
     "its cache": ("load_overload", "_cache_file", "_guard_against_spurious_io_errors", "_load_overload"),
+    "the files of its cache": ("_index_path", "_source_stamp", "_version"),
     "what its compiler made": ("fndesc", "library", "signature"),
     "its description": ("llvm_cfunc_wrapper_name",),
     "its library": ("_codegen", "_final_module", "_finalized", "_linking_libraries", "_reload_init"),
@@ -304,7 +304,7 @@ def loaded_lightly(function: Function) -> Function:
 
     from numba.core.runtime.nrt import rtsys
 
-    cache._cache_file.__class__ = _checked_files()
+    cache._cache_file.__class__ = checked_files()
     runtime: Any = rtsys
 
     def load(signature: Any, context: Any) -> Any:
@@ -317,7 +317,7 @@ def loaded_lightly(function: Function) -> Function:
 
 
 @cache
-def _checked_files() -> type:
+def checked_files() -> type:
     """Numba's index and data files, each with a digest: what was damaged is compiled anew, never run."""
     from numba.core.caching import IndexDataCacheFile
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import engine
-from engine import kernel_cache
+from engine import compilers
 
 pytestmark = pytest.mark.compiler
 
@@ -104,14 +104,14 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
 
 def _stored(folder: Path) -> Any:
     """Numba's index and data files as the engine keeps them, with one entry."""
-    files: Any = kernel_cache._checked_files()(str(folder), "step", ("stamp", 1))
+    files: Any = compilers.checked_files()(str(folder), "step", ("stamp", 1))
     files.save("key", {"code": b"machine code" * 50})
     return files
 
 
 def test_stored_code_comes_back_and_that_of_an_older_source_does_not(tmp_path: Path) -> None:
     assert _stored(tmp_path).load("key") == {"code": b"machine code" * 50}
-    assert kernel_cache._checked_files()(str(tmp_path), "step", ("stamp", 2)).load("key") is None
+    assert compilers.checked_files()(str(tmp_path), "step", ("stamp", 2)).load("key") is None
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".nbc", ".nbi"]
 
 

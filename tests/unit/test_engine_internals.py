@@ -28,7 +28,7 @@ PLAIN = {name for kind in (str, list, dict) for name in dir(kind)} | {
     *("NUMBA_NUM_THREADS", "config", "types", "unliteral", "none", "return_type", "args"),  # what Numba documents
     *("call", "inttoptr", "extract_value"),  # the builder of llvmlite, documented
     *("clone", "functions", "global_variables", "linkage", "link_in", "name", "preserve"),  # its modules, documented
-    *("__name__", "_asdict", "bound"),  # Python's own
+    *("__name__", "_asdict", "bound", "BytesIO", "getvalue", "load", "loads", "read"),  # Python's own
 }
 
 
@@ -65,6 +65,7 @@ def specimens(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "the type of a function": types.FunctionType(numba.float64(*signature)),
         "a compiled function": function,
         "its cache": function._cache,
+        "the files of its cache": function._cache._cache_file,
         "what its compiler made": made,
         "its description": made.fndesc,
         "its library": made.library,

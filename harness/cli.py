@@ -132,13 +132,14 @@ def cases(as_json: bool) -> None:
     from harness import discover
     from harness.catalogue import describe_case
 
-    rows = [describe_case(case) for case in discover.cases().values()]
+    found = discover.cases().values()
     for sentence in _left_out("cases"):
         _say(sentence, err=True)
     if as_json:
-        print_json(rows)
+        print_json([describe_case(case) for case in found])
         return
-    shown = [(r["name"], r["question"], r["truth"], ", ".join(r["effects"]), r["source"]) for r in rows]
+    effects = [", ".join(case.scene(**case.parameters).effects.names) for case in found]
+    shown = [(one.name, one.question, one.truth, acting, one.source) for one, acting in zip(found, effects, strict=True)]
     print_table("Cases", ("name", "question", "truth", "effects", "source"), shown)
 
 

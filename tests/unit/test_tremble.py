@@ -14,10 +14,11 @@ import pytest
 from cases import stand_humanoid
 from harness.adapter import Adapter, Diverged, Feature, Settings
 from harness.catalogue import describe_case
+from harness.disk import write_atomically
 from harness.journal import Journal
 from harness.run import run_trial
 from harness.scene import Revolute, Scene
-from harness.store import Store, write_atomically
+from harness.store import Store
 from harness.study import Study, load_study
 from harness.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
 from harness.trajectory import Contacts, State

@@ -29,7 +29,7 @@ from harness.front import near_front
 from harness.record import Record
 from harness.study import Trial
 
-__all__ = ["RUNS", "SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
+__all__ = ["RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
@@ -39,6 +39,9 @@ TELLING = 1.2
 Each was off by some 5 % between two runs, one of them under load, so the ratio of two by 7 %: nearly three times that."""
 PER_ROUND = 4
 """New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
+SCREENING = 2
+"""The rounds in which knobs are turned once, at the case's own step and where the engine errs least; the points that a study
+gives come after them, so that an engine with many knobs has as many left."""
 RUNS = 2
 """Runs that a search may take for each of its points: some settings give the answer of others."""
 LONGEST = 4.0
@@ -149,28 +152,29 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     last = max(trial.round for trial in group)
     base = _base(here, case)
     room = group[0].experiment.sweep - _others(group, records)
-    if room <= 0 or sum(trial.round > 0 for trial in group) >= RUNS * group[0].experiment.sweep:
+    if room <= 0 or sum(trial.round > SCREENING for trial in group) >= RUNS * group[0].experiment.sweep:
         return []
     knobs = adapter.knobs_in(group[0].scene(case))
     live = _live(group, records, here, knobs)
+    tried = [_key(trial.settings) for trial in group]
     wanted = list(_screening(base, knobs, adapter)) if last == 0 else []
     if last == 1 and (best := _most_accurate(here, case)) is not None:
         wanted = list(_screening(best, [knob for knob in knobs if live.get(knob, 1.0) < TELLING], adapter))
-    screens = bool(wanted)
+    screens = any(_key(settings) not in tried for _, settings in wanted)
     if not screens:
-        stays = last > 1 and not _moved(here, last)
+        stays = last > SCREENING and not _moved(here, last)
         wanted = list(_coarser_still(here, case)) if stays else []
         foremost = sorted(live, key=lambda knob: -live[knob])
         for layer in _layers(_apart(here)):
             wanted += _neighbours(layer, foremost, case, adapter)
-    tried = [_key(trial.settings) for trial in group]
     found: list[Trial] = []
-    limit = room if screens else min(room, PER_ROUND)
+    limit = len(wanted) if screens else min(room, PER_ROUND)
+    number = last + 1 if screens else max(last, SCREENING) + 1
     for origin, settings in wanted:
         if _key(settings) not in tried and len(found) < limit:
             tried.append(_key(settings))
             track = _label(origin, settings, adapter)
-            found.append(origin.probing(case, track=track, settings=settings, round=last + 1))
+            found.append(origin.probing(case, track=track, settings=settings, round=number))
     return found
 
 
@@ -286,10 +290,10 @@ def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, S
 
 
 def _others(group: Group, records: Mapping[str, Record]) -> int:
-    """How many answers were found beyond those of the design: what leaves every bit as it was is no other answer."""
+    """How many answers were found beyond those of design and screening: what leaves every bit as it was is no other answer."""
     answers = [(trial.round, records[trial.trial].trajectory_hash) for trial in group if trial.trial in records]
-    first = {answer for number, answer in answers if number == 0}
-    return len({answer for number, answer in answers if number} - first - {None})
+    first = {answer for number, answer in answers if number <= SCREENING}
+    return len({answer for number, answer in answers if number > SCREENING} - first - {None})
 
 
 def _apart(here: Sequence[Point]) -> list[Point]:

@@ -11,7 +11,7 @@ from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.knobs import Tried, swept, unequal
 
 BARE = "bare"
-SWEEP = 24
+SWEEP = 16
 """As many points beyond the ladder as the study of prices gives."""
 
 

@@ -13,7 +13,7 @@ from harness.metrics.position import POSITION_MAX
 from harness.record import Measurement, Record
 from harness.scene import Body, Scene
 from harness.study import Experiment, Study, Trial
-from harness.sweep import due_for_clock, next_trials, turned
+from harness.sweep import SCREENING, due_for_clock, next_trials, turned
 
 CASE = Case(
     name="flight_made",
@@ -137,6 +137,12 @@ def test_an_idle_knob_is_turned_twice_and_no_settings_twice() -> None:
     assert len(settings_of(trials)) == len(trials)
 
 
+def test_knobs_that_were_turned_where_the_engine_errs_least_do_not_end_the_search() -> None:
+    """There all knobs have been turned once where the case has one step alone: nothing is left to screen, all to explore."""
+    trials, _ = unfolded(20, case=replace(CASE, dt=1 / 240, ladder=(1 / 240,)))
+    assert max(trial.round for trial in trials) > SCREENING
+
+
 def test_a_knob_that_is_felt_at_fine_steps_alone_is_turned_on() -> None:
     """A slop, say: at the step that knobs are first turned at the error is larger than what it takes away."""
 
@@ -159,7 +165,8 @@ def test_it_ends_by_itself_and_within_its_number_of_points() -> None:
     free, _ = unfolded(sweep=10_000)
     assert 6 < len(free) < 200
     few, _ = unfolded(sweep=7)
-    assert len(few) == 6 + 7 + 2  # the colour, which means nothing, is not counted
+    assert [sum(trial.round == number for trial in few) for number in (0, 1, 2)] == [6, 3, 2]
+    assert sum(trial.round > SCREENING for trial in few) == 7
     none, _ = unfolded(sweep=0)
     assert len(none) == 6
 

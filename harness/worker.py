@@ -128,19 +128,28 @@ def answers(trial: Trial, folder: Path) -> Iterator[Record]:
 
     What a sweep goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
     """
+    allowed = _limits()
     try:
         case, adapter = discover.case(trial.case), discover.adapter(trial.engine)
         if adapter.compile_allowance > 0:
             _compile(trial, case, adapter)
         record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
-    except StoreError as error:  # ours, not the engine's
-        record = outcome(trial, "interrupted", str(error))
+    except StoreError as error:  # the machine's, unless the engine took from its process what writing needs
+        changed = [name for name, limit in _limits().items() if limit != allowed[name]]
+        said = f"no answer could be written after the engine changed {', '.join(changed)}: {error.__cause__ or error}"
+        record = outcome(trial, "crashed", said) if changed else outcome(trial, "interrupted", str(error))
     except Exception as error:
         status: Status = "oom" if isinstance(error, MemoryError) else "crashed"
         record = outcome(trial, status, _in_words(error), traceback.format_exc()[-4000:])
     yield record
     if roughly_clocked(trial, record):
         yield _with_rough_cost(record, trial, case, adapter)
+
+
+def _limits() -> dict[str, tuple[int, int]]:
+    """What this process may use of each resource, by the names of the operating system: the soft limit and the hard one."""
+    names = [name for name in dir(resource) if name.startswith("RLIMIT_")]
+    return {name: resource.getrlimit(getattr(resource, name)) for name in names}
 
 
 def _in_words(error: Exception) -> str:

@@ -433,7 +433,7 @@ FAULTS: tuple[Fault, ...] = (
         "step",
         doing(lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10, 10))),
         "crashed",
-        "",
+        "RLIMIT_FSIZE: ",
     ),
     Fault("surroundings", "a_thread_that_stays", "step", doing(_linger), "passed", "every check holds"),
     Fault("surroundings", "a_twin", "step", doing(_twin), "passed", "every check holds"),

@@ -230,7 +230,7 @@ def test_the_command_line_says_what_it_keeps_and_what_it_runs_anew(
     paths = os.pathsep.join((str(tmp_path / "plugins"), with_plugins.get("PYTHONPATH", "")))
 
     def run(*more: str) -> "subprocess.CompletedProcess[str]":
-        command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", "sound", "--out", out, *more]
+        command = [sys.executable, "-m", "harness", "run", study, "--engine", "sound", "--out", out, *more]
         environment = dict(with_plugins) | {"PYTHONPATH": paths}
         return subprocess.run([*map(str, command)], env=environment, capture_output=True, text=True, timeout=280, check=False)
 

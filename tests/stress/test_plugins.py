@@ -32,7 +32,7 @@ def call(tmp_path_factory: pytest.TempPathFactory) -> Call:
     environment = os.environ | {"PYTHONPATH": str(PLUGINS), "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache"))}
 
     def called(*arguments: object) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "harness.cli", *map(str, arguments)]
+        command = [sys.executable, "-m", "harness", *map(str, arguments)]
         return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=280, check=False)
 
     return called

@@ -4,13 +4,14 @@ import re
 from dataclasses import dataclass
 from http import HTTPStatus
 
+import h11
+
 __all__ = ["Refused", "Request", "read_head"]
 
 MOST_HEADERS = 64
 METHODS = ("GET", "HEAD")
+VERSIONS = (b"1.0", b"1.1")
 
-_FIRST = re.compile(r"([A-Za-z]{1,32}) ([!-~]+) HTTP/1\.[01]")
-_HEADER = re.compile(r"([!#$%&'*+.^_`|~0-9A-Za-z-]+):[ \t]*([\t -~\x80-\xff]*)")
 _HERE = re.compile(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", re.IGNORECASE)
 """The names of this machine; any port, since a tunnel may have another."""
 
@@ -37,20 +38,22 @@ def read_head(head: bytes) -> Request:
     Args: head: the first line and the headers, each ended by CR LF.
     Raises: Refused.
     """
-    first, *lines = head.decode("latin-1").removesuffix("\r\n\r\n").split("\r\n")
-    asked = _FIRST.fullmatch(first)
-    if asked is None:
+    reader = h11.Connection(h11.SERVER, max_incomplete_event_size=len(head))
+    reader.receive_data(head)
+    try:
+        asked = reader.next_event()
+    except h11.RemoteProtocolError as error:
+        raise Refused(HTTPStatus.BAD_REQUEST, f"expected a request of HTTP/1.1: {error}") from error
+    if not isinstance(asked, h11.Request) or asked.http_version not in VERSIONS:
         raise Refused(HTTPStatus.BAD_REQUEST, "expected a request of HTTP/1.1")
-    if asked[1] not in METHODS:
+    method, address = asked.method.decode("latin-1"), asked.target.decode("latin-1")
+    if method not in METHODS:
         raise Refused(HTTPStatus.METHOD_NOT_ALLOWED, f"expected {' or '.join(METHODS)}")
-    if len(lines) > MOST_HEADERS:
+    if len(asked.headers) > MOST_HEADERS:
         raise Refused(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, f"expected at most {MOST_HEADERS} headers")
     headers: dict[str, list[str]] = {}
-    for line in lines:
-        header = _HEADER.fullmatch(line)
-        if header is None:
-            raise Refused(HTTPStatus.BAD_REQUEST, "expected headers, each on a line")
-        headers.setdefault(header[1].lower(), []).append(header[2].strip())
+    for name, value in asked.headers:
+        headers.setdefault(name.decode("latin-1"), []).append(value.decode("latin-1"))
     hosts = headers.get("host", [])
     if len(hosts) != 1:
         raise Refused(HTTPStatus.BAD_REQUEST, f"{len(hosts)} headers 'Host', expected one")
@@ -59,6 +62,6 @@ def read_head(head: bytes) -> Request:
         raise Refused(HTTPStatus.FORBIDDEN, "expected the host 127.0.0.1")
     if "transfer-encoding" in headers or headers.get("content-length", ["0"]) != ["0"]:
         raise Refused(HTTPStatus.BAD_REQUEST, "expected a request without content")
-    if not asked[2].startswith("/"):
+    if not address.startswith("/"):
         raise Refused(HTTPStatus.BAD_REQUEST, "expected an address that begins with '/'")
-    return Request(re.split("[?#]", asked[2], maxsplit=1)[0], asked[1] == "GET")
+    return Request(re.split("[?#]", address, maxsplit=1)[0], method == "GET")

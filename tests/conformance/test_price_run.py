@@ -10,7 +10,7 @@ from harness import discover
 from harness.front import on_front
 from harness.prices import Prices
 from harness.store import Store
-from harness.sweep import SMALLEST, TELLING
+from harness.sweep import SCREENING, SMALLEST, TELLING
 from tests.conftest import Command
 
 STUDY = """
@@ -39,7 +39,7 @@ def folder(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 
 def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> None:
-    """Two tracks at six steps, up to ten more for each engine, named by what was turned, and knobs that mean nothing here."""
+    """Two tracks at six steps, each knob turned, and up to ten more for each engine, named by what was turned."""
     trials = Store(folder).trials
     for engine in ("mujoco", "reference"):
         mine = trials[trials["engine"] == engine]
@@ -47,8 +47,9 @@ def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> Non
         hashes = mine["trajectory_hash"]
         idle = (mine["round"] == 1) & (hashes.isna() | (hashes == own["trajectory_hash"].iloc[0]))
         assert idle.any()
-        # Settings that leave every bit as it was are no others: two tracks at six steps, and ten answers beyond at most.
-        answers = set(hashes[mine["round"] > 0].dropna()) - set(hashes[mine["round"] == 0])
+        # Settings that leave every bit as it was are no others: two tracks at six steps, each knob turned, and ten answers
+        # beyond at most.
+        answers = set(hashes[mine["round"] > SCREENING].dropna()) - set(hashes[mine["round"] <= SCREENING])
         assert 0 < len(answers) <= 10
         words = set(mine["track"])
         assert {"default", "tuned"} < words
@@ -62,7 +63,7 @@ def test_fronts_are_clocked_and_every_point_stays_visible(folder: Path) -> None:
     assert {point.clocked for point in points} == {True, False}
     for engine in ("mujoco", "reference"):
         mine = [point for point in points if point.engine == engine]
-        rough = dict(zip(Store(folder).trials["trial"], Store(folder).trials["rough_cost"], strict=True))
+        rough = dict(zip(Store(folder).trials["trial"], Store(folder).trials["rough_ratio"], strict=True))
         flags = on_front([max(point.error, SMALLEST) for point in mine], [rough[point.trial] for point in mine])
         ends = [point for point, on in zip(mine, flags, strict=True) if on]
         best = min(ends, key=lambda point: point.error)

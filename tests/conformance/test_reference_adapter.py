@@ -111,7 +111,8 @@ def test_tuned_contacts_are_exact_where_few_bodies_of_unlike_masses_have_weight(
     stage, solver = UNLIKE[scene]
     used = ADAPTER.build(stage, TUNED).resolved
     assert used.solver == solver
-    assert (used.substeps, used.iterations) == ((1, None) if solver == "exact" else (8, 2))
+    substeps = 1 if solver == "exact" or scene == "that never touch" else 8  # without contacts RK4 takes a step whole
+    assert (used.substeps, used.iterations) == (substeps, None if solver == "exact" else 2)
     assert ADAPTER.build(stage, used).resolved == used
 
 

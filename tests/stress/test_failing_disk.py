@@ -201,9 +201,8 @@ def test_an_answer_that_cannot_be_kept_is_no_crash_of_its_engine(
         plain(path, content)
 
     def isolated(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
-        monkeypatch.setattr(worker, "confine", lambda _memory, _log: None)
         for trial in trials:
-            yield from worker.isolated_trial(trial, folder, folder / "log")
+            yield from worker.answers(trial, folder)
 
     folder = tmp_path / "run"
     with monkeypatch.context() as patch:

@@ -144,7 +144,7 @@ RAW = {
     "our host with a port that is none": (FIRST + b"Host: 127.0.0.1:evil.example\r\n\r\n", 403),
     "our host with a user before": (FIRST + b"Host: localhost@evil.example\r\n\r\n", 403),
     "another address of this machine": (FIRST + b"Host: 0.0.0.0\r\n\r\n", 403),
-    "a host folded over two lines": (FIRST + b"Host: 127.0.0.1\r\n .evil.example\r\n\r\n", 400),
+    "a host folded over two lines": (FIRST + b"Host: 127.0.0.1\r\n .evil.example\r\n\r\n", 403),
     "a space before the colon": (FIRST + b"Host : 127.0.0.1\r\n\r\n", 400),
     "a whole address": (b"GET http://evil.example/ HTTP/1.1\r\n" + HOST + b"\r\n", 400),
     "a tunnel": (b"CONNECT evil.example:80 HTTP/1.1\r\n" + HOST + b"\r\n", 405),

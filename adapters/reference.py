@@ -246,7 +246,8 @@ def _resolved(settings: Settings, used: "engine.Options", world: "engine.World")
     filled = {name: getattr(used, name) for name in OPTIONS if soft or name not in SOFT}
     filled["broad_phase"] = world.broad_phase
     if soft:
-        filled["contact_hertz"] = min(used.stiffest_hertz, used.contact_hertz or used.stiffest_hertz)
+        stiffest = replace(used, substeps=world.substeps).stiffest_hertz
+        filled["contact_hertz"] = min(stiffest, used.contact_hertz or stiffest)
     filled["step_tolerance"] = used.used_step_tolerance
     if soft and not used.sleeping:
         del filled["sleep_speed"], filled["sleep_time"]

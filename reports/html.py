@@ -5,29 +5,19 @@ import re
 import shutil
 import sys
 from collections.abc import Collection, Mapping
-from functools import cache
 from pathlib import Path
 
 from harness.disk import put_in_place
 from harness.safe_text import LONGEST, one_line
 from harness.store import Store
-from reports.figure import VEGA_LITE
 from reports.page import Page, asked, failed, pages
 from reports.policy import guarded
+from reports.vega import vega_bundle
 
 __all__ = ["write_report"]
 
 ASSETS = ("report.css", "report.js", "vega-licences.txt")
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js)")
-
-
-@cache
-def vega_bundle() -> str:
-    """Vega, Vega-Lite and the embedding, in one script without imports."""
-    import vl_convert  # late: it brings a JavaScript engine
-
-    title = "/* Vega, Vega-Lite, Vega-Embed and what they are made of: see vega-licences.txt beside this file */\n"
-    return title + str(vl_convert.javascript_bundle("window.vegaEmbed = vegaEmbed;", vl_version=VEGA_LITE))
 
 
 def rendered(store: Store) -> Mapping[str, str]:

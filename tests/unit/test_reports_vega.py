@@ -1,5 +1,6 @@
 """The script of the charts is made once, and what was kept is believed only where it is what was made."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ from reports import vega
 
 
 @pytest.fixture
-def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     """How often the script was made, with a cache of its own."""
     calls: list[str] = []
     monkeypatch.setattr("platformdirs.user_cache_dir", lambda _name: str(tmp_path / "cache"))
@@ -18,7 +19,8 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return "chart();\r\n"
 
     monkeypatch.setattr(vega, "_made", make)
-    return calls
+    yield calls
+    vega.vega_bundle.cache_clear()
 
 
 def bundle() -> str:

@@ -214,14 +214,19 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...]) -> "tuple[Stu
     _once("--case", globs)
     for sentence in _left_out("cases", "metrics", "pages"):
         _say(sentence, err=True)
-    call_roll(study, discover.names("cases"), discover.names("adapters"))
-    found = discover.cases()
+    names = discover.names("cases")
+    call_roll(study, names, discover.names("adapters"))
     for glob in globs:
-        if not any(fnmatchcase(case, glob) for case in found):
+        if not any(fnmatchcase(case, glob) for case in names):
             raise click.BadParameter(
-                f"{quoted(glob)} names no case, expected a pattern over: {', '.join(found)}", param_hint="--case"
+                f"{quoted(glob)} names no case, expected a pattern over: {', '.join(names)}", param_hint="--case"
             )
-    return study, {n: c for n, c in found.items() if not globs or any(fnmatchcase(n, glob) for glob in globs)}
+
+    def asked(case: str) -> bool:
+        called = any(experiment.asks(case) for experiment in study.experiments)
+        return called and (not globs or any(fnmatchcase(case, glob) for glob in globs))
+
+    return study, discover.cases(asked)
 
 
 def _of_file(study: str, error: Exception) -> str:

@@ -7,7 +7,7 @@ a metric is left out.
 
 import importlib
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -146,10 +146,10 @@ def adapters() -> dict[str, Adapter]:
     return {name: adapter(name) for name in names("adapters")}
 
 
-def cases() -> dict[str, Case]:
-    """All cases by name, but for those that are left out."""
+def cases(wanted: Callable[[str], bool] = lambda _name: True) -> dict[str, Case]:
+    """The cases whose name is wanted, by name, but for those that are left out; no other is imported."""
     lost = left_out("cases")
-    return {name: case(name) for name in names("cases") if name not in lost}
+    return {name: case(name) for name in names("cases") if wanted(name) and name not in lost}
 
 
 def left_out(kind: str) -> dict[str, str]:

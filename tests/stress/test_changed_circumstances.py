@@ -221,6 +221,7 @@ def test_records_beside_what_is_asked_now_stay(tmp_path: Path, capsys: pytest.Ca
     assert len(Store(tmp_path / "two").trials) == 4
 
 
+@pytest.mark.slow
 def test_the_command_line_says_what_it_keeps_and_what_it_runs_anew(
     tmp_path: Path, with_plugins: Mapping[str, str], plumbline: Command
 ) -> None:

@@ -14,6 +14,8 @@ from harness.store import Store
 from tests.conftest import Command
 from tests.stress.ledger import Page
 
+pytestmark = pytest.mark.slow  # `test_planted.py` has a fault of each of these families in `make test`
+
 STUDY = """
 name = "faults"
 recordings = false

@@ -70,9 +70,8 @@ def busy(server: psutil.Process) -> bool:
 SLOW = pytest.mark.slow
 
 
-@pytest.mark.parametrize(
-    "kind", ["plain", pytest.param("loaded", marks=SLOW), pytest.param("apart", marks=SLOW), pytest.param("clock", marks=SLOW)]
-)
+@SLOW
+@pytest.mark.parametrize("kind", MARK)
 def test_a_fork_server_that_is_killed_at_work_costs_no_cell(
     kind: str, tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page
 ) -> None:

@@ -80,6 +80,7 @@ def kill_and_resume(folder: Path, instant: float, environment: Mapping[str, str]
     return answers(out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("instant", [0.4, 0.9, 1.3, 1.7])
 def test_a_killed_run_that_is_resumed_has_every_cell_exactly_once(
     instant: float, tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str], ledger: Page
@@ -100,8 +101,15 @@ def test_two_hundred_random_kills_lose_and_double_nothing(
         assert kill_and_resume(folder, shuffle.uniform(0.1, 2.5), with_plugins) == undisturbed
 
 
-@pytest.mark.parametrize("ignored", [False, True], ids=["in front", "in the background"])
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("by", "ignored"),
+    [
+        pytest.param(signal.SIGINT, False, marks=pytest.mark.slow),
+        (signal.SIGINT, True),
+        pytest.param(signal.SIGTERM, False, marks=pytest.mark.slow),
+        pytest.param(signal.SIGTERM, True, marks=pytest.mark.slow),
+    ],
+)
 def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
     tmp_path: Path, with_plugins: Mapping[str, str], ignored: bool, by: signal.Signals, ledger: Page
 ) -> None:
@@ -128,6 +136,7 @@ def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
     ledger.survived("interruption", f"{by.name} {where}", f"orphans 0 of {len(children)}")
 
 
+@pytest.mark.slow
 def test_resuming_a_finished_run_does_nothing(tmp_path: Path, with_plugins: Mapping[str, str]) -> None:
     study, out = write_study(tmp_path, timing="true"), tmp_path / "out"
     process = start(study, out, with_plugins)
@@ -140,6 +149,7 @@ def test_resuming_a_finished_run_does_nothing(tmp_path: Path, with_plugins: Mapp
     assert (out / "journal.jsonl").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_second_run_in_the_same_folder_is_refused(tmp_path: Path, plumbline: Command) -> None:
     study = write_study(tmp_path)
     assert plumbline("run", study, "--engine", "sound", "--out", tmp_path / "out", plugins=True).returncode == 0

@@ -86,6 +86,7 @@ def test_listings_say_why_an_engine_is_unavailable_and_list_the_others(call: Cal
     assert "\x1b" not in call("engines").stdout
 
 
+@pytest.mark.slow
 def test_cases_are_listed_without_one_that_cannot_be_loaded_which_is_named(call: Call) -> None:
     done = call("cases", "--json")
     assert done.returncode == 0, done.stderr
@@ -95,12 +96,14 @@ def test_cases_are_listed_without_one_that_cannot_be_loaded_which_is_named(call:
     assert "case 'leaves_case' is left out" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_run_has_the_cells_of_all_engines_that_were_asked_for(folder: Path) -> None:
     told = Store(folder).trials.set_index("engine")
     assert told["status"].to_dict() == {"leaves": "unavailable", "reference": "passed", "well": "unsupported"}
     assert REASONS["leaves"] in told.loc["leaves", "reason"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "reason"),
     [
@@ -116,6 +119,7 @@ def test_a_page_that_fails_says_so_in_its_place(folder: Path, name: str, reason:
     ledger.survived("plug-ins: pages", name.replace("_", " "), "other pages lost 0")
 
 
+@pytest.mark.slow
 def test_the_other_pages_stand(folder: Path) -> None:
     report = folder / "report"
     assert (report / "good.html").read_text().endswith('">good')  # behind the policy that every page is given

@@ -16,7 +16,8 @@ from tests.stress.ledger import Page
 from tests.stress.test_interruption import CELLS, answers, start, write_study
 
 
-@pytest.mark.parametrize("number", [2, pytest.param(8, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [2, 8])
 def test_of_runs_that_start_in_one_folder_together_one_runs(
     number: int, tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page
 ) -> None:
@@ -34,6 +35,7 @@ def test_of_runs_that_start_in_one_folder_together_one_runs(
     ledger.survived("surroundings", f"{number} runs in one folder", f"cells lost 0, doubled 0 of {CELLS}")
 
 
+@pytest.mark.slow
 def test_a_lock_of_a_dead_holder_does_not_hold(tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page) -> None:
     study, out = write_study(tmp_path), tmp_path / "out"
     out.mkdir()
@@ -46,7 +48,9 @@ def test_a_lock_of_a_dead_holder_does_not_hold(tmp_path: Path, with_plugins: Map
     ledger.survived("surroundings", "the lock of a dead run", "cells lost 0")
 
 
-@pytest.mark.parametrize("room", [300, 3000, 30_000])
+@pytest.mark.parametrize(
+    "room", [pytest.param(300, marks=pytest.mark.slow), 3000, pytest.param(30_000, marks=pytest.mark.slow)]
+)
 def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
     room: int, tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page
 ) -> None:
@@ -88,6 +92,7 @@ def test_a_folder_that_is_none_is_refused_before_work(what: str, tmp_path: Path,
     ledger.survived("surroundings", f"--out is {what}", f"exit {done.returncode}, nothing written")
 
 
+@pytest.mark.slow
 def test_a_clock_that_steps_back_makes_no_time_negative(tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page) -> None:
     """The wall clock of every process loses an hour at each look."""
     (tmp_path / "sitecustomize.py").write_text(

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.stress.ledger import Ledger, Page
+from tests.stress.ledger import PROPERTY, Page
 
-LEDGER = pytest.StashKey[Ledger]()
 PAGE = pytest.StashKey[Page]()
 
 
@@ -22,19 +21,12 @@ def ledger(request: pytest.FixtureRequest) -> Page:
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Send what a test told along with its report, which reaches the process that prints."""
     report = yield
     told = "ledger" in getattr(item, "fixturenames", ())
     if told and not report.skipped and (report.failed or report.when == "teardown"):
         failure = str(call.excinfo.value).strip().partition("\n")[0] if call.excinfo else ""
         page = item.stash.setdefault(PAGE, Page())
         test = (Path(item.path).stem.removeprefix("test_"), item.name)
-        item.config.stash.setdefault(LEDGER, Ledger()).close(page.faults, test, failure or "failed" * report.failed)
+        report.user_properties.append((PROPERTY, [page.faults, test, failure or "failed" * report.failed]))
     return report
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    found = config.stash.get(LEDGER, Ledger())
-    if len(found):
-        terminalreporter.section("planted faults")
-        for line in found.lines():
-            terminalreporter.line(line)

@@ -3,17 +3,31 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-__all__ = ["Ledger", "Page"]
+import pytest
+
+__all__ = ["PROPERTY", "Ledger", "Page"]
 
 Name = tuple[str, str]
 """The family of a fault and the fault."""
+PROPERTY = "planted faults"
+"""The name under which the report of a test brings what it told, also out of another process."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Take part in a run of the tests."""
+    config.pluginmanager.register(Ledger(), PROPERTY)
+
+
+def _name(words: Sequence[str]) -> Name:
+    family, fault = words
+    return family, fault
 
 
 def _line(text: str) -> str:
     return "".join(sign if sign.isprintable() else "?" for sign in text[:120])
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Ledger:
     """All faults of a run of the tests by family and name, each counted once, however many tests tell of it.
 
@@ -22,6 +36,20 @@ class Ledger:
 
     figures: dict[Name, str] = field(default_factory=dict)
     lost: dict[Name, str] = field(default_factory=dict)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Take what the report of a test brings."""
+        for name, told in report.user_properties:
+            if name == PROPERTY and isinstance(told, list):
+                faults, test, failure = told
+                self.close([(_name(fault), figure) for fault, figure in faults], _name(test), failure)
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Print all lines."""
+        if len(self):
+            terminalreporter.section(PROPERTY)
+            for line in self.lines():
+                terminalreporter.line(line)
 
     def close(self, faults: Sequence[tuple[Name, str]], test: Name, failure: str) -> None:
         """Enter what one test told, with its failure, or '' where it passed.

@@ -4,7 +4,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 HERE = Path(__file__).parent
+QUIET = ("-q", "-p", "no:cacheprovider", "-p", "tests.stress.ledger")
 TESTS = """
 import pytest
 
@@ -46,11 +49,25 @@ EXPECTED = [
 ]
 
 
-def test_every_fault_has_one_line_and_none_is_survived_whose_test_failed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["in this process", "in two others"])
+def test_every_fault_has_one_line_and_none_is_survived_whose_test_failed(more: list[str], tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text((HERE / "conftest.py").read_text())
     (tmp_path / "test_planted.py").write_text(TESTS)
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", tmp_path, tmp_path],
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            "-p",
+            "tests.stress.ledger",
+            *more,
+            "--rootdir",
+            tmp_path,
+            tmp_path,
+        ],
         cwd=HERE.parents[1],
         capture_output=True,
         text=True,

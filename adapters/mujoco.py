@@ -66,7 +66,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Emulation, Feature, Settings, SettingsError, Unavailable, Unsupported
-from harness.boundary import check_rays, check_state, check_targets, check_wrench
+from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
     WORLD,
     Ball,

@@ -51,8 +51,8 @@ from typing import TYPE_CHECKING, Any, assert_never, cast
 import numpy as np
 
 from harness.adapter import Adapter, Advantage, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
-from harness.batch import Batch
-from harness.boundary import check_rays, check_state, check_targets, check_wrench
+from harness.adapter.many_worlds import Batch
+from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import (
     WORLD,
     Ball,

@@ -6,7 +6,7 @@ v_f = (5 v0 + 2 r w0)/7 for a solid sphere, negative where the backspin wins.
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX

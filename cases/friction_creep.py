@@ -3,8 +3,8 @@
 import math
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_obey_coulomb
-from harness.checks.rest import GIVE
+from harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from harness.case.shared_checks.rest import GIVE
 from harness.metrics.creep import CREEP_SPEED
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.jitter import RMS_SPEED

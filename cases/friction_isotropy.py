@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.isotropy import HEADING_ERROR, POLAR_SPREAD
 from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia

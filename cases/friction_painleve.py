@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from harness.case import Axis, Case, Check, Converged
-from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_GAIN
 from harness.metrics.impulse import IMPULSE_MAX

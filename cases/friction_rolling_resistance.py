@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_obey_coulomb
+from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX

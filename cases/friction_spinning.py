@@ -8,8 +8,8 @@ has feet and no face, so that no engine's choice of contact points decides.
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_obey_coulomb
-from harness.checks.rest import GIVE
+from harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from harness.case.shared_checks.rest import GIVE
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL, ANGULAR_VELOCITY_MAX
 from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE

@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_obey_coulomb
-from harness.checks.rest import GIVE
+from harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from harness.case.shared_checks.rest import GIVE
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.metrics.velocity import VELOCITY_MAX

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.checks.rest import GIVE
+from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from harness.case.shared_checks.rest import GIVE
 from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_obey_coulomb
+from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.metrics.creep import CREEP_SPEED
 from harness.metrics.threshold import INCLINE_ACCELERATION_ERROR, THRESHOLD_ANGLE_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate

@@ -6,7 +6,7 @@ v' = k/(1 + k) W z x v for a ball with I = k m r^2 that rolls on a table turning
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_obey_coulomb
+from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.metrics.radius import RADIUS_MAX

@@ -7,7 +7,7 @@ towards the wall.
 from collections.abc import Sequence
 
 from harness.case import Axis, Case, Check
-from harness.checks.contact_laws import forces_obey_coulomb
+from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.metrics.creep import CREEP_SPEED
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX

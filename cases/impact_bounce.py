@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_keep_momentum
-from harness.checks.impact import SPRING_STEPS
+from harness.case.shared_checks.contact_laws import forces_keep_momentum
+from harness.case.shared_checks.impact import SPRING_STEPS
 from harness.metrics.restitution import (
     BOUNCE_GAIN,
     BOUNCE_HEIGHT_ERROR,

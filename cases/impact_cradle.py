@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import SOLVED
+from harness.case.shared_checks.contact_laws import SOLVED
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_FINAL, ENERGY_GAIN
 from harness.metrics.momentum import MOMENTUM_MAX

@@ -7,7 +7,7 @@ contacts can touch the angular momentum: impulses with unequal arms, or bodies t
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.checks.contact_laws import forces_keep_momentum
+from harness.case.shared_checks.contact_laws import forces_keep_momentum
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_GAIN
 from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP

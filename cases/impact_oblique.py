@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.contact_laws import forces_keep_momentum
-from harness.checks.impact import SPRING_STEPS
+from harness.case.shared_checks.contact_laws import forces_keep_momentum
+from harness.case.shared_checks.impact import SPRING_STEPS
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL

@@ -10,8 +10,8 @@ from itertools import product
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.checks.contact_laws import SOLVED, forces_keep_momentum
-from harness.checks.impact import SPRING_STEPS
+from harness.case.shared_checks.contact_laws import SOLVED, forces_keep_momentum
+from harness.case.shared_checks.impact import SPRING_STEPS
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.momentum import MOMENTUM_MAX

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import ellipj, ellipk
 
 from harness.case import Case, Check
-from harness.checks.rest import GIVE
+from harness.case.shared_checks.rest import GIVE
 from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED

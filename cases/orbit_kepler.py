@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from harness.case import Case, Check
-from harness.control import Control
+from harness.case.forces import Control
 from harness.metric import Metric
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.orbit import ORBIT_ENERGY_FINAL, ORBIT_ENERGY_MAX, ORBIT_ENERGY_STAGGERED

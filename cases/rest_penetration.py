@@ -1,7 +1,7 @@
 """One body on the ground: how deep does it sink in, and does the ground bear its weight?"""
 
 from harness.case import Case, Check
-from harness.checks.rest import GIVE, bears, settled_speed, supported
+from harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
 from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION, REPORTED_PENETRATION

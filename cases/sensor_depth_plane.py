@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.kinematics import rotate, rotate_back
 from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.silhouette import SILHOUETTE_IOU
@@ -13,6 +12,7 @@ from harness.scene import Body, DepthCamera, PlacedShape, Plane, Scene, axis_ang
 from harness.sensors.pinhole import intrinsics, pixel_centres
 from harness.sensors.true_frames import stamps_up_to
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate, rotate_back
 
 DURATION, RATE = 0.2, 10.0
 TILT, SPEED = 0.6, 1.5

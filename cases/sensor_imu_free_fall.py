@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.kinematics import rotate_back
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
 from harness.scene import EARTH_GRAVITY, Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 G = -EARTH_GRAVITY[2]
 DURATION, RATE, SPIN, SPEED = 2.0, 60.0, 2.0, 5.0

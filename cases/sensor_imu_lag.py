@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.control import Control
-from harness.kinematics import rotate_back
+from harness.case.forces import Control
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG
 from harness.metrics.stream_stamps import STAMP_ERROR
 from harness.scene import Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 DURATION, RATE, LATENCY = 3.0, 60.0, 0.025
 FREQUENCY = 1.5

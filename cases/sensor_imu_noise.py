@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 
 from harness.case import Case, Check
-from harness.kinematics import rotate_back
 from harness.metrics.allan import ACCELEROMETER_SCORE, GYROSCOPE_SCORE, SLOPES, Channel, Regime, slope_bound
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
@@ -14,6 +13,7 @@ from harness.metrics.noise_bias import BIAS_SCORE
 from harness.metrics.noise_independence import INDEPENDENCE_SCORE
 from harness.scene import AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 DURATION = 200.0
 RATE = 120.0

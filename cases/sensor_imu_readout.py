@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.control import Control
-from harness.kinematics import rotate_back
+from harness.case.forces import Control
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.imu_readout import READOUT_ERROR
 from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
@@ -23,6 +22,7 @@ from harness.scene import (
     sphere_inertia,
 )
 from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 G = -EARTH_GRAVITY[2]
 DURATION, RATE = 2.0, 60.0

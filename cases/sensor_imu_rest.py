@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.kinematics import rotate_back
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
 from harness.metrics.stream_stamps import STAMP_ERROR
@@ -22,6 +21,7 @@ from harness.scene import (
     box_inertia,
 )
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 G = -EARTH_GRAVITY[2]
 DURATION, SETTLED, RATE = 3.0, 2.0, 60.0

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.kinematics import product, rotate
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.range_error import FALSE_RETURNS, INTENSITY_ERROR_MAX, RANGE_ERROR_MAX, RANGE_ERROR_RMS
 from harness.metrics.stream_stamps import STAMP_ERROR
 from harness.scene import Body, Box, Lidar, PlacedShape, Quaternion, Scene, Sphere, Vector3, axis_angle, sphere_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import product, rotate
 
 DURATION, RATE = 1.0, 10.0
 CHANNELS, COLUMNS = 12, 120

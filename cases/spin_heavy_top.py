@@ -3,7 +3,6 @@
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.kinematics import product
 from harness.metrics.attitude import ATTITUDE_MAX
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
@@ -12,6 +11,7 @@ from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.metrics.precession import NUTATION_AMPLITUDE, PRECESSION_RATE_ERROR
 from harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import product
 
 G = -EARTH_GRAVITY[2]
 DURATION = 2.0

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 
 from harness.case import Case, Check
-from harness.kinematics import product, rotate
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
 from harness.metrics.attitude import ATTITUDE_FINAL, ATTITUDE_MAX, ATTITUDE_RMS
 from harness.metrics.divergence import DIVERGENCE
@@ -14,6 +13,7 @@ from harness.metrics.momentum import ANGULAR_MOMENTUM_MAX
 from harness.scene import Body, Cylinder, PlacedShape, Scene, principal_inertia
 from harness.scene.values import Vector3
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import product, rotate
 from harness.truths.free_rotation import FIRST_ORDER, first_order_errors
 
 DURATION = 10.0

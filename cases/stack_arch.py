@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from harness.case import Axis, Case
-from harness.checks.rest import settled_speed, stands, supported
+from harness.case.shared_checks.rest import settled_speed, stands, supported
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import STACK_HEIGHT_ERROR

@@ -3,7 +3,7 @@
 import math
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import settled_speed, stands, supported
+from harness.case.shared_checks.rest import settled_speed, stands, supported
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.load_split import LOAD_SPLIT_ERROR
 from harness.metrics.penetration import PENETRATION

@@ -5,7 +5,7 @@ contact passes on, each time, only what the light body alone can take.
 """
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import GIVE, settled_speed, stands, supported
+from harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import STACK_HEIGHT_ERROR

@@ -5,7 +5,7 @@ rest where they touch: an overlap is an error of position, and holds no energy.
 """
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import bears, settled_speed
+from harness.case.shared_checks.rest import bears, settled_speed
 from harness.metrics.ejection import EJECTION_SPEED
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY

@@ -9,12 +9,12 @@ import math
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import settled_speed
-from harness.machines.container import container
+from harness.case.shared_checks.rest import settled_speed
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.overlap import OVERLAP
 from harness.metrics.world_spread import WORLD_SPREAD
+from harness.props.machines.container import container
 from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import GIVE, settled_speed, stands, supported
+from harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY

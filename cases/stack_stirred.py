@@ -6,12 +6,12 @@ What has been stirred lies in no packing that anybody chose: contacts come and g
 import numpy as np
 
 from harness.case import Case, Check
-from harness.checks.rest import settled_speed
-from harness.control import Control
-from harness.machines.container import container
+from harness.case.forces import Control
+from harness.case.shared_checks.rest import settled_speed
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
 from harness.metrics.jitter import REST_DRIFT, RMS_SPIN
+from harness.props.machines.container import container
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from harness.trajectory import Floats, State
 

@@ -4,7 +4,7 @@ A box that creeps by a micrometre a second passes every check of a few seconds; 
 """
 
 from harness.case import Case, Check
-from harness.checks.rest import GIVE, settled_speed, stands
+from harness.case.shared_checks.rest import GIVE, settled_speed, stands
 from harness.metrics.energy import ENERGY_GAIN
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.stack import LEAN, STACK_HEIGHT_ERROR

@@ -1,7 +1,7 @@
 """A tower of n boxes, built exactly touching: does it stand, at its height, with its weight on the ground?"""
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import GIVE, settled_speed, supported
+from harness.case.shared_checks.rest import GIVE, settled_speed, supported
 from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY, STACK_HEIGHT_ERROR, STANDING_HEIGHT

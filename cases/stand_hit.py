@@ -9,15 +9,15 @@ from functools import cache
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import GIVE
-from harness.machines.machine import MATERIAL
-from harness.machines.quadruped import STIFFNESS, TRUNK_HALF, quadruped
+from harness.case.shared_checks.rest import GIVE
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.energy import HELD_ENERGY_GAIN
 from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.momentum import ANGULAR_MOMENTUM_FINAL, ANGULAR_MOMENTUM_MAX, MOMENTUM_FINAL, MOMENTUM_MAX
 from harness.metrics.vibration import VIBRATION_FREQUENCY, VIBRATION_RMS
+from harness.props.machines.machine import MATERIAL
+from harness.props.machines.quadruped import STIFFNESS, TRUNK_HALF, quadruped
 from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, rotation_matrix, sphere_inertia
 from harness.trajectory import Floats
 

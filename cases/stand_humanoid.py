@@ -4,16 +4,16 @@ What moves is the engine's: too few iterations of its solver, drives that fight 
 """
 
 from harness.case import Axis, Case, Check
-from harness.checks.rest import supported
-from harness.checks.standing import feet_stay, holds_its_pose, stands_up, still
-from harness.machines.floor import floor, grip
-from harness.machines.humanoid import humanoid
-from harness.machines.machine import MATERIAL, bearing
+from harness.case.shared_checks.rest import supported
+from harness.case.shared_checks.standing import feet_stay, holds_its_pose, stands_up, still
 from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.pose import POSE_ERROR_RMS
 from harness.metrics.vibration import VIBRATION_FREQUENCY
+from harness.props.machines.floor import floor, grip
+from harness.props.machines.humanoid import humanoid
+from harness.props.machines.machine import MATERIAL, bearing
 from harness.scene import EARTH_GRAVITY, Effect, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest

@@ -1,16 +1,16 @@
 """Quadrupeds that hold themselves up: n machines side by side, each in the pose in which its PD drives bear its weight."""
 
 from harness.case import Axis, Case, Check
-from harness.checks.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
-from harness.machines.floor import floor, grip
-from harness.machines.machine import MATERIAL, bearing, copy_of
-from harness.machines.quadruped import DAMPING, LEG, STIFFNESS, quadruped
+from harness.case.shared_checks.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
 from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
 from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.pose import POSE_ERROR_RMS
 from harness.metrics.vibration import VIBRATION_FREQUENCY
+from harness.props.machines.floor import floor, grip
+from harness.props.machines.machine import MATERIAL, bearing, copy_of
+from harness.props.machines.quadruped import DAMPING, LEG, STIFFNESS, quadruped
 from harness.scene import EARTH_GRAVITY, Effect, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest

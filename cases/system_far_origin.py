@@ -3,11 +3,11 @@
 import numpy as np
 
 from harness.case import Axis, Case, Check
+from harness.case.symmetries import Retelling, moved
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
-from harness.retelling import Retelling, moved
+from harness.props.regular_motions import stage
 from harness.scene import Scene
-from harness.stage import stage
 
 ORIGIN, DURATION = 1e6, 1.0
 

@@ -5,12 +5,12 @@ of the world, damping against the world, a floor whose motion its contacts forge
 """
 
 from harness.case import Axis, Case, Check
+from harness.case.symmetries import Retelling, in_motion, moved, turned
 from harness.metric import Metric
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
-from harness.retelling import Retelling, in_motion, moved, turned
+from harness.props.regular_motions import stage
 from harness.scene import Scene, axis_angle
-from harness.stage import stage
 
 SPEED, DURATION = 1.5, 1.0
 SINGLE = 1e-6

@@ -5,11 +5,11 @@ kilometre is a length, a speed or a time of the engine's own: a margin, a slop, 
 """
 
 from harness.case import Axis, Case, Check
+from harness.case.symmetries import Retelling, scaled
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
-from harness.retelling import Retelling, scaled
+from harness.props.regular_motions import stage
 from harness.scene import Scene
-from harness.stage import stage
 
 SCALE, DURATION = 1000.0, 1.0
 SINGLE = 1e-6

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.control import Control
+from harness.case.forces import Control
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
 from harness.metrics.joint_gap import JOINT_GAP_MAX

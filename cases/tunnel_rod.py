@@ -10,13 +10,13 @@ Simulation of Rigid Body Systems (1996; bounds on the time of impact of bodies t
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.kinematics import product
 from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.passage import PASSAGE_PROBABILITY, PASSAGE_PROBABILITY_HIGH, PASSAGE_PROBABILITY_LOW, SINK_DEPTH
 from harness.metrics.position import POSITION_FINAL
 from harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import product
 from harness.truths.rest import at_rest
 
 SPIN, PHASES = 60.0, 64

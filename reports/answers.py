@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from harness.record import digest
+from harness.store.record import digest
 from reports.contents import cases
 from reports.status import outcome
 from reports.text import settings_text
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["answers", "at_own_step"]
 

@@ -14,7 +14,7 @@ from reports.text import amount, visible
 if TYPE_CHECKING:
     import pandas as pd
 
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["across_cases", "error_by_step"]
 

@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["FAMILIES", "cases", "engines", "families", "more_is_better", "named_tracks", "ours", "tracks"]
 

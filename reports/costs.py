@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.tables.scaling import Cost, Scaling, Sweep, growth
+from harness.findings.tables.scaling import Cost, Scaling, Sweep, growth
 from reports.contents import cases
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
@@ -11,7 +11,7 @@ from reports.points import labels
 from reports.text import amount, visible
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["UNITS", "growths", "qualities", "standings", "titled"]
 

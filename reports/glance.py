@@ -16,7 +16,7 @@ from reports.contents import cases, engines, more_is_better, named_tracks, ours
 from reports.verdict import totals
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["EXACT", "Glance", "glances", "shared_cases"]
 

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from harness.disk import put_in_place
-from harness.safe_text import LONGEST, one_line
-from harness.store import Store
+from harness.intake.safe_text import LONGEST, one_line
+from harness.store.disk import put_in_place
+from harness.store.store import Store
 from reports.page import Page, asked, failed, pages
 from reports.policy import guarded
 from reports.vega import vega_bundle

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from harness.emulations import Made, made
+from harness.findings.emulations import Made, made
 from reports.contents import engines
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["Law", "laws_of_case", "own_everywhere", "told_apart"]
 

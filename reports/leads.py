@@ -12,7 +12,7 @@ from reports.contents import cases, engines, more_is_better, named_tracks, ours
 from reports.glance import EXACT
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["NO_REASON", "Lead", "leads"]
 

@@ -8,7 +8,7 @@ from reports.palette import looks
 from reports.points import labels
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = [
     "HOVER",

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.readings.findings import Finding
+from harness.findings.sensor_readings.findings import Finding
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
 from reports.points import labels
@@ -11,7 +11,7 @@ from reports.signals import named
 from reports.text import amount, slug, visible
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["noise_charts"]
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
-from harness.outside import points, trouble
+from harness.study.strangers import points, trouble
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["Page", "asked", "failed", "navigation", "pages"]
 

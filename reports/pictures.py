@@ -8,14 +8,14 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from harness.readings.findings import Finding
-from harness.readings.picture import Picture
+from harness.findings.sensor_readings.findings import Finding
+from harness.findings.sensor_readings.picture import Picture
 from reports.costs import titled
 from reports.pixels import data_uri, shaded, srgb
 from reports.text import amount
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["Shot", "Tile", "shots"]
 

@@ -11,7 +11,7 @@ from reports.status import outcome
 from reports.text import visible
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["labels", "points"]
 

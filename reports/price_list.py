@@ -5,15 +5,15 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from harness.emulations import whose
-from harness.prices import PER_SECOND, Price
+from harness.findings.emulations import whose
+from harness.findings.prices import PER_SECOND, Price
 from reports.costs import titled
 from reports.disputes import disputed
 from reports.text import amount, duration, power
 from reports.work_precision import priced
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["SHOWN", "Entry", "Line", "Tried", "heat", "marked", "price_list", "tried", "wins"]
 

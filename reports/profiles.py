@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.tables.profile import FACTOR, Share
+from harness.findings.tables.profile import FACTOR, Share
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount, visible
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["profile_chart"]
 

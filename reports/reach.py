@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from harness.emulations import whose
-from harness.leads import Lead, Reach, reaches
-from harness.searches import Search
-from harness.tables.remedies import Remedied
+from harness.findings.emulations import whose
+from harness.findings.leads import Lead, Reach, reaches
+from harness.findings.limits_found import Search
+from harness.findings.tables.remedies import Remedied
 from reports.contents import cases
 from reports.disputes import disputed
 from reports.figure import Figure
@@ -17,7 +17,7 @@ from reports.points import labels
 from reports.text import amount, slug
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["Cell", "Line", "Standing", "Tally", "lines", "maps", "marked", "standings", "tally", "worded"]
 

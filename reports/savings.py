@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.alteration import EVERYTHING
-from harness.tables.effects import Verdict
+from harness.case.alteration import EVERYTHING
+from harness.findings.tables.effects import Verdict
 from reports.contents import cases
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
@@ -12,7 +12,7 @@ from reports.points import labels
 from reports.text import amount
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["matrix", "savings_chart"]
 

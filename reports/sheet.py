@@ -5,7 +5,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from harness.safe_text import csv_cell
+from harness.intake.safe_text import csv_cell
 
 __all__ = ["sheet"]
 

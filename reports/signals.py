@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.readings.findings import Finding
+from harness.findings.sensor_readings.findings import Finding
 from reports.costs import titled
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
@@ -12,7 +12,7 @@ from reports.status import outcome
 from reports.text import amount, slug, visible
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["error_charts", "named", "rays_chart"]
 

@@ -41,7 +41,7 @@ STATUSES: dict[str, Outcome] = {
         Outcome(name="interrupted", symbol="‖", meaning="the run was stopped by the person who started it", rank=3),
     )
 }
-"""In the order of `harness.record.Status`."""
+"""In the order of `harness.store.record.Status`."""
 
 UNKNOWN = Outcome(name="unknown", symbol="?", meaning="a status that this version does not know", rank=9)
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from harness.tables.steps import Step
+from harness.findings.tables.steps import Step
 from reports.contents import engines
 from reports.costs import titled
 from reports.figure import Figure
@@ -13,7 +13,7 @@ from reports.points import labels
 from reports.text import amount
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["Allowance", "allowances", "steps_chart", "survival"]
 

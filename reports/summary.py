@@ -3,11 +3,11 @@
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from harness.emulations import whose
-from harness.leads import axis_leads, reaches
-from harness.searches import searches
-from harness.tables import determinism, effects
-from harness.tables.orders import convergences
+from harness.findings.emulations import whose
+from harness.findings.leads import axis_leads, reaches
+from harness.findings.limits_found import searches
+from harness.findings.tables import determinism, effects
+from harness.findings.tables.orders import convergences
 from reports.contents import cases, engines, named_tracks
 from reports.contents import ours as yardsticks
 from reports.disputes import disputed
@@ -18,7 +18,7 @@ from reports.text import TIMES, amount, join_words, plural
 from reports.verdict import Verdict, verdicts
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["sentences"]
 

@@ -15,7 +15,7 @@ from reports.status import STATUSES, outcome
 from reports.text import amount, plain_value, plural, settings_text, slug, visible
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["case_file", "fill"]
 

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from harness import safe_text
-from harness.record import digest
-from harness.safe_text import LONGEST
+from harness.intake import safe_text
+from harness.intake.safe_text import LONGEST
+from harness.store.record import digest
 
 __all__ = [
     "TIMES",

@@ -6,7 +6,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from harness.disk import write_atomically
+from harness.store.disk import write_atomically
 from reports.figure import VEGA_LITE
 
 __all__ = ["vega_bundle"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from reports.status import STATUSES, Outcome, outcome, worst
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["Verdict", "totals", "verdicts"]
 

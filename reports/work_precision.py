@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from harness.prices import LEAST, PER_SECOND, Point, Prices, unit_of
+from harness.findings.prices import LEAST, PER_SECOND, Point, Prices, unit_of
 from reports.contents import engines
 from reports.costs import titled
 from reports.figure import Figure, thin
@@ -21,7 +21,7 @@ from reports.template import case_file
 from reports.text import TIMES, amount, duration, power, slug, visible
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["Miniature", "Scene", "miniatures", "priced", "scenes", "work_precision"]
 

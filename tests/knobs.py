@@ -7,11 +7,11 @@ from pathlib import Path
 
 from harness.adapter import Adapter
 from harness.case import Case
-from harness.effort import ALIKE
-from harness.record import Record
-from harness.run import run_trial
-from harness.study import Experiment, Study, Trial
-from harness.sweep import next_trials
+from harness.findings.effort import ALIKE
+from harness.search.front import next_trials
+from harness.store.record import Record
+from harness.study.study import Experiment, Study, Trial
+from harness.trial.accuracy import run_trial
 
 __all__ = ["Tried", "swept", "unequal"]
 

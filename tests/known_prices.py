@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from harness import discover
-from harness.campaign import carry_out
-from harness.store import Store
-from harness.study import Experiment, Study, Variant
+from harness.run.campaign import carry_out
+from harness.store.store import Store
+from harness.study import plugins
+from harness.study.study import Experiment, Study, Variant
 
 __all__ = ["CASE", "LADDER", "LAWS", "PLUGINS", "KnownPrices", "Law", "run_known_prices"]
 
@@ -91,6 +91,6 @@ def run_known_prices(folder: Path) -> KnownPrices:
     """Carry the study out in `folder`: accuracy runs, then timing runs, each in a process of its own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(PLUGINS)  # children inherit the path
-        engines = {name: discover.adapter(name) for name in dict.fromkeys(engine for engine, _ in LAWS)}
-        store = carry_out(STUDY, folder, {CASE: discover.case(CASE)}, engines, workers=1, resume=False)
+        engines = {name: plugins.adapter(name) for name in dict.fromkeys(engine for engine, _ in LAWS)}
+        store = carry_out(STUDY, folder, {CASE: plugins.case(CASE)}, engines, workers=1, resume=False)
     return KnownPrices(store, LAWS)

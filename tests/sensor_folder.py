@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from harness.journal import Journal
-from harness.record import Measurement, Record, Timing
 from harness.scene import (
     AxisNoise,
     Body,
@@ -24,8 +22,10 @@ from harness.scene import (
     Sphere,
     StereoNoise,
 )
+from harness.store.journal import Journal
+from harness.store.record import Measurement, Record, Timing
+from harness.store.trajectory_file import save_trajectory
 from harness.trajectory import Floats, Trajectory
-from harness.trajectory_file import save_trajectory
 
 __all__ = ["CASE", "LATENCY", "scene", "sensing", "told", "write_sensor_folder"]
 

@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 
 from harness.adapter import Adapter
-from harness.campaign import carry_out
 from harness.case import Case
-from harness.prices import number
-from harness.store import Store
-from harness.study import Experiment, Study
+from harness.findings.prices import number
+from harness.run.campaign import carry_out
+from harness.store.store import Store
+from harness.study.study import Experiment, Study
 
 __all__ = [
     "LADDER",

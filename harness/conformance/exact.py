@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness import kinematics
 from harness.scene import Box, Capsule, Cylinder, Plane, Quaternion, Shape, Sphere, multiply, rotation_matrix
-from harness.trajectory import Floats
+from harness.trajectory import Floats, kinematics
 
 __all__ = ["angle_between", "first_hit", "rotation", "turned_by", "turning"]
 

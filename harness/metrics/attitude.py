@@ -1,9 +1,9 @@
 """Attitude error: angle of the rotation between answer and truth, the geodesic distance on SO(3)."""
 
-from harness.kinematics import angle_between, movable
-from harness.reduction import matched, three
+from harness.metric.series import matched, three
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import angle_between, movable
 
 __all__ = ["ATTITUDE_FINAL", "ATTITUDE_MAX", "ATTITUDE_RMS", "METRIC"]
 

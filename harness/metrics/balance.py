@@ -9,7 +9,7 @@ alike in answer and truth.
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import matched
+from harness.metric.series import matched
 from harness.scene import Scene, Sphere
 from harness.trajectory import Floats, Trajectory
 

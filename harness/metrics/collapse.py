@@ -18,11 +18,11 @@ from collections.abc import Collection, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.depths import pair_depths
-from harness.kinematics import joint_coordinate, movable, rotate_back
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Body, Revolute, Scene, width
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.depths import pair_depths
+from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
 
 __all__ = ["COLLAPSE_TIME", "METRIC", "SIGNS", "first_break"]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.footage import beside_truth, cameras
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.camera_frames import beside_truth, cameras
+from harness.metric.series import maximum
 from harness.scene import Camera, Scene
 from harness.trajectory import Floats, Trajectory
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.kinematics import movable, rotate_back
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Box, Scene, Sphere, rotation_matrix
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable, rotate_back
 
 __all__ = ["ESCAPED_SHARE", "METRIC"]
 

@@ -6,9 +6,9 @@ median is worst, so that a wide wall does not hide a ball.
 
 import numpy as np
 
-from harness.footage import beside_truth, cameras
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum, root_mean_square
+from harness.metric.camera_frames import beside_truth, cameras
+from harness.metric.series import maximum, root_mean_square
 from harness.scene import DepthCamera, Scene
 from harness.trajectory import Floats, Trajectory
 

@@ -8,9 +8,9 @@ about the observed rate, holds the law's.
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.footage import beside_truth, frames, noisy_cameras
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.camera_frames import beside_truth, frames, noisy_cameras
+from harness.metric.series import maximum
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 

@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from harness.footage import frames, noisy_cameras
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.camera_frames import frames, noisy_cameras
+from harness.metric.series import maximum
 from harness.scene import DepthCamera, Scene, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from harness.trajectory import Floats, Trajectory
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.footage import frames, noisy_cameras
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.camera_frames import frames, noisy_cameras
+from harness.metric.series import maximum
 from harness.scene import Scene, StereoNoise, StructuredLightNoise
 from harness.trajectory import Trajectory
 

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from harness.kinematics import movable
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import matched
+from harness.metric.series import matched
 from harness.scene import Scene
 from harness.trajectory import Trajectory
+from harness.trajectory.kinematics import movable
 
 __all__ = ["EJECTION_SPEED", "METRIC"]
 

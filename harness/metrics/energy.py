@@ -10,11 +10,11 @@ them. For an integrator that does not stagger the raw figure is the right one; b
 
 import numpy as np
 
-from harness.kinematics import joint_coordinate, movable, rotate_back
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import last, maximum
+from harness.metric.series import last, maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
 
 __all__ = [
     "ENERGY_FINAL",

@@ -8,11 +8,11 @@ import re
 
 import numpy as np
 
-from harness.kinematics import rotate_back
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import matched
+from harness.metric.series import matched
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 __all__ = ["ENSEMBLE_ENERGY_ERROR", "ENSEMBLE_SPREAD", "METRIC", "kinetic_energies"]
 

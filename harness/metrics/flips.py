@@ -6,11 +6,11 @@ angle is no measure here: near the separatrix it is at the mercy of rounding.
 
 import numpy as np
 
-from harness.kinematics import movable, rotate_back
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import matched
+from harness.metric.series import matched
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable, rotate_back
 
 __all__ = ["FLIP_COUNT_ERROR", "FLIP_PERIOD_ERROR", "METRIC"]
 

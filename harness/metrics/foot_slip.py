@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from harness.kinematics import rotate, rotate_back
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate, rotate_back
 
 __all__ = ["FOOT_SLIP", "METRIC"]
 

@@ -9,11 +9,11 @@ and Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2 (the
 
 import numpy as np
 
-from harness.kinematics import angle_between
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.series import maximum
 from harness.scene import Imu, Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import angle_between
 
 __all__ = ["GYROSCOPE_ATTITUDE", "METRIC"]
 

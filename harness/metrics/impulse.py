@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.kinematics import movable
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Trajectory
+from harness.trajectory.kinematics import movable
 
 __all__ = ["IMPULSE_MAX", "METRIC"]
 

@@ -9,7 +9,7 @@ Source: IEEE Std 1293-2018 (misalignment, scale factor, full scale, resolution);
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 

@@ -7,7 +7,7 @@ within a nanosecond makes the error infinite.
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.series import maximum
 from harness.scene import Imu, Scene
 from harness.trajectory import Trajectory
 

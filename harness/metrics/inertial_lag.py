@@ -12,7 +12,7 @@ Splines, chapter IV.
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.series import maximum
 from harness.scene import Imu, Scene
 from harness.trajectory import Floats, Trajectory
 

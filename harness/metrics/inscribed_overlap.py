@@ -7,10 +7,10 @@ engine's own contacts.
 
 import numpy as np
 
-from harness.kinematics import rotate
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Sphere
 from harness.trajectory import Trajectory
+from harness.trajectory.kinematics import rotate
 
 __all__ = ["INSCRIBED_OVERLAP", "METRIC"]
 

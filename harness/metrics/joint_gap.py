@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.kinematics import across_axis, anchors
 from harness.metric import NotMeasurable
-from harness.reduction import three
+from harness.metric.series import three
 from harness.scene import Distance, Prismatic, Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import across_axis, anchors
 
 __all__ = ["JOINT_GAP_FINAL", "JOINT_GAP_MAX", "JOINT_GAP_RMS", "METRIC"]
 

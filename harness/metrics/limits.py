@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.kinematics import joint_coordinate
 from harness.metric import NotMeasurable
-from harness.reduction import three
+from harness.metric.series import three
 from harness.scene import Distance, Prismatic, Revolute, Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import joint_coordinate
 
 __all__ = ["LIMIT_OVERSHOOT_FINAL", "LIMIT_OVERSHOOT_MAX", "LIMIT_OVERSHOOT_RMS", "METRIC"]
 

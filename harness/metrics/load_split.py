@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 
-from harness.kinematics import movable
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable
 
 __all__ = ["LOAD_SPLIT_ERROR", "METRIC", "load_shares"]
 

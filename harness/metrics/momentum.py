@@ -7,11 +7,11 @@ Contact with a static body does so as well; a case that has it does not ask for 
 
 import numpy as np
 
-from harness.kinematics import movable, rotate, rotate_back
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import last, maximum
+from harness.metric.series import last, maximum
 from harness.scene import WORLD, Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable, rotate, rotate_back
 
 __all__ = ["ANGULAR_MOMENTUM_FINAL", "ANGULAR_MOMENTUM_MAX", "METRIC", "MOMENTUM_FINAL", "MOMENTUM_MAX"]
 

@@ -6,9 +6,9 @@ sigma^2/n for white noise, the sum of memory^|i-j| for a Markov process, K^2 dt 
 
 import numpy as np
 
-from harness.inertial_residual import inertial_residual
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.inertial_residual import inertial_residual
+from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 

@@ -9,9 +9,9 @@ import itertools
 
 import numpy as np
 
-from harness.inertial_residual import inertial_residual
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.inertial_residual import inertial_residual
+from harness.metric.series import maximum
 from harness.scene import Imu, Scene
 from harness.trajectory import Floats, Trajectory
 

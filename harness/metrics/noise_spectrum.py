@@ -12,9 +12,9 @@ for Physical Applications (1993), section 6.3 (window correlations); IEEE Std 95
 
 import numpy as np
 
-from harness.inertial_residual import inertial_residual
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.inertial_residual import inertial_residual
+from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 

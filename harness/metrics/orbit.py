@@ -7,11 +7,11 @@ step before their positions. For an integrator that does not stagger the raw fig
 
 import numpy as np
 
-from harness.kinematics import movable
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import last, matched, maximum
+from harness.metric.series import last, matched, maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable
 
 __all__ = ["METRIC", "ORBIT_ENERGY_FINAL", "ORBIT_ENERGY_MAX", "ORBIT_ENERGY_STAGGERED"]
 

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from harness.kinematics import rotate
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Plane, Scene, Sphere
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate
 
 __all__ = ["METRIC", "OVERLAP"]
 

@@ -6,10 +6,10 @@ law has one solution. Negative: it has none or two, which is the regime of the p
 
 import numpy as np
 
-from harness.kinematics import movable, rotate
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene, Sphere
 from harness.trajectory import Trajectory
+from harness.trajectory.kinematics import movable, rotate
 
 __all__ = ["METRIC", "PAINLEVE_COEFFICIENT"]
 

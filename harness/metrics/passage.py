@@ -15,13 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.kinematics import movable, rotate, rotate_back
 from harness.metric import Metric, NotMeasurable
-from harness.proportion import wilson_interval
-from harness.reduction import matched
+from harness.metric.series import matched
 from harness.scene import Body, Scene, width
-from harness.touching import reach
+from harness.statistics.proportion import wilson_interval
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable, rotate, rotate_back
+from harness.trajectory.touching import reach
 
 __all__ = [
     "LATERAL_KICK",

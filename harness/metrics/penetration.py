@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 
-from harness.depths import pair_depths
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Trajectory
+from harness.trajectory.depths import pair_depths
 
 __all__ = ["METRIC", "PENETRATION", "REPORTED_PENETRATION"]
 

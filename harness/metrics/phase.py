@@ -6,11 +6,11 @@ cubic through four samples, alike in answer and truth, so that the interpolation
 
 import numpy as np
 
-from harness.kinematics import movable
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import matched
+from harness.metric.series import matched
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable
 
 __all__ = ["METRIC", "PERIOD", "PHASE"]
 

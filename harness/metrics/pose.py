@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.kinematics import joint_coordinate
 from harness.metric import NotMeasurable
-from harness.reduction import matched, three
+from harness.metric.series import matched, three
 from harness.scene import Revolute, Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import joint_coordinate
 
 __all__ = ["METRIC", "POSE_ERROR_FINAL", "POSE_ERROR_MAX", "POSE_ERROR_RMS"]
 

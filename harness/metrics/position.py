@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.kinematics import movable
-from harness.reduction import matched, three
+from harness.metric.series import matched, three
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable
 
 __all__ = ["METRIC", "POSITION_FINAL", "POSITION_MAX", "POSITION_RMS"]
 

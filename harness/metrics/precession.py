@@ -5,11 +5,11 @@ The axis is that of the largest or smallest principal moment, whichever stands a
 
 import numpy as np
 
-from harness.kinematics import movable, rotate
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import matched
+from harness.metric.series import matched
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable, rotate
 
 __all__ = ["METRIC", "NUTATION_AMPLITUDE", "PRECESSION_RATE_ERROR"]
 

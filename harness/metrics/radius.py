@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.kinematics import movable
 from harness.metric import NotMeasurable
-from harness.reduction import matched, three
+from harness.metric.series import matched, three
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable
 
 __all__ = ["METRIC", "RADIUS_FINAL", "RADIUS_MAX", "RADIUS_RMS"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum, root_mean_square
+from harness.metric.series import maximum, root_mean_square
 from harness.scene import Lidar, Scene
 from harness.trajectory import Floats, Trajectory
 

@@ -7,7 +7,7 @@ independent from beam to beam and scan to scan. Each score is of the order of 1 
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.series import maximum
 from harness.scene import Lidar, Scene
 from harness.trajectory import Floats, Trajectory
 

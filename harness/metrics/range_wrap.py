@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.footage import frames, noisy_cameras
 from harness.metric import Metric, NotMeasurable
+from harness.metric.camera_frames import frames, noisy_cameras
 from harness.scene import Scene, TimeOfFlightNoise
 from harness.trajectory import Trajectory
 

@@ -7,11 +7,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.kinematics import angle_between, movable
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.series import maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory.kinematics import angle_between, movable
 
 __all__ = ["AGREEING_SAMPLES", "ATTITUDE_DIFFERENCE", "DIFFERENCE", "METRIC", "POSITION_DIFFERENCE"]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.footage import beside_truth, cameras
 from harness.metric import Metric, NotMeasurable
+from harness.metric.camera_frames import beside_truth, cameras
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 

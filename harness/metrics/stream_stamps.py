@@ -8,7 +8,7 @@ first one by which a whole interval and the latency have passed.
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.reduction import maximum
+from harness.metric.series import maximum
 from harness.scene import Imu, Lidar, Scene
 from harness.trajectory import Trajectory
 

@@ -11,10 +11,10 @@ from typing import Literal
 
 import numpy as np
 
-from harness.kinematics import rotate as rotate_along
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Box, Scene, rotate
 from harness.trajectory import Trajectory
+from harness.trajectory.kinematics import rotate as rotate_along
 
 __all__ = ["METRIC", "TIPPING_ANGLE_ERROR", "WRONG_FATES"]
 

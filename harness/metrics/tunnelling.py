@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.proportion import wilson_interval
 from harness.scene import Body, Box, Scene, Sphere, rotate
+from harness.statistics.proportion import wilson_interval
 from harness.trajectory import Trajectory
 
 __all__ = [

@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from harness.kinematics import joint_rate
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Revolute, Scene
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import joint_rate
 
 __all__ = ["METRIC", "VIBRATION_FREQUENCY", "VIBRATION_RMS"]
 

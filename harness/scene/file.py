@@ -7,10 +7,10 @@ from typing import Any
 import tomli_w
 from pydantic import TypeAdapter
 
-from harness.allowance import beyond
-from harness.filled import FieldError, filled
-from harness.intake import InputError, document, named, parsed
-from harness.safe_text import quoted
+from harness.intake.allowance import beyond
+from harness.intake.documents import InputError, document, named, parsed
+from harness.intake.safe_text import quoted
+from harness.intake.typed_fields import FieldError, filled
 from harness.scene.scene import Scene, SceneError
 
 __all__ = ["dump_json", "dump_toml", "load", "parse", "schema"]

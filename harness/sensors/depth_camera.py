@@ -10,7 +10,6 @@ from typing import assert_never
 
 import numpy as np
 
-from harness.kinematics import rotate
 from harness.scene import Camera, DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from harness.sensors import stereo, structured_light, time_of_flight
 from harness.sensors.pictures import Pictures
@@ -19,6 +18,7 @@ from harness.sensors.reader import Setting, pose_of, row_of
 from harness.sensors.seeds import generator
 from harness.sensors.sight import Mask, Sight, bounded, sight_by_rays
 from harness.trajectory import Floats, State
+from harness.trajectory.kinematics import rotate
 
 __all__ = ["DepthReader", "answer", "lost", "picture_camera"]
 

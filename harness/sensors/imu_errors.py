@@ -10,9 +10,9 @@ Quantization Noise (2008), section 1.1 (rounding to the nearest level).
 
 import numpy as np
 
-from harness.kinematics import rotate_back
 from harness.scene import AxisNoise
 from harness.trajectory import Floats
+from harness.trajectory.kinematics import rotate_back
 
 __all__ = ["read_out", "sensed"]
 

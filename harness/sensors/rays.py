@@ -14,9 +14,9 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.kinematics import product, rotate, rotate_back
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Scene, Shape, Sphere, TriangleMesh
 from harness.trajectory import Floats, Hits, State
+from harness.trajectory.kinematics import product, rotate, rotate_back
 
 __all__ = ["first_hits"]
 

@@ -7,9 +7,9 @@ no shadow on it.
 
 import numpy as np
 
-from harness.kinematics import rotate
 from harness.sensors.sight import Mask, Sight
 from harness.trajectory import Floats
+from harness.trajectory.kinematics import rotate
 
 __all__ = ["SLACK", "in_view_of", "lifted", "sunlit"]
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.adapter import Unsupported
-from harness.kinematics import rotate
 from harness.scene import DepthCamera, Scene
 from harness.trajectory import Floats, Hits, Integers
+from harness.trajectory.kinematics import rotate
 
 __all__ = ["Cast", "Mask", "Sight", "bounded", "sight_by_rays"]
 

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipkinc
 
-from harness.kinematics import conjugate, product, rotate
 from harness.scene.values import Vector3
 from harness.trajectory import Floats
+from harness.trajectory.kinematics import conjugate, product, rotate
 
 __all__ = ["FIRST_ORDER", "body_rates", "first_order_errors", "free_rotation"]
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from harness.emulations import whose
-from harness.safe_text import csv_cell
-from harness.tables.orders import Convergence, convergences
+from harness.findings.emulations import whose
+from harness.findings.tables.orders import Convergence, convergences
+from harness.intake.safe_text import csv_cell
 from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
@@ -26,7 +26,7 @@ from reports.verdict import verdicts
 from reports.work_precision import scenes, work_precision
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from harness.tables import determinism as determinism_table
-from harness.tables.determinism import FIRST, agreements
+from harness.findings.tables import determinism as determinism_table
+from harness.findings.tables.determinism import FIRST, agreements
 from reports.contents import engines
 from reports.page import Page
 from reports.sheet import sheet
 from reports.template import fill
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from harness.alteration import EVERYTHING
-from harness.tables import effects as effects_table
-from harness.tables.effects import audit, savings, verdicts
+from harness.case.alteration import EVERYTHING
+from harness.findings.tables import effects as effects_table
+from harness.findings.tables.effects import audit, savings, verdicts
 from reports.contents import engines
 from reports.page import Page
 from reports.savings import matrix, savings_chart
@@ -14,7 +14,7 @@ from reports.sheet import sheet
 from reports.template import fill
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

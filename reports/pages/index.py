@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from harness.emulations import whose
+from harness.findings.emulations import whose
 from reports.answers import answers, at_own_step
 from reports.charts import across_cases
 from reports.contents import cases, engines, families, named_tracks
@@ -14,7 +14,7 @@ from reports.template import fill
 from reports.verdict import verdicts
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from harness.leads import axis_leads, reaches
-from harness.searches import Search, searches
-from harness.tables import farthest as farthest_table
-from harness.tables import limits as limits_table
-from harness.tables import remedies as remedies_table
-from harness.tables.remedies import remedied
+from harness.findings.leads import axis_leads, reaches
+from harness.findings.limits_found import Search, searches
+from harness.findings.tables import farthest as farthest_table
+from harness.findings.tables import limits as limits_table
+from harness.findings.tables import remedies as remedies_table
+from harness.findings.tables.remedies import remedied
 from reports.contents import engines
 from reports.page import Page
 from reports.reach import lines, maps, standings, tally
@@ -16,7 +16,7 @@ from reports.sheet import sheet
 from reports.template import fill
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

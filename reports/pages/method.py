@@ -10,7 +10,7 @@ from reports.template import fill
 if TYPE_CHECKING:
     from pandas import Series
 
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from harness.effort import ALIKE
-from harness.leads import pair_leads
-from harness.tables import price as prices_table
-from harness.tables import profile as profile_table
-from harness.tables import steps as steps_table
-from harness.tables.profile import FACTOR, TIME, hinges, profile, without
-from harness.tables.steps import largest_steps
+from harness.findings.effort import ALIKE
+from harness.findings.leads import pair_leads
+from harness.findings.tables import price as prices_table
+from harness.findings.tables import profile as profile_table
+from harness.findings.tables import steps as steps_table
+from harness.findings.tables.profile import FACTOR, TIME, hinges, profile, without
+from harness.findings.tables.steps import largest_steps
 from reports.contents import ours
 from reports.marks import TRACKS
 from reports.page import Page
@@ -26,7 +26,7 @@ from reports.text import power
 from reports.work_precision import miniatures, priced, scenes
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from harness.tables.scaling import COLUMNS, Cost, Scaling
-from harness.trend import FEWEST
+from harness.findings.tables.scaling import COLUMNS, Cost, Scaling
+from harness.statistics.order import FEWEST
 from reports.contents import engines
 from reports.costs import UNITS, growths, qualities, standings, titled
 from reports.page import Page
@@ -13,7 +13,7 @@ from reports.sheet import sheet
 from reports.template import fill
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

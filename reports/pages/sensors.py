@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from harness.readings.findings import concerned, findings
-from harness.tables import sensors as sensors_table
+from harness.findings.sensor_readings.findings import concerned, findings
+from harness.findings.tables import sensors as sensors_table
 from reports.costs import titled
 from reports.noise_charts import noise_charts
 from reports.page import Page
@@ -14,7 +14,7 @@ from reports.signals import error_charts, named, rays_chart
 from reports.template import fill
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

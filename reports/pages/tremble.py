@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from harness.tables.tremble import CHANGES, CURED, findings
+from harness.findings.tables.tremble import CHANGES, CURED, findings
 from reports.page import Page
 from reports.template import fill
 
 if TYPE_CHECKING:
-    from harness.store import Store
+    from harness.store.store import Store
 
 __all__ = ["PAGE"]
 

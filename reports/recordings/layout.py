@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.store import NoRun, Store
+from harness.store.store import NoRun, Store
 from reports.text import slug
 
 __all__ = [

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.recordings.runs import Stage
 from reports.text import amount, settings_text, visible
 

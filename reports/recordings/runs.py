@@ -9,7 +9,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from harness.store import Store, StoreError
+from harness.store.store import Store, StoreError
 from reports.palette import looks
 from reports.recordings.layout import run_path
 from reports.recordings.rotation import Floats

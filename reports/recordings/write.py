@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.disk import put_in_place
-from harness.record import digest
-from harness.store import Store
+from harness.store.disk import put_in_place
+from harness.store.record import digest
+from harness.store.store import Store
 from reports.recordings.blueprint import layout
 from reports.recordings.bodies import log_moving, log_paths, log_stage
 from reports.recordings.camera import Framing, framing

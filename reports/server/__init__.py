@@ -5,7 +5,7 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.server.connections import HEAD_BYTES, MOST, Connections
 from reports.server.site import Site
 

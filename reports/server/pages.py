@@ -4,7 +4,7 @@ from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.recordings.layout import file_name
 from reports.text import plural
 

@@ -7,8 +7,8 @@ from http import HTTPStatus
 from pathlib import Path
 from urllib.parse import unquote
 
-from harness.safe_text import LONGEST, one_line, visible
-from harness.store import Store
+from harness.intake.safe_text import LONGEST, one_line, visible
+from harness.store.store import Store
 from reports.policy import DATA, SERVED, VIEWER
 from reports.server.answer import Answer, text
 from reports.server.assets import AssetsMissing, viewer_file

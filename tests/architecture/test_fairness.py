@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness import discover
-from harness.study import load_study
+from harness.study import plugins
+from harness.study.study import load_study
 from reports.disputes import TABLE, read
 
 ROOT = Path(__file__).parents[2]
@@ -52,7 +52,7 @@ def test_every_false_finding_has_a_script_in_the_vendor_s_words_or_says_why_not(
 
 def test_what_is_disputed_is_of_engines_cases_axes_and_studies_that_there_are() -> None:
     for one in read(TABLE):
-        assert one.engine in discover.adapters()
-        case = discover.case(one.case)
+        assert one.engine in plugins.adapters()
+        case = plugins.case(one.case)
         assert one.axis in ("", *case.parameters)
         assert not one.study or load_study(one.study).name == one.study

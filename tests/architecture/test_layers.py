@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from harness import discover
+from harness.study import plugins
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("harness", "adapters", "cases", "reports", "engine")
@@ -31,10 +31,10 @@ def imported_by(code: str) -> set[str]:
 
 
 def test_the_command_line_starts_without_engines_and_without_number_crunchers() -> None:
-    assert not imported_by("import harness.cli") & (VENDORS | {"numpy", "scipy", "pandas", "pydantic"})
+    assert not imported_by("import harness.cli.main") & (VENDORS | {"numpy", "scipy", "pandas", "pydantic"})
 
 
-@pytest.mark.parametrize("name", discover.names("adapters"))
+@pytest.mark.parametrize("name", plugins.names("adapters"))
 def test_an_adapter_is_imported_without_its_vendor(name: str) -> None:
     assert not imported_by(f"import adapters.{name}") & {"mujoco", "pybullet", "dartpy", "numba"}
 
@@ -68,7 +68,7 @@ def test_a_script_in_the_vendor_s_words_uses_nothing_of_ours(path: Path) -> None
 
 @pytest.mark.parametrize("kind", ["adapters", "cases"])
 def test_every_plug_in_is_found_and_ends_in_its_constant(kind: str) -> None:
-    found = {"adapters": discover.adapters, "cases": discover.cases}[kind]()
+    found = {"adapters": plugins.adapters, "cases": plugins.cases}[kind]()
     files = {path.stem for path in (ROOT / kind).glob("*.py")} - {"__init__"}
     assert files <= found.keys()
     constant = {"adapters": "ADAPTER", "cases": "CASE"}[kind]
@@ -79,7 +79,7 @@ def test_every_plug_in_is_found_and_ends_in_its_constant(kind: str) -> None:
 
 
 def test_metrics_have_unique_names_units_and_sources() -> None:
-    for name, metric in discover.metrics().items():
+    for name, metric in plugins.metrics().items():
         assert name == metric.name
         assert metric.unit
         assert metric.source
@@ -116,4 +116,4 @@ def test_files_get_their_names_in_one_function() -> None:
         and len(node.args) == (2 if ast.unparse(node.func.value) in ("os", "shutil") else 1)
         and not node.keywords
     ]
-    assert found == ["harness/disk.py: old.replace(new)", "reports/html.py: report.rename(old)"]
+    assert found == ["harness/store/disk.py: old.replace(new)", "reports/html.py: report.rename(old)"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.store import Store
+from harness.store.store import Store
 
 ROOT = Path(__file__).parents[2]
 GROUPS = {

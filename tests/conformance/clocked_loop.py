@@ -15,11 +15,12 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from harness import bench, discover
 from harness.adapter import Adapter
-from harness.bench import Bench
 from harness.case import Case
-from harness.study import Experiment, Trial
+from harness.study import plugins
+from harness.study.study import Experiment, Trial
+from harness.trial import bench
+from harness.trial.bench import Bench
 
 __all__ = ["Called", "clocked_calls", "growth", "made", "table"]
 
@@ -120,9 +121,9 @@ def table(count: int = STEPS) -> Iterator[str]:
     yield f"| {count} times | engine | functions in Python of ours | functions of the vendor | of Python and NumPy |"
     yield "|---|---|---|---|---|"
     for what, name, parameters in SHOWN:
-        case = discover.case(name)
-        for adapter in discover.adapters().values():
-            if discover.version_of(adapter)[1] is not None:
+        case = plugins.case(name)
+        for adapter in plugins.adapters().values():
+            if plugins.version_of(adapter)[1] is not None:
                 continue
             one = made(case, adapter, **parameters)
             one.clock(count)

@@ -13,11 +13,11 @@ from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 
-from harness import discover
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.conformance import CONTROLS, Control
 from harness.scene import Scene
+from harness.study import plugins
 from harness.trajectory import Trajectory
 from tests.conformance.put import put
 
@@ -90,7 +90,7 @@ def broken_checks(
 
 def applied(control: Control) -> Iterator[Case]:
     """The cases that should notice a fault."""
-    for case in discover.cases().values():
+    for case in plugins.cases().values():
         if any(fnmatchcase(case.name, pattern) for pattern in control.applies_to_cases):
             yield case
 
@@ -103,7 +103,7 @@ def steps(case: Case) -> tuple[float, float]:
 @cache
 def sound_failures(case: str, dt: float) -> Mapping[str, str]:
     """The checks that the sound engine fails: what it fails, a fault cannot be caught by."""
-    return broken_checks(discover.case(case), discover.adapter("reference"), dt)
+    return broken_checks(plugins.case(case), plugins.adapter("reference"), dt)
 
 
 def caught(control: Control, case: Case, only: float | None = None) -> Catch | None:
@@ -111,7 +111,7 @@ def caught(control: Control, case: Case, only: float | None = None) -> Catch | N
     for dt in steps(case) if only is None else (only,):
         if sound_failures(case.name, dt):
             return None
-        if found := broken_checks(case, control.plant(discover.adapter("reference")), dt, control.spoil, control.sensors):
+        if found := broken_checks(case, control.plant(plugins.adapter("reference")), dt, control.spoil, control.sensors):
             return Catch(dt, found)
     return None
 

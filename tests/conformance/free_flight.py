@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Unsupported
-from harness.boundary import check_state, check_wrench
+from harness.adapter.what_goes_in import check_state, check_wrench
 from harness.scene import Camera, Effect, Scene, multiply, rotation_matrix
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 

@@ -6,13 +6,13 @@ from typing import Any, cast
 
 from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.case import Case
-from harness.control import Controlled
-from harness.record import Measurement
-from harness.run import judge
+from harness.case.forces import Controlled
 from harness.scene import Scene
-from harness.simulate import simulate
+from harness.store.record import Measurement
 from harness.trajectory import Trajectory
-from harness.truth_keeper import bounded, truth_of
+from harness.trial.accuracy import judge
+from harness.trial.simulate import simulate
+from harness.trial.truth_cache import bounded, truth_of
 
 __all__ = ["Answer", "put"]
 

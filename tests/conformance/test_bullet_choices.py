@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from adapters.bullet import ADAPTER
-from harness import discover
 from harness.adapter import Settings, SettingsError
 from harness.scene import WORLD, Ball, Body, Scene, principal_inertia
+from harness.study import plugins
 from harness.trajectory import Contacts, State
 from tests.conformance.put import Answer, put
 
 pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
 
 G = 9.81
-CASES = discover.cases()
+CASES = plugins.cases()
 DEFAULT, TUNED = ADAPTER.tracks["default"], ADAPTER.tracks["tuned"]
 
 
@@ -160,7 +160,7 @@ def test_the_engines_own_motors_are_rigid_and_said_to_be_another_law() -> None:
 
 def test_where_points_are_let_go_is_each_world_s_own_though_bullet_has_one_gap_for_all() -> None:
     """A block that slides down a plane: the gap at which its points are let go decides which of them rub."""
-    case = discover.case("friction_roll_incline")
+    case = plugins.case("friction_roll_incline")
     scene = case.scene(**case.parameters)
     settings = with_options(ADAPTER.tracks["default"].with_dt(1 / 240))
 

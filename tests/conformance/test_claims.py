@@ -10,12 +10,12 @@ import pytest
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness import discover
 from harness.adapter import Adapter
-from harness.endure import endure
-from harness.run import run_trial
 from harness.scene.values import FROZEN
-from harness.study import axis_of, load_study
+from harness.study import plugins
+from harness.study.study import axis_of, load_study
+from harness.trial.accuracy import run_trial
+from harness.trial.ensemble import endure
 
 VENDOR = Path(__file__).parents[1] / "vendor"
 ENGINES = ("bullet", "dart", "mujoco")
@@ -102,14 +102,14 @@ def test_no_claim_is_told_twice() -> None:
 
 def here() -> dict[str, Adapter]:
     """The engines of others that are installed."""
-    adapters = {name: discover.adapter(name) for name in ENGINES}
-    return {name: adapter for name, adapter in adapters.items() if discover.version_of(adapter)[1] is None}
+    adapters = {name: plugins.adapter(name) for name in ENGINES}
+    return {name: adapter for name, adapter in adapters.items() if plugins.version_of(adapter)[1] is None}
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, marks=pytest.mark.slow if c in LONG else ()) for c in CASES])
 def test_what_an_engine_misses_in_the_quick_study_is_what_its_scripts_show(case: str, tmp_path: Path) -> None:
     """At the case's own step, by the claimed figures; at others nothing but what is claimed there."""
-    engines, question = here(), discover.case(case)
+    engines, question = here(), plugins.case(case)
     claimed = {claim.cell: claim.checks for claim in CLAIMS if claim.case == case and claim.engine in engines}
     found: dict[tuple[str, str, str], dict[str, float]] = {}
     for trial in QUICK.trials({case: question}, engines, dict.fromkeys(engines, "here")):
@@ -127,14 +127,14 @@ def test_what_an_engine_misses_in_the_quick_study_is_what_its_scripts_show(case:
 
 
 LIMITS = load_study("limits")
-AXES = sorted({case for e in LIMITS.experiments if e.limit for case in discover.cases() if e.asks(case)})
+AXES = sorted({case for e in LIMITS.experiments if e.limit for case in plugins.cases() if e.asks(case)})
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", AXES)
 def test_what_breaks_at_the_easiest_value_of_an_axis_is_what_scripts_show(case: str, tmp_path: Path) -> None:
     """Two starts of each; an axis that is searched at several values of another is told once."""
-    engines, question = here(), discover.case(case)
+    engines, question = here(), plugins.case(case)
     claimed = {(e.engine, e.track, e.along) for e in EASIEST if e.case == case and e.engine in engines}
     found = set()
     for trial in LIMITS.trials({case: question}, engines, dict.fromkeys(engines, "here")):

@@ -5,22 +5,22 @@ from typing import Any
 
 import pytest
 
-from harness import discover
 from harness.adapter import Adapter, Settings, Simulation
 from harness.conformance.faults import plant
 from harness.scene import Scene
+from harness.study import plugins
 from harness.trajectory import State
 from tests.conformance.clocked_loop import Called, clocked_calls, growth, made
 
 READING = {"state", "contacts", "cast", "render", "save", "warnings", "resolved"}
 """What the harness asks of a simulation beside `step`."""
 TELLING = {"builtins.print", "builtins.open", "posix.write"}
-TOWER = discover.case("stack_tower")
+TOWER = plugins.case("stack_tower")
 
 
 def installed(name: str) -> Adapter:
-    adapter = discover.adapter(name)
-    if reason := discover.version_of(adapter)[1]:
+    adapter = plugins.adapter(name)
+    if reason := plugins.version_of(adapter)[1]:
         pytest.skip(f"{name}: {reason}")
     return adapter
 
@@ -68,7 +68,7 @@ def test_between_two_readings_of_the_clock_only_the_engines_step_runs(engine: st
     one.stop()
     assert trespassers(calls) == set()
     ((called, times),) = ((called, times) for called, times in calls.items() if called.by.startswith("harness/"))
-    assert (called.by, called.file, times) == ("harness/bench.py", f"adapters/{engine}.py", 1)
+    assert (called.by, called.file, times) == ("harness/trial/bench.py", f"adapters/{engine}.py", 1)
     assert called.name.endswith(".step")
 
 
@@ -92,7 +92,7 @@ def test_nothing_of_ours_grows_with_the_steps(engine: str) -> None:
 
 
 def test_rays_and_worlds_are_clocked_without_the_harness_but_for_the_plain_way_from_world_to_world() -> None:
-    rays, pile = discover.case("system_rays"), discover.case("stack_pile")
+    rays, pile = plugins.case("system_rays"), plugins.case("stack_pile")
     for engine, between in (("mujoco", {"Turns.step"}), ("reference", set[str]())):
         casting = made(rays, installed(engine), thin=256)
         casting.clock(2)
@@ -107,7 +107,7 @@ def test_rays_and_worlds_are_clocked_without_the_harness_but_for_the_plain_way_f
 
 
 def test_the_law_of_forces_from_outside_stays_outside() -> None:
-    case = discover.case("orbit_kepler")
+    case = plugins.case("orbit_kepler")
     assert case.control is not None
     one = made(case, installed("mujoco"))
     one.clock(8)
@@ -122,7 +122,7 @@ def test_an_engine_that_reads_and_keeps_its_state_inside_the_clock_is_seen() -> 
     one.clock(50)
     calls = clocked_calls(one, 50)
     assert trespassers(calls) == {"State.empty", "MujocoSimulation.state", "check_state"}
-    assert calls[Called("tests/conformance/test_clocked_loop.py", "harness/trajectory.py", "State.empty")] == 50
+    assert calls[Called("tests/conformance/test_clocked_loop.py", "harness/trajectory/trajectory.py", "State.empty")] == 50
     few, many = growth(lambda: one.clock(50)), growth(lambda: one.clock(550))
     one.stop()
     assert many - few > 500 * 8

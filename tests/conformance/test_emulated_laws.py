@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 
 from harness.adapter import Adapter, Advantage, Emulation, Feature, Settings, Simulation
+from harness.adapter.features import features_of
 from harness.conformance.features import _SCENES, _slide
 from harness.conformance.motion import built
-from harness.emulations import made, whose
-from harness.features import features_of
+from harness.findings.emulations import made, whose
 from harness.scene import Body, Drive, Effect, Limits, Scene, Spring
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
@@ -213,9 +213,9 @@ def test_a_finding_is_told_whose_law_it_is_about() -> None:
 
 
 def test_our_engine_gives_a_reason_only_for_cases_that_there_are() -> None:
-    from harness import discover
+    from harness.study import plugins
 
     advantages = adapter("reference").advantages
-    tracks, cases = adapter("reference").tracks, discover.cases()
+    tracks, cases = adapter("reference").tracks, plugins.cases()
     assert advantages.keys() <= {f"{track}/{case}" for track in tracks for case in cases}
     assert all(isinstance(one, Advantage) and one.why.strip() for one in advantages.values())

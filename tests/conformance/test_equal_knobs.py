@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness import discover
-from harness.effort import ALIKE
+from harness.findings.effort import ALIKE
+from harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.knobs import Tried, swept, unequal
 
@@ -24,7 +24,7 @@ def test_one_and_a_half_times_as_many_settings_are_alike_and_more_are_not() -> N
 @pytest.fixture(scope="module", params=["friction_slip_to_roll", "impact_oblique"])
 def tried(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Sequence[Tried]:
     """A cheap case with contact, in which every engine has knobs that matter; and MuJoCo once more without a knob."""
-    case = discover.case(request.param)
+    case = plugins.case(request.param)
     engines = {name: adapter(name) for name in NAMES if not why_unavailable(name)}
     engines[BARE] = replace(adapter("mujoco"), name=BARE, knobs={})
     return swept(case, engines, case.ladder, SWEEP, tmp_path_factory.mktemp("knobs"))

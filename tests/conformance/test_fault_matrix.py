@@ -4,9 +4,9 @@ from fnmatch import fnmatchcase
 
 import pytest
 
-from harness import discover
 from harness.conformance import CONTROLS, Control
 from harness.conformance.faults import Rewritten, plant
+from harness.study import plugins
 from tests.conformance.fault_matrix import NAMED, applied, broken_checks, caught, known, sound_failures, steps
 
 CONTROL = {control.name: control for control in CONTROLS}
@@ -37,9 +37,9 @@ QUICK = (
 
 def _look(control: Control, case: str) -> None:
     dt, checks = known()[control.name, case]
-    rung = next(step for step in steps(discover.case(case)) if step == pytest.approx(dt, rel=1e-5))
+    rung = next(step for step in steps(plugins.case(case)) if step == pytest.approx(dt, rel=1e-5))
     assert not sound_failures(case, rung), f"the sound engine fails {sound_failures(case, rung)}"
-    found = caught(control, discover.case(case), rung)
+    found = caught(control, plugins.case(case), rung)
     assert found is not None, f"{case} no longer notices {control.fault}"
     assert checks & set(found.checks), f"{sorted(found.checks)} noticed instead of {sorted(checks)}"
 
@@ -59,21 +59,21 @@ def test_the_page_holds_every_fault_twice_and_knows_its_controls_and_cases() -> 
     for fault in NAMED:
         assert sum(row[0] == fault for row in rows) >= 2, fault
     assert {fault for fault, _ in rows} <= set(CONTROL)
-    assert {case for _, case in rows} <= set(discover.cases())
+    assert {case for _, case in rows} <= set(plugins.cases())
 
 
 def test_patterns_name_cases_that_exist() -> None:
     for control in CONTROLS:
         for pattern in control.applies_to_cases:
-            assert any(fnmatchcase(case, pattern) for case in discover.cases()), (control.name, pattern)
+            assert any(fnmatchcase(case, pattern) for case in plugins.cases()), (control.name, pattern)
 
 
 @pytest.mark.parametrize("case", ["friction_threshold", "friction_wall_pinch"])
 def test_an_engine_that_is_built_anew_in_each_step_without_a_fault_fails_nothing(case: str) -> None:
     """Sleep is planted by building anew: what the cases notice has to be the sleep, not the planting."""
-    question = discover.case(case)
+    question = plugins.case(case)
     rebuilt = plant(
-        discover.adapter("reference"),
+        plugins.adapter("reference"),
         simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, lambda *_: True),
     )
     assert not broken_checks(question, rebuilt, question.dt)

@@ -6,23 +6,23 @@ import time
 
 import pytest
 
-from harness import discover
 from harness.adapter import Unavailable
-from harness.bench import clock_steps
+from harness.study import plugins
+from harness.trial.bench import clock_steps
 
 STEPS, BLOCKS = 2000, 15
 
 
 def test_a_step_through_the_harness_is_measured_against_the_bare_loop(capsys: pytest.CaptureFixture[str]) -> None:
     """A 10-box stack in MuJoCo: the call that the timing run clocks, and `mj_step(m, d, n)`, block by block in one process."""
-    adapter = discover.adapter("mujoco")
+    adapter = plugins.adapter("mujoco")
     try:
         adapter.version()
     except Unavailable as error:
         pytest.skip(f"MuJoCo is not installed: {error}")
     import mujoco
 
-    case = discover.case("stack_tower")
+    case = plugins.case("stack_tower")
     scene = case.scene(**case.parameters)
     ours = adapter.build(scene, adapter.tracks["tuned"])
     bare = adapter.build(scene, adapter.tracks["tuned"])

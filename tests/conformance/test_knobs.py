@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from harness import discover
 from harness.adapter import Settings, SettingsError, Unsupported
 from harness.scene import Scene
-from harness.sweep import turned
+from harness.search.front import turned
+from harness.study import plugins
 from harness.trajectory import State
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
@@ -44,7 +44,7 @@ def answer(engine: str, scene: Scene, settings: Settings) -> bytes:
 def test_a_knob_that_acts_on_nothing_here_changes_nothing(case: str, engine: str) -> None:
     if why_unavailable(engine):
         pytest.skip(why_unavailable(engine))
-    question, contestant = discover.case(case), adapter(engine)
+    question, contestant = plugins.case(case), adapter(engine)
     scene = question.scene()
     track = replace(contestant.tracks["tuned"], dt=question.dt)
     base = answer(engine, scene, track)

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness import discover
 from harness.adapter import Settings
-from harness.kinematics import rotate_back
 from harness.scene import principal_inertia
+from harness.study import plugins
+from harness.trajectory.kinematics import rotate_back
 from tests.conformance.engines import why_unavailable
 from tests.conformance.put import Answer, put
 
@@ -21,9 +21,9 @@ def ask(name: str, engine: str, settings: Settings | str, dt: float, **parameter
     """The answer of an engine on a track, or under settings of its own."""
     if missing := why_unavailable(engine):
         pytest.skip(missing)
-    adapter = discover.adapter(engine)
+    adapter = plugins.adapter(engine)
     chosen = adapter.tracks[settings] if isinstance(settings, str) else settings
-    answer = put(discover.case(name), adapter, chosen.with_dt(dt), parameters=parameters)
+    answer = put(plugins.case(name), adapter, chosen.with_dt(dt), parameters=parameters)
     assert answer.broke is None, answer.broke
     return answer
 
@@ -119,5 +119,5 @@ def test_explicit_gyroscopic_terms_give_and_implicit_ones_take_about_seven_per_c
 
 def test_runge_and_kutta_keep_the_energy_that_first_order_methods_lose() -> None:
     for engine in ("mujoco", "reference"):
-        tuned = discover.adapter(engine).tracks["tuned"]
+        tuned = plugins.adapter(engine).tracks["tuned"]
         assert ask("spin_asymmetric_top", engine, replace(tuned, integrator="rk4"), 1 / 240)["energy_drift_max"] < 1e-9

@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.adapter import Unsupported
 from harness.case import Case
-from harness.endure import BROKE_BY, OWN_CHECKS, SIGN, endure
-from harness.limits import Ruler
 from harness.metrics.meetings import PAIRS_MET
-from harness.run import answer_of, run_trial
-from harness.study import Experiment, Limit, Study, Trial
+from harness.search.first_break import Ruler
+from harness.study import plugins
+from harness.study.study import Experiment, Limit, Study, Trial
+from harness.trial.accuracy import answer_of, run_trial
+from harness.trial.ensemble import BROKE_BY, OWN_CHECKS, SIGN, endure
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
-CASES = {name: case for name, case in sorted(discover.cases().items()) if case.hard is not None}
+CASES = {name: case for name, case in sorted(plugins.cases().items()) if case.hard is not None}
 EVENTS = ("impact", "tunnel", "stand_hit")
 """Cases whose question is of a blow: it presupposes that one happens."""
 SLOW = ("system_scaling",)

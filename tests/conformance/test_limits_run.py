@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import discover
-from harness.endure import endure
-from harness.leads import BUDGETS
-from harness.store import Store
-from harness.study import Experiment, Limit, Study
+from harness.findings.leads import BUDGETS
+from harness.store.store import Store
+from harness.study import plugins
+from harness.study.study import Experiment, Limit, Study
+from harness.trial.ensemble import endure
 from tests.charts import checked
 from tests.conftest import Command
 
@@ -81,12 +81,12 @@ def limits(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 def test_a_limit_agrees_with_a_direct_scan(limits: Path, plumbline: Command) -> None:
     """Twelve speeds, one by one, without any search: the first that breaks lies where the bracket says."""
-    case = discover.case("tunnel_sphere_wall")
+    case = plugins.case("tunnel_sphere_wall")
     sought = [row for row in table(limits, "limits", plumbline) if row["where"] == "continuous False"]
     assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
     for row in sought:
         assert row["verdict"] == "limit"
-        engine = discover.adapter(row["engine"])
+        engine = plugins.adapter(row["engine"])
         experiment = Experiment(name="scan", tracks=("tuned",), timing=False, limit=Limit(members=2))
         study = Study(name="scan", experiments=(experiment,))
         (start,) = study.trials({case.name: case}, {engine.name: engine}, {engine.name: "1"})

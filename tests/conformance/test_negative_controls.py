@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.adapter import Adapter
 from harness.conformance import CHECKS, CONTROLS, Control, noise_axes_are_independent, run_check
 from harness.conformance.faults import Rewritten, Wrapped, plant
 from harness.conformance.sound_engines import any_order, either_sign
 from harness.scene import AxisNoise
 from harness.sensors.imu_noise import three_axes
+from harness.study import plugins
 from harness.trajectory import Trajectory
 from tests.conformance import fault_matrix
 from tests.conformance.engines import NAMES, adapter, why_unavailable
@@ -72,7 +72,7 @@ def test_a_fault_in_recorded_streams_is_caught_and_named(control: Control, caugh
 def test_a_fault_in_readings_is_caught_by_every_case_that_the_control_names(
     control: Control, case: str, caught: set[str]
 ) -> None:
-    found = fault_matrix.caught(control, discover.case(case), discover.case(case).dt)
+    found = fault_matrix.caught(control, plugins.case(case), plugins.case(case).dt)
     assert found is not None, f"{control.fault} went unnoticed by {case}, or the sound engine fails it"
     caught.add(control.name)
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import discover
-from harness.front import on_front
-from harness.prices import Prices
-from harness.store import Store
-from harness.sweep import SCREENING, SMALLEST, TELLING
+from harness.findings.prices import Prices
+from harness.search.front import SCREENING, SMALLEST, TELLING
+from harness.statistics.pareto import on_front
+from harness.store.store import Store
+from harness.study import plugins
 from tests.conftest import Command
 
 STUDY = """
@@ -43,7 +43,7 @@ def test_the_sweep_goes_beyond_the_tracks_within_its_number(folder: Path) -> Non
     trials = Store(folder).trials
     for engine in ("mujoco", "reference"):
         mine = trials[trials["engine"] == engine]
-        own = mine[(mine["track"] == "tuned") & np.isclose(mine["dt"], discover.case("spin_asymmetric_top").dt)]
+        own = mine[(mine["track"] == "tuned") & np.isclose(mine["dt"], plugins.case("spin_asymmetric_top").dt)]
         hashes = mine["trajectory_hash"]
         idle = (mine["round"] == 1) & (hashes.isna() | (hashes == own["trajectory_hash"].iloc[0]))
         assert idle.any()

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from adapters.reference import ADAPTER
-from harness import discover
 from harness.adapter import Settings, SettingsError, Simulation, Unsupported
 from harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Prismatic, Scene, Sphere, Surface
+from harness.study import plugins
 from harness.trajectory import State
 from tests.conformance.put import put
 
@@ -118,7 +118,7 @@ def test_tuned_contacts_are_exact_where_few_bodies_of_unlike_masses_have_weight(
 
 def test_the_sub_steps_that_are_told_are_those_that_are_taken() -> None:
     """Runge-Kutta takes dt whole where nothing can touch; whatever was asked for, the answer is the same there."""
-    top = discover.case("spin_heavy_top").scene()
+    top = plugins.case("spin_heavy_top").scene()
     assert ADAPTER.build(top, TUNED).resolved.substeps == 1
     assert ADAPTER.build(top, ADAPTER.tracks["default"]).resolved.substeps == 4
     ends = [_end(ADAPTER.build(top, replace(TUNED, substeps=parts)), top, 60) for parts in (1, 8)]
@@ -155,7 +155,7 @@ def test_what_is_asked_for_by_name_is_what_is_used() -> None:
 def test_a_linkage_goes_through_its_singular_pose_wherever_the_steps_fall(substeps: int) -> None:
     """Joints that are closed by rounds with the Jacobian of the start may find it dependent there: the linkage must neither fly
     apart nor go on as an anti-parallelogram. Six steps and four numbers of sub-steps put starts close to the pose."""
-    case = discover.case("joint_fourbar")
+    case = plugins.case("joint_fourbar")
     for dt in case.ladder:
         answer = put(case, ADAPTER, replace(ADAPTER.tracks["default"], substeps=substeps, dt=dt))
         assert answer.broke is None

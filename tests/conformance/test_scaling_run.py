@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from harness import discover
-from harness.tables.scaling import COLUMNS
+from harness.findings.tables.scaling import COLUMNS
+from harness.study import plugins
 from tests.conftest import Command
 
 STUDY = """
@@ -63,7 +63,7 @@ deadline = {deadline}
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> Path:
-    version, reason = discover.version_of(discover.adapter("mujoco"))
+    version, reason = plugins.version_of(plugins.adapter("mujoco"))
     if reason is not None:
         pytest.skip(f"MuJoCo {version}: {reason}")
     out = tmp_path_factory.mktemp("scaling")

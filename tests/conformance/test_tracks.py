@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness import discover
+from harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.known_prices import PLUGINS
 from tests.tracks import (
@@ -22,7 +22,7 @@ from tests.tracks import (
     run_both_tracks,
 )
 
-CASES = discover.cases()
+CASES = plugins.cases()
 ENGINES = pytest.mark.parametrize("name", NAMES)
 
 
@@ -92,7 +92,7 @@ def test_a_list_of_trade_offs_is_held_to_both_ways() -> None:
 def test_an_engine_that_was_deliberately_detuned_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two planted engines whose default errs by the first order: one is tuned to the second, one to an error that stays."""
     monkeypatch.syspath_prepend(PLUGINS)  # children inherit the path
-    engines = {name: discover.adapter(name) for name in ("spinner", "detuned")}
+    engines = {name: plugins.adapter(name) for name in ("spinner", "detuned")}
     case = {"flight_projectile": CASES["flight_projectile"]}
     compared = comparisons(run_both_tracks(tmp_path / "run", case, engines, ladder=False), case)
     worse = {name: {one.case: str(one) for one in some if one.worse} for name, some in compared.items()}

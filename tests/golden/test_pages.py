@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from jsonschema import ValidationError
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.html import rendered
 from reports.pages import sensors
 from tests.charts import checked

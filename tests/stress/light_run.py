@@ -8,12 +8,13 @@ from typing import Literal
 import pandas as pd
 import pytest
 
-from harness import campaign, discover
-from harness.record import Record, Sample, Timing
-from harness.run import run_trial
-from harness.store import TABLES, Store
-from harness.study import Experiment, Study, Trial
-from harness.summary import write_summary
+from harness.findings.summary import write_summary
+from harness.run import campaign
+from harness.store.record import Record, Sample, Timing
+from harness.store.store import TABLES, Store
+from harness.study import plugins
+from harness.study.study import Experiment, Study, Trial
+from harness.trial.accuracy import run_trial
 from tests.conftest import PLUGINS
 
 __all__ = ["STUDY", "carry_out", "light", "same_tables", "tables"]
@@ -27,7 +28,7 @@ STUDY = Study(
 
 def _in_this_process(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
     for trial in trials:
-        yield run_trial(trial, discover.case(trial.case), discover.adapter(trial.engine), folder)
+        yield run_trial(trial, plugins.case(trial.case), plugins.adapter(trial.engine), folder)
 
 
 def _by_formula(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
@@ -45,7 +46,7 @@ def light(patch: pytest.MonkeyPatch) -> None:
 
 def carry_out(folder: Path, study: Study = STUDY, resume: bool | Literal["merge"] = True) -> Store:
     """The study, with the summaries that the command line writes behind it."""
-    cases, engines = {"stress_fall": discover.case("stress_fall")}, {"sound": discover.adapter("sound")}
+    cases, engines = {"stress_fall": plugins.case("stress_fall")}, {"sound": plugins.adapter("sound")}
     store = campaign.carry_out(study, folder, cases, engines, workers=1, resume=resume)
     write_summary(store)
     return store

@@ -10,14 +10,14 @@ import os
 import sys
 from pathlib import Path
 
-import harness.campaign
-import harness.cli
-import harness.pool
-import harness.team
-from harness import discover
-from harness.provenance import sources_of
-from harness.store import Store
-from harness.summary import write_summary
+import harness.cli.main
+import harness.run.campaign
+import harness.run.isolated
+import harness.run.timed_processes
+from harness.findings.summary import write_summary
+from harness.store.store import Store
+from harness.study import plugins
+from harness.study.provenance import sources_of
 
 
 def publish(store: Store, _recordings: bool) -> Path:
@@ -32,17 +32,17 @@ def run(arguments: list[str], log: str) -> int:
     os.dup2(stream, 1)
     os.dup2(stream, 2)
     try:
-        harness.cli.main(arguments)
+        harness.cli.main.main(arguments)
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else 1
     return 0
 
 
 if __name__ == "__main__":
-    for case in discover.cases():
+    for case in plugins.cases():
         sources_of(case, "sound")
-    harness.cli._publish = publish
-    harness.pool.context = harness.team.context = lambda: multiprocessing.get_context("fork")  # type: ignore
+    harness.cli.main._publish = publish
+    harness.run.isolated.context = harness.run.timed_processes.context = lambda: multiprocessing.get_context("fork")  # type: ignore
     for line in sys.stdin:
         told = json.loads(line)
         child = os.fork()

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any, NoReturn
 from unittest.mock import patch
 
-import harness.campaign
-from harness.catalogue import describe_case
-from harness.cli import main
-from harness.discover import SCENE_PREFIX
-from harness.study import Study
+import harness.run.campaign
+from harness.cli.main import main
+from harness.study.catalogue import describe_case
+from harness.study.plugins import SCENE_PREFIX
+from harness.study.study import Study
 
 __all__ = ["LONGEST", "Reading", "read_by_command"]
 
@@ -84,7 +84,7 @@ def read_by_command(arguments: list[str]) -> Reading:
     signal.signal(signal.SIGPROF, _stop)
     signal.signal(signal.SIGALRM, _stop)
     said, start = io.StringIO(), time.process_time()
-    with patch.object(harness.campaign, "carry_out", _up_to_here), contextlib.redirect_stderr(said):
+    with patch.object(harness.run.campaign, "carry_out", _up_to_here), contextlib.redirect_stderr(said):
         ended = _called(arguments)
     text = said.getvalue()
     if any(not sign.isprintable() and sign not in "\n\t" for sign in text):

@@ -11,10 +11,11 @@ from typing import Any
 
 import pytest
 
-from harness import campaign, discover, provenance, sources
-from harness.journal import FolderTaken, read_written
-from harness.store import Store
-from harness.verify import problems
+from harness.run import campaign
+from harness.run.verify import problems
+from harness.store.journal import FolderTaken, read_written
+from harness.store.store import Store
+from harness.study import plugins, provenance, sources
 from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import STUDY, carry_out, light
@@ -63,7 +64,10 @@ def edit(monkeypatch: pytest.MonkeyPatch, file: Path) -> None:
     ("file", "words"),
     [
         (PLUGINS / "faulty.py", "runs anew 2: the adapter's source changed: faulty.py; the case's source changed: faulty.py"),
-        (Path(sources.__file__).with_name("simulate.py"), "the harness that steps and measures changed: harness/simulate.py"),
+        (
+            Path(sources.__file__).with_name("simulate.py"),
+            "the harness that steps and measures changed: harness/trial/simulate.py",
+        ),
         (
             Path(sources.__file__).parent / "metrics" / "position.py",
             "runs anew 2: the adapter's source changed: harness/metrics/position.py",
@@ -213,9 +217,9 @@ def test_a_folder_of_the_first_schema_is_read_and_run_anew(
 def test_records_beside_what_is_asked_now_stay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     carry_out(tmp_path / "run")
     study = replace(STUDY, experiments=(replace(STUDY.experiments[0], cases=("*",), engines=("*",)),))
-    fall = {"stress_fall": discover.case("stress_fall")}
+    fall = {"stress_fall": plugins.case("stress_fall")}
     for name in ("sound", "raise"):
-        engines = {name: discover.adapter(name)}
+        engines = {name: plugins.adapter(name)}
         campaign.carry_out(study, tmp_path / "two", fall, engines, workers=1, resume=True)
     assert "keeps 2 of 2 trials, 2 of them beside what is asked now (sound 1.0)" in capsys.readouterr().err
     assert len(Store(tmp_path / "two").trials) == 4

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.journal import StoreError
-from harness.store import Store
-from harness.verify import problems
+from harness.run.verify import problems
+from harness.store.journal import StoreError
+from harness.store.store import Store
 from tests.conftest import Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import carry_out, light, same_tables, tables
@@ -26,7 +26,7 @@ def _light(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A whole run folder, with truths that count as slow."""
-    monkeypatch.setattr("harness.truth_keeper.LONG", -1.0)
+    monkeypatch.setattr("harness.trial.truth_cache.LONG", -1.0)
     carry_out(tmp_path / "run")
     assert [*problems(tmp_path / "run")] == []
     return tmp_path / "run"
@@ -124,7 +124,7 @@ def test_a_truth_that_is_damaged_while_a_run_goes_on_is_made_again(
     for path, whole in kept.items():
         path.write_bytes(whole[:100] + bytes([whole[100] ^ 1]) + whole[101:])
     expected = tables(run)
-    monkeypatch.setattr("harness.resume._mended_truths", lambda _folder: [])
+    monkeypatch.setattr("harness.run.resume._mended_truths", lambda _folder: [])
     carry_out(other)
     same_tables(other, expected)
     said = capsys.readouterr().err

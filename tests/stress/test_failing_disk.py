@@ -10,12 +10,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness import campaign, disk, worker
-from harness.journal import Journal, StoreError
-from harness.record import Record
-from harness.store import Store
-from harness.study import Trial
-from harness.verify import problems
+from harness.run import campaign, child
+from harness.run.verify import problems
+from harness.store import disk
+from harness.store.journal import Journal, StoreError
+from harness.store.record import Record
+from harness.store.store import Store
+from harness.study.study import Trial
 from tests.stress.failing_disk import ERRORS, Counting, Failing, Losing, PowerCut
 from tests.stress.ledger import Page
 from tests.stress.light_run import carry_out, light, same_tables, tables
@@ -202,7 +203,7 @@ def test_an_answer_that_cannot_be_kept_is_no_crash_of_its_engine(
 
     def isolated(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
         for trial in trials:
-            yield from worker.answers(trial, folder)
+            yield from child.answers(trial, folder)
 
     folder = tmp_path / "run"
     with monkeypatch.context() as patch:

@@ -11,8 +11,8 @@ import pandas as pd
 import psutil
 import pytest
 
-from harness.servers import WORTH_A_SERVER, Server, context, start_apart, start_loaded
-from harness.store import Store
+from harness.run.fork_servers import WORTH_A_SERVER, Server, context, start_apart, start_loaded
+from harness.store.store import Store
 from tests.conftest import Command
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import start
@@ -34,7 +34,7 @@ MORE = {
 }
 ENGINE = {"plain": "slow", "loaded": "loading", "apart": "slow", "clock": "slow"}
 CELLS = {"plain": 6, "loaded": 24, "apart": 3, "clock": 2}
-MARK = {"plain": "harness.cli", "loaded": "xml.dom.pulldom", "apart": "harness.cli", "clock": "harness.cli"}
+MARK = {"plain": "harness.cli.main", "loaded": "xml.dom.pulldom", "apart": "harness.cli.main", "clock": "harness.cli.main"}
 
 
 def servers(of: int, mark: str) -> list[psutil.Process]:

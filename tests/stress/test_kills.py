@@ -15,9 +15,9 @@ from typing import IO
 
 import pytest
 
-from harness.journal import read_written
-from harness.store import Store
-from harness.verify import problems
+from harness.run.verify import problems
+from harness.store.journal import read_written
+from harness.store.store import Store
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import write_study
 

@@ -17,10 +17,10 @@ import pytest
 from click.testing import CliRunner
 from markdown_it import MarkdownIt
 
-from harness.cli import main
-from harness.listing import print_csv, print_json, print_markdown, print_table
-from harness.store import Store
-from harness.summary import write_summary
+from harness.cli.listing import print_csv, print_json, print_markdown, print_table
+from harness.cli.main import main
+from harness.findings.summary import write_summary
+from harness.store.store import Store
 from tests.run_folder import BAD_CASE, write_run_folder
 from tests.stress.ledger import Page
 
@@ -278,7 +278,7 @@ def test_what_is_asked_for_wrongly_is_named_without_acting_on_the_terminal(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("harness.cli.listen", lambda: None)  # it would take the signals of the test's own process
+    monkeypatch.setattr("harness.cli.main.listen", lambda: None)  # it would take the signals of the test's own process
     told = CliRunner().invoke(main, WRONG[name])
     assert told.exit_code in (2, 3), told.output
     assert told.exception is None or isinstance(told.exception, SystemExit)

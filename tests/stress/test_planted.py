@@ -10,10 +10,10 @@ import psutil
 import pytest
 import tomli_w
 
-from harness.message import BrokenMessage, Inbox, read_record
-from harness.pool import tell
-from harness.store import Store
-from harness.study import load_study
+from harness.run.isolated import tell
+from harness.run.message import BrokenMessage, Inbox, read_record
+from harness.store.store import Store
+from harness.study.study import load_study
 from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.store import Store
+from harness.store.store import Store
 from tests.stress.ledger import Page
 
 PLUGINS = Path(__file__).parent / "dying_plugins"

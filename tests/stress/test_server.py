@@ -392,7 +392,7 @@ def test_a_file_that_shrinks_while_it_is_sent_is_cut_and_one_that_grows_is_not_r
 def test_a_page_that_cannot_be_made_is_said_so_in_text(folder: Path, tmp_path: Path, ledger: Page) -> None:
     import asyncio
 
-    from harness.store import Store
+    from harness.store.store import Store
     from reports.server import site
     from reports.server.request import Request
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from harness.store import Store
+from harness.store.store import Store
 from tests.conftest import Command
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import CELLS, answers, start, write_study

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.alteration import AS_IT_IS, EVERYTHING, FAINT, Alteration, departures
+from harness.case.alteration import AS_IT_IS, EVERYTHING, FAINT, Alteration, departures
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
 
 

@@ -6,24 +6,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness import discover
-from harness.batch import Turns, WorldOf, spread
+from harness.adapter.many_worlds import Turns, WorldOf, spread
+from harness.study import plugins
 from harness.trajectory import State
 
-CASE = discover.case("stack_pile")
+CASE = plugins.case("stack_pile")
 SCENE = CASE.scene(n=4)
 BODIES = len(SCENE.bodies)
 
 
 def batch(worlds: int) -> Turns:
-    adapter = discover.adapter("mujoco")
+    adapter = plugins.adapter("mujoco")
     made = adapter.build_batch(SCENE, adapter.tracks["default"], worlds)
     assert isinstance(made, Turns)
     return made
 
 
 def test_all_worlds_advance_and_stay_equal_to_a_simulation_of_its_own() -> None:
-    adapter = discover.adapter("mujoco")
+    adapter = plugins.adapter("mujoco")
     together, alone = batch(3), adapter.build(SCENE, adapter.tracks["default"])
     together.step(20)
     alone.step(20)
@@ -60,7 +60,7 @@ def test_one_world_looked_at_steps_them_all() -> None:
 
 
 def test_a_batch_that_cannot_be_finished_closes_what_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
-    adapter = discover.adapter("mujoco")
+    adapter = plugins.adapter("mujoco")
     closed, made = [], []
 
     def build(self: object, scene: object, settings: object) -> object:
@@ -79,7 +79,7 @@ def test_a_batch_that_cannot_be_finished_closes_what_it_began(monkeypatch: pytes
 @pytest.mark.parametrize(("options", "own"), [({}, True), ({"threads": 2}, False)])
 def test_the_reference_engine_steps_its_worlds_together_with_the_bits_of_one_alone(options: dict[str, int], own: bool) -> None:
     """Its own batch where it has one for these settings, and turns otherwise."""
-    adapter = discover.adapter("reference")
+    adapter = plugins.adapter("reference")
     settings = replace(adapter.tracks["default"], options=options)
     together, alone = adapter.build_batch(SCENE, settings, 3), adapter.build(SCENE, settings)
     assert isinstance(together, Turns) != own

@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.adapter import Settings
-from harness.bench import TOGETHER, Bench, calibrate, caster, rough_cost, rough_cost_beside
 from harness.case import Clocks
-from harness.clock import summarise
-from harness.record import Sample
-from harness.study import Experiment, Trial
+from harness.run.timing_blocks import summarise
+from harness.store.record import Sample
+from harness.study import plugins
+from harness.study.study import Experiment, Trial
 from harness.trajectory import State
+from harness.trial.bench import TOGETHER, Bench, calibrate, caster, rough_cost, rough_cost_beside
 
 DT = 1 / 240
-PILE = discover.case("stack_pile")
+PILE = plugins.case("stack_pile")
 
 
 class Counting:
@@ -98,7 +98,7 @@ def test_a_steady_case_is_clocked_from_its_steady_time_and_goes_on_with_one_run(
 
 
 def test_another_case_is_clocked_from_its_start_in_whole_runs() -> None:
-    made, maker = bench(discover.case("flight_box"))
+    made, maker = bench(plugins.case("flight_box"))
     assert not made.steady
     made.clock(2 * made.whole)
     assert steps(maker.told) == [made.whole, made.whole]
@@ -114,7 +114,7 @@ def test_worlds_are_stepped_together_a_few_steps_at_a_time() -> None:
 
 
 def test_rays_are_cast_instead_of_steps_and_counted_one_by_one() -> None:
-    case = discover.case("system_rays")
+    case = plugins.case("system_rays")
     made, maker = bench(case, thin=64)
     rays = case.rays(pattern="lidar", thin=64)  # type: ignore[misc]
     assert made.units == len(rays.origins) == 32 * 1024 // 64
@@ -134,7 +134,7 @@ def test_reading_takes_single_steps_and_reads_into_the_same_arrays_after_each() 
 
 
 def test_reading_under_a_control_leaves_the_law_outside_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    made, maker = bench(discover.case("system_scaling"), "reading", n=2)
+    made, maker = bench(plugins.case("system_scaling"), "reading", n=2)
     made.clock(1)
     clocked: list[str] = []
 
@@ -145,7 +145,7 @@ def test_reading_under_a_control_leaves_the_law_outside_the_clock(monkeypatch: p
         clocked.extend(what for what, _ in maker.told[before:])
         return 0.0, 0.0
 
-    monkeypatch.setattr("harness.bench.clock_calls", clock)
+    monkeypatch.setattr("harness.trial.bench.clock_calls", clock)
     made.start()
     begun = len(maker.told)
     made.clock(9)
@@ -156,7 +156,7 @@ def test_reading_under_a_control_leaves_the_law_outside_the_clock(monkeypatch: p
 
 
 def test_an_empty_call_takes_no_step_and_never_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    made, maker = bench(discover.case("flight_box"), "call")
+    made, maker = bench(plugins.case("flight_box"), "call")
     made.clock(1000)
     made.clock(1000)
     assert steps(maker.told) == [0] * 2000
@@ -175,8 +175,8 @@ def test_an_empty_call_takes_no_step_and_never_ends_a_run(monkeypatch: pytest.Mo
 @pytest.mark.parametrize("engine", ["bullet", "dart", "mujoco", "reference"])
 @pytest.mark.parametrize("case", ["flight_box", "stack_pile"])
 def test_a_call_without_a_step_changes_no_bit_of_what_comes(engine: str, case: str) -> None:
-    adapter, scene = discover.adapter(engine), discover.case(case).scene()
-    if (reason := discover.version_of(adapter)[1]) is not None:
+    adapter, scene = plugins.adapter(engine), plugins.case(case).scene()
+    if (reason := plugins.version_of(adapter)[1]) is not None:
         pytest.skip(reason)
     ends = []
     for empty in (0, 3):
@@ -197,7 +197,7 @@ def test_a_call_without_a_step_changes_no_bit_of_what_comes(engine: str, case: s
 
 
 def test_calibration_takes_whole_runs_of_a_short_case_and_part_of_a_long_steady_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    short, _ = bench(discover.case("flight_box"))
+    short, _ = bench(plugins.case("flight_box"))
     monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
     assert calibrate(short, 0.01) % short.whole == 0
     assert calibrate(short, 0.01) * 1e-6 >= 0.01
@@ -209,7 +209,7 @@ def test_calibration_takes_whole_runs_of_a_short_case_and_part_of_a_long_steady_
 
 def test_runs_that_cost_more_to_build_than_to_clock_make_shorter_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     """A run of 240 microseconds that takes 10 ms to build: 0.1 s of clock would be 4.2 s of building, 0.3 s are granted."""
-    short, _ = bench(discover.case("flight_box"))
+    short, _ = bench(plugins.case("flight_box"))
     start = Bench.start
 
     def slow(self: Bench) -> None:
@@ -244,7 +244,7 @@ def test_a_price_is_that_of_one_ray_or_one_world() -> None:
 
 @pytest.mark.parametrize("engine", ["mujoco", "bullet"])
 def test_rays_cast_into_arrays_made_beforehand_hit_what_other_rays_hit(engine: str) -> None:
-    case, adapter = discover.case("system_rays"), discover.adapter(engine)
+    case, adapter = plugins.case("system_rays"), plugins.adapter(engine)
     rays = case.rays(pattern="lidar", thin=16)  # type: ignore[misc]
     simulation = adapter.build(case.scene(), adapter.tracks["tuned"])
     usual = simulation.cast(rays.origins, rays.directions, rays.max_range)

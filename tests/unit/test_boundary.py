@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.boundary import DIRECTION, check_rays, check_state, check_targets, check_wrench
+from harness.adapter.what_goes_in import DIRECTION, check_rays, check_state, check_targets, check_wrench
 from harness.conformance.scenes import free
 from harness.scene import WORLD, Drive, Prismatic, Scene
 from harness.trajectory import State

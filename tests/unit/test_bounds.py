@@ -9,15 +9,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.adapter import Settings
 from harness.case import Case, Check
 from harness.metrics.position import POSITION_MAX
-from harness.run import run_trial
 from harness.scene import EARTH_GRAVITY
-from harness.study import Experiment, Trial
+from harness.study import plugins
+from harness.study.study import Experiment, Trial
+from harness.trial.accuracy import run_trial
 
-CASES = discover.cases()
+CASES = plugins.cases()
 SCALED = {"joint_spring": {"RATE"}, "stand_hit": {"SPEED", "SPIN"}}
 """Own values that a bound is scaled from on purpose: a motion worked out at one rate, a figure rounded up at one speed."""
 
@@ -118,7 +118,7 @@ def test_where_a_motion_has_no_truth_its_bound_is_no_number() -> None:
 
 
 def test_a_trial_is_judged_by_the_bound_at_its_own_parameters() -> None:
-    case, adapter = CASES["flight_box"], discover.adapter("reference")
+    case, adapter = CASES["flight_box"], plugins.adapter("reference")
     trial = Trial(
         study="s",
         experiment=Experiment(name="e"),

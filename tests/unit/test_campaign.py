@@ -3,8 +3,8 @@
 import dataclasses
 
 from harness.adapter import Settings
-from harness.campaign import share
-from harness.study import Experiment, Trial
+from harness.run.campaign import share
+from harness.study.study import Experiment, Trial
 
 PLAIN, SWEEPING = Experiment(name="plain"), Experiment(name="front", sweep=5)
 

@@ -12,15 +12,15 @@ from typing import cast
 
 import pytest
 
-from harness import team as clockwork
 from harness.adapter import Settings
-from harness.clock import clock_group, summarise
-from harness.memory_watch import MemoryWatch
-from harness.message import Inbox
-from harness.record import Sample, Timing
-from harness.servers import Server
-from harness.study import Experiment, Trial
-from harness.team import Clocked, Team, joined
+from harness.run import timed_processes as clockwork
+from harness.run.fork_servers import Server
+from harness.run.memory_watch import MemoryWatch
+from harness.run.message import Inbox
+from harness.run.timed_processes import Clocked, Team, joined
+from harness.run.timing_blocks import clock_group, summarise
+from harness.store.record import Sample, Timing
+from harness.study.study import Experiment, Trial
 
 TRIAL = Trial(
     trial="t",
@@ -293,7 +293,9 @@ def test_a_death_in_a_sample_costs_its_own_trial_alone(monkeypatch: pytest.Monke
         yield from [Team(trial, [child], number) for number, trial in enumerate(trials)]
 
     monkeypatch.setattr(clockwork, "_start", start)
-    monkeypatch.setattr("harness.clock.discover", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step")))
+    monkeypatch.setattr(
+        "harness.run.timing_blocks.discover", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
+    )
     experiment = Experiment(name="e", samples=4, processes=2)
     trials = [dataclasses.replace(trial, experiment=experiment) for trial in named("a", "bad", "c")]
     timings = {timing.trial: timing for timing in clock_group(trials, tmp_path, random.Random(1))}

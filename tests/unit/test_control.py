@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.adapter import Adapter, Settings, Unavailable
-from harness.bench import Bench
-from harness.control import Control, Controlled, wrench_after
-from harness.run import run_trial
+from harness.case.forces import Control, Controlled, wrench_after
 from harness.scene import Body, Scene, sphere_inertia
-from harness.study import Experiment, Study, Trial
+from harness.study import plugins
+from harness.study.study import Experiment, Study, Trial
 from harness.trajectory import Floats, State
+from harness.trial.accuracy import run_trial
+from harness.trial.bench import Bench
 
 DT = 0.01
 BALL = Scene(bodies=(Body(name="ball", mass=2.0, inertia=sphere_inertia(2.0, 0.1)),), gravity=(0.0, 0.0, 0.0))
@@ -82,13 +82,13 @@ def test_a_law_of_time_is_asked_at_the_start_of_its_interval_whatever_the_engine
 
 def _engines() -> Iterator[tuple[Adapter, str, Settings]]:
     for name in ("reference", "mujoco", "bullet", "dart"):
-        adapter = discover.adapter(name)
+        adapter = plugins.adapter(name)
         for track in ("default", "tuned"):
             yield adapter, track, adapter.tracks[track]
-    ours, theirs = discover.adapter("reference"), discover.adapter("mujoco")
+    ours, theirs = plugins.adapter("reference"), plugins.adapter("mujoco")
     for integrator in ("explicit_euler", "velocity_verlet", "implicit_midpoint", "splitting_4"):
         yield ours, integrator, replace(ours.tracks["default"], integrator=integrator)
-    for cut in (theirs, discover.adapter("bullet")):
+    for cut in (theirs, plugins.adapter("bullet")):
         yield cut, "4 sub-steps", replace(cut.tracks["default"], substeps=4)
 
 
@@ -115,7 +115,7 @@ def _trial(case: Any, adapter: Adapter, dt: float) -> Trial:
 
 
 def test_a_trial_and_its_clock_run_under_the_control_and_its_name_depends_on_it() -> None:
-    case, adapter = replace(discover.case("orbit_kepler"), duration=1.0), discover.adapter("reference")
+    case, adapter = replace(plugins.case("orbit_kepler"), duration=1.0), plugins.adapter("reference")
     trial = _trial(case, adapter, 1 / 240)
     record = run_trial(trial, case, adapter, None)
     measured = {m.metric: m.value for m in record.measurements}

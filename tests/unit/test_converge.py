@@ -10,13 +10,13 @@ import pytest
 
 from adapters.reference import ADAPTER
 from harness.case import Case, Check
-from harness.converge import converged, extrapolate, ladder
 from harness.metric import Metric, NotMeasurable
 from harness.metrics.position import POSITION_MAX
-from harness.run import judge
 from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
-from harness.truth_keeper import LONG, bounded, truth_of
+from harness.trial.accuracy import judge
+from harness.trial.converged_truth import converged, extrapolate, ladder
+from harness.trial.truth_cache import LONG, bounded, truth_of
 
 G = 9.81
 SAMPLES = np.arange(31) / 60

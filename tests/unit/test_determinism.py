@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.tables.determinism import Agreement, broken, doubling, parting
+from harness.findings.tables.determinism import Agreement, broken, doubling, parting
 
 
 def run(p: np.ndarray, start: int = 0) -> dict[str, np.ndarray]:

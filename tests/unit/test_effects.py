@@ -7,21 +7,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.adapter import Adapter, Diverged, Settings, Simulation
-from harness.alteration import EVERYTHING, FINER, FINEST
-from harness.campaign import carry_out
 from harness.case import Case, Check
+from harness.case.alteration import EVERYTHING, FINER, FINEST
 from harness.conformance.faults import Wrapped, plant
-from harness.effects import FLOOR, Consequence, Scale, compared, scale_of, told_apart, weighed
+from harness.findings.tables.effects import NOT_JUDGED, Verdict, audit, rows, savings, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
-from harness.record import Record
-from harness.run import run_trial
+from harness.run.campaign import carry_out
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
-from harness.store import Store
-from harness.study import Experiment, Study, Trial
-from harness.tables.effects import NOT_JUDGED, Verdict, audit, rows, savings, sentences, verdicts
+from harness.search.needless_effects import FLOOR, Consequence, Scale, compared, scale_of, told_apart, weighed
+from harness.store.record import Record
+from harness.store.store import Store
+from harness.study import plugins
+from harness.study.study import Experiment, Study, Trial
 from harness.trajectory import State
+from harness.trial.accuracy import run_trial
 from reports.html import rendered
 
 HALF = (0.1, 0.15, 0.2)
@@ -76,7 +76,7 @@ def studied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Studied:
             for trial in trials:
                 yield run_trial(trial, case, adapter, folder)
 
-        monkeypatch.setattr("harness.campaign.run_isolated", here)
+        monkeypatch.setattr("harness.run.campaign.run_isolated", here)
         experiment = Experiment(name="effects", tracks=("tuned",), effects=True, timing=False)
         study = Study(name="effects", recordings=False, experiments=(experiment,))
         folder = tmp_path / f"{case.name}-{adapter.name}"
@@ -88,7 +88,7 @@ def studied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Studied:
 @pytest.fixture
 def audited(studied: Studied) -> Audited:
     """What a study of effects says of a case made here, judged by our own engine."""
-    return lambda case: list(verdicts(studied(case, discover.adapter("reference"))))
+    return lambda case: list(verdicts(studied(case, plugins.adapter("reference"))))
 
 
 def against(found: Sequence[Verdict]) -> list[str]:
@@ -224,7 +224,7 @@ def test_the_doubt_says_by_how_much_halving_the_step_moves_a_body() -> None:
 
 def test_a_judge_without_an_answer_judges_nothing(studied: Studied) -> None:
     """Neither the whole scene, where it diverges as it is, nor an effect without which it gives no answer."""
-    sound = discover.adapter("reference")
+    sound = plugins.adapter("reference")
     lost = plant(sound, simulation=lambda inner, _, scene, asked: Lost(inner, scene, asked))
     told = rows(studied(case_of("slide_made", sliding()), lost))
     assert audit(told).judged == ()
@@ -282,7 +282,7 @@ def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
 
     Gyroscopic terms of a ball do nothing at all: a sound judge proposes to leave them out.
     """
-    sound = discover.adapter("reference")
+    sound = plugins.adapter("reference")
     wrong = replace(plant(sound, simulation=lambda inner, _, scene, asked: Wrong(inner, scene, asked, aside)), name=name)
     store = studied(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)), wrong)
     told = {row["effect"]: row for row in rows(store)}

@@ -10,12 +10,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness.allowance import VARIABLE, Allowance, AllowanceError, allowance, allowing, beyond
-from harness.catalogue import describe_case
-from harness.own_scene import own_case
-from harness.safe_text import quoted, readable
-from harness.store import Store, StoreError
-from harness.stored_study import experiments_of
+from harness.case.scene_file import own_case
+from harness.intake.allowance import VARIABLE, Allowance, AllowanceError, allowance, allowing, beyond
+from harness.intake.safe_text import quoted, readable
+from harness.store.store import Store, StoreError
+from harness.study.catalogue import describe_case
+from harness.study.stored_study import experiments_of
 from tests.run_folder import write_run_folder
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness import disk
-from harness.journal import Journal, StoreError, read_journal, read_written
-from harness.record import Measurement, Record, Sample, Timing
+from harness.store import disk
+from harness.store.journal import Journal, StoreError, read_journal, read_written
+from harness.store.record import Measurement, Record, Sample, Timing
 
 
 def record(name: str) -> Record:

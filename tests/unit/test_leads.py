@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from harness.leads import axis_leads, leaders, pair_leads, reaches
-from harness.prices import Prices
-from harness.searches import Hold, Search
+from harness.findings.leads import axis_leads, leaders, pair_leads, reaches
+from harness.findings.limits_found import Hold, Search
+from harness.findings.prices import Prices
 from tests.unit.test_prices import Priced, Told
 
 STEP = 0.01

@@ -10,15 +10,15 @@ import pytest
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation, Unsupported
 from harness.case import Axis, Case, Check
-from harness.endure import BROKE_BY, HELD, OWN_CHECKS, endure
-from harness.limits import Ruler, bracket, next_trials, next_value, value_of
-from harness.members import TOLERANCE, member
+from harness.case.starts import TOLERANCE, member
 from harness.metric import Metric, NotMeasurable
 from harness.metrics.divergence import DIVERGENCE
-from harness.record import Record
 from harness.scene import Body, PlacedShape, Scene, Sphere
-from harness.study import Experiment, Limit, Study, StudyError, Trial, axis_of
+from harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
+from harness.store.record import Record
+from harness.study.study import Experiment, Limit, Study, StudyError, Trial, axis_of
 from harness.trajectory import State
+from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, endure
 
 EASY, EXTREME, FRAY = 1.0, 1e4, 0.05
 """Ends of the axis; starts break up to so much below the limit, each by its own."""

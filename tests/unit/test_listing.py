@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from harness.listing import print_csv, print_json, print_markdown, print_table
+from harness.cli.listing import print_csv, print_json, print_markdown, print_table
 
 HOSTILE = (
     "<script>alert(1)</script>",

@@ -7,12 +7,12 @@ import pytest
 
 from cases import stand_humanoid, stand_quadruped
 from harness.case import Case
-from harness.kinematics import joint_coordinate, joint_rate
-from harness.machines.humanoid import FOOT, MASS, STATURE, humanoid
-from harness.machines.machine import Machine, bearing, copy_of, loads
-from harness.machines.quadruped import LEG, quadruped
+from harness.props.machines.humanoid import FOOT, MASS, STATURE, humanoid
+from harness.props.machines.machine import Machine, bearing, copy_of, loads
+from harness.props.machines.quadruped import LEG, quadruped
 from harness.scene import EARTH_GRAVITY, Body, Box, Revolute, Scene, Sphere, Vector3, rotate
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import joint_coordinate, joint_rate
 
 MACHINES = [quadruped(), humanoid()]
 BOTH = pytest.mark.parametrize("machine", MACHINES, ids=["quadruped", "humanoid"])

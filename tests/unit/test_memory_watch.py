@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from harness import memory_watch, pool
 from harness.adapter import Settings
-from harness.memory_watch import MemoryWatch, kills_for_memory
-from harness.study import Experiment, Trial
+from harness.run import isolated, memory_watch
+from harness.run.memory_watch import MemoryWatch, kills_for_memory
+from harness.study.study import Experiment, Trial
 
 TRIAL = Trial(
     trial="t",
@@ -77,6 +77,6 @@ def test_an_end_is_told_by_what_happened_and_not_by_the_log(
 ) -> None:
     log = tmp_path / "log"
     log.write_text("MemoryError: std::bad_alloc\n")
-    record = pool._expired(TRIAL, code, log, seconds, kills)
+    record = isolated._expired(TRIAL, code, log, seconds, kills)
     assert record.status == status
     assert reason in record.reason

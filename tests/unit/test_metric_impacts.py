@@ -18,8 +18,8 @@ from harness.metrics.passage import (
     SINK_DEPTH,
 )
 from harness.metrics.row import LAST_SHARE_ERROR, TOUCHING_LAST_SHARE
-from harness.proportion import wilson_interval
 from harness.scene import Body, Box, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
+from harness.statistics.proportion import wilson_interval
 from harness.trajectory import Trajectory
 
 TIME = np.linspace(0.0, 1.0, 11)

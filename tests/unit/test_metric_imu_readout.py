@@ -7,12 +7,12 @@ import pytest
 
 from cases import sensor_imu_readout
 from cases.sensor_imu_readout import ACCELEROMETER, GYROSCOPE, MOUNTING, RATE, SPIN_UP, G
-from harness.kinematics import rotate_back
 from harness.metric import NotMeasurable
 from harness.metrics.imu_readout import READOUT_ERROR
 from harness.scene import AxisNoise
 from harness.sensors.imu_errors import read_out, sensed
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 CASE = sensor_imu_readout.CASE
 SCENE = CASE.scene(**CASE.parameters)

@@ -9,8 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases import sensor_streams
-from harness.inertial_residual import inertial_residual
 from harness.metric import NotMeasurable
+from harness.metric.inertial_residual import inertial_residual
 from harness.metrics.gyroscope_attitude import GYROSCOPE_ATTITUDE
 from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG, delay
 from harness.metrics.noise_distribution import HISTOGRAM_SCORE, NORMAL_DISTANCE

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from harness.kinematics import product
 from harness.metric import NotMeasurable
 from harness.metrics.tipping import METRIC, TIPPING_ANGLE_ERROR, WRONG_FATES
 from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
 from harness.trajectory import Trajectory
+from harness.trajectory.kinematics import product
 
 HALF, G, T = (0.06, 0.1, 0.1), 9.81, 2.0
 TALL = (PlacedShape(shape=Box(half_extents=HALF)),)

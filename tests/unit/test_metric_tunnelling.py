@@ -14,8 +14,8 @@ from harness.metrics.tunnelling import (
     TUNNEL_PROBABILITY_HIGH,
     TUNNEL_PROBABILITY_LOW,
 )
-from harness.proportion import Z_95, wilson_interval
 from harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, rotate
+from harness.statistics.proportion import Z_95, wilson_interval
 from harness.trajectory import Trajectory
 
 R, HALF = 0.1, 0.02

@@ -10,18 +10,18 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from harness import discover
 from harness.adapter import Adapter, Settings, Simulation
-from harness.catalogue import describe_case, describe_engine
-from harness.cli import main
+from harness.cli.main import main
 from harness.conformance.faults import Wrapped, plant
-from harness.journal import Journal
-from harness.record import Measurement, Record
-from harness.run import run_trial
+from harness.findings.tables.orders import COLUMNS, brief, convergences, verdict
 from harness.scene import Scene
-from harness.store import Store
-from harness.study import Experiment, Study
-from harness.tables.orders import COLUMNS, brief, convergences, verdict
+from harness.store.journal import Journal
+from harness.store.record import Measurement, Record
+from harness.store.store import Store
+from harness.study import plugins
+from harness.study.catalogue import describe_case, describe_engine
+from harness.study.study import Experiment, Study
+from harness.trial.accuracy import run_trial
 from reports.html import rendered
 from tests.run_folder import write_run_folder
 
@@ -158,7 +158,7 @@ def _slower(adapter: Adapter) -> Adapter:
 @pytest.mark.parametrize(("kind", "told"), [(lambda adapter: adapter, "kept"), (_slower, "broken")])
 @pytest.mark.parametrize("name", ["spin_symmetric_top", "joint_pendulum"])
 def test_a_real_engine_that_loses_its_order_is_found_out(tmp_path: Path, name: str, kind: Any, told: str) -> None:
-    case, sound = discover.case(name), discover.adapter("reference")
+    case, sound = plugins.case(name), plugins.adapter("reference")
     adapter = kind(sound)
     study = Study(name="s", experiments=(Experiment(name="e", tracks=("tuned",), dt="ladder"),))
     journal = Journal(tmp_path)
@@ -172,9 +172,9 @@ def test_a_real_engine_that_loses_its_order_is_found_out(tmp_path: Path, name: s
 
 
 def test_every_track_of_a_built_in_engine_has_a_promise_for_the_integrator_that_it_resolves_to() -> None:
-    case = discover.case("spin_symmetric_top")
-    for adapter in discover.adapters().values():
-        if discover.version_of(adapter)[1] is None:
+    case = plugins.case("spin_symmetric_top")
+    for adapter in plugins.adapters().values():
+        if plugins.version_of(adapter)[1] is None:
             for settings in adapter.tracks.values():
                 simulation = adapter.build(case.scene(**case.parameters), settings)
                 assert simulation.resolved.integrator in adapter.orders, adapter.name

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.tables import price
+from harness.findings.tables import price
 from tests.known_prices import LAWS, KnownPrices
 
 CLOSE = 0.03

@@ -9,14 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.front import price
-from harness.prices import Prices, interval, medians
-from harness.ratio import ratio
-from harness.store import Store
-from harness.sweep import spread
-from harness.tables.profile import FACTOR, hinges, profile, sentences, without
-from harness.tables.profile import rows as profile_rows
-from harness.tables.steps import largest_steps
+from harness.findings.prices import Prices, interval, medians
+from harness.findings.tables.profile import FACTOR, hinges, profile, sentences, without
+from harness.findings.tables.profile import rows as profile_rows
+from harness.findings.tables.steps import largest_steps
+from harness.search.front import spread
+from harness.statistics.pareto import price
+from harness.statistics.ratio import ratio
+from harness.store.store import Store
 from reports.work_precision import drawn
 from tests.run_folder import row, untimed
 

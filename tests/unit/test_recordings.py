@@ -13,8 +13,6 @@ import pyarrow as pa
 import pytest
 from rerun.chunk import RrdReader
 
-from harness.journal import Journal
-from harness.record import Measurement, Record
 from harness.scene import (
     Body,
     Box,
@@ -30,9 +28,11 @@ from harness.scene import (
     Surface,
     TriangleMesh,
 )
-from harness.store import Store, StoreError
+from harness.store.journal import Journal
+from harness.store.record import Measurement, Record
+from harness.store.store import Store, StoreError
+from harness.store.trajectory_file import save_trajectory
 from harness.trajectory import Contacts, Trajectory
-from harness.trajectory_file import save_trajectory
 from reports import open_viewer, recording_of, write_recordings
 from reports.palette import ENGINES
 from reports.recordings.camera import framed, framing

@@ -10,7 +10,7 @@ import pytest
 import rerun.blueprint as rrb
 from PIL import Image
 
-from harness.store import Store
+from harness.store.store import Store
 from reports import write_recordings
 from reports.pixels import srgb
 from reports.recordings.blueprint import layout

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.repeat import trial_of
-from harness.store import Store, StoreError
+from harness.store.store import Store, StoreError
+from harness.study.reproduce import trial_of
 from tests.run_folder import write_run_folder
 
 STUDY = """name = "quick"

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pandas as pd
 import pytest
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.answers import answers, at_own_step
 from reports.charts import across_cases, error_by_step
 from reports.figure import POINTS, Figure, thin

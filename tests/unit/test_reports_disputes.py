@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from harness.store import Store
+from harness.store.store import Store
 from reports import disputes
 from reports.html import rendered
 from reports.price_list import price_list

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import reports
-from harness.store import Store, StoreError
+from harness.store.store import Store, StoreError
 from reports import html
 from reports.page import Page, pages
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder

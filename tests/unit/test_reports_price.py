@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from harness.store import Store
-from harness.tables.profile import FACTOR, TIME, profile
-from harness.tables.steps import Step
+from harness.findings.tables.profile import FACTOR, TIME, profile
+from harness.findings.tables.steps import Step
+from harness.store.store import Store
 from reports.figure import Figure
 from reports.html import rendered
 from reports.price_list import Line, heat, price_list, wins

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-from harness.searches import Search
+from harness.findings.limits_found import Search
 from reports.reach import cell
 
 BROKEN: Any = Search(

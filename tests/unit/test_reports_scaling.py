@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.html import rendered
 from reports.pages.scaling import render
 from tests.charts import checked

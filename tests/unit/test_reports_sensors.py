@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.html import rendered
 from reports.pages.sensors import PAGE
 from reports.pixels import BEYOND, INVALID, data_uri, shaded, srgb

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from harness.safe_text import csv_cell
+from harness.intake.safe_text import csv_cell
 from reports.template import cite
 from reports.text import amount, join_words, plural, settings_text, slug, visible
 from tests.run_folder import HOSTILE

@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from harness.record import Status
-from harness.store import Store
+from harness.store.record import Status
+from harness.store.store import Store
 from reports.answers import answers, at_own_step
 from reports.contents import cases, engines, families, tracks
 from reports.glance import glances

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from harness.store import Store
-from harness.tables import limits
+from harness.findings.tables import limits
+from harness.store.store import Store
 from reports.contents import ours
 from reports.html import rendered
 from reports.leads import NO_REASON, leads

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from cases import system_determinism, system_far_origin, system_invariance, system_scale_length
-from harness import discover
 from harness.adapter import Diverged, Settings, Unsupported
 from harness.case import Case
-from harness.kinematics import angle_between
+from harness.case.symmetries import Retelling, in_motion, moved, reordered, repeated, restored, scaled, turned
 from harness.metric import NotMeasurable
 from harness.metrics.retelling import AGREEING_SAMPLES, ATTITUDE_DIFFERENCE, DIFFERENCE, METRIC, POSITION_DIFFERENCE
-from harness.retell import retell
-from harness.retelling import Retelling, in_motion, moved, reordered, repeated, restored, scaled, turned
+from harness.props.regular_motions import stage
 from harness.scene import WORLD, Ball, Body, Revolute, Scene, Spring, axis_angle
-from harness.simulate import simulate
-from harness.stage import stage
-from harness.study import Experiment, Study
+from harness.study import plugins
+from harness.study.study import Experiment, Study
 from harness.trajectory import Contacts, Floats, State, Trajectory
+from harness.trajectory.kinematics import angle_between
+from harness.trial.retold import retell
+from harness.trial.simulate import simulate
 
 DT, DURATION = 0.01, 0.5
 Q = axis_angle((1.0, 2.0, 3.0), 0.7)
@@ -252,7 +252,7 @@ def test_the_bodies_of_determinism_fall_free_of_each_other_at_first() -> None:
 
 
 def test_a_trial_runs_its_retellings_and_its_name_depends_on_them() -> None:
-    case, adapter = system_far_origin.CASE, discover.adapter("reference")
+    case, adapter = system_far_origin.CASE, plugins.adapter("reference")
     study = Study(name="s", experiments=(Experiment(name="e", tracks=("tuned",), timing=False),))
 
     def name(of: Case) -> str:

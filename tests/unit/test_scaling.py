@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.journal import Journal
-from harness.record import Measurement, Record, Sample, Timing
-from harness.store import Store
-from harness.tables.scaling import COLUMNS, Cost, Scaling, brief, no_worse, ratio
+from harness.findings.tables.scaling import COLUMNS, Cost, Scaling, brief, no_worse, ratio
+from harness.store.journal import Journal
+from harness.store.record import Measurement, Record, Sample, Timing
+from harness.store.store import Store
 
 SIZES = (10, 100, 1000, 10_000)
 EXPONENT = 1.25

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.arrays import read_arrays, write_arrays
-from harness.seal import Damaged, check_seal, sealed_archive, sealed_json, sealed_toml
+from harness.store.arrays import read_arrays, write_arrays
+from harness.store.seal import Damaged, check_seal, sealed_archive, sealed_json, sealed_toml
 
 
 def files(folder: Path) -> dict[Path, bytes]:
@@ -26,7 +26,7 @@ def test_readers_of_the_format_read_on(tmp_path: Path) -> None:
 
 
 def test_a_bit_that_flips_anywhere_breaks_the_seal_or_hides_it(tmp_path: Path) -> None:
-    """A file whose seal is not to be seen is none of a store whose files have one; see `harness.verify`."""
+    """A file whose seal is not to be seen is none of a store whose files have one; see `harness.run.verify`."""
     for path, whole in files(tmp_path).items():
         assert check_seal(path, whole)
         for place in range(len(whole)):

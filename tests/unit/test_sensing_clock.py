@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.adapter import Settings
-from harness.bench import Bench
 from harness.case import Clocks
 from harness.scene import Body, Imu, Lidar, Scene
-from harness.sensing_clock import bare_rays, sensed_interval, steps_of_interval
-from harness.study import Experiment, Study, StudyError, Trial
+from harness.study import plugins
+from harness.study.study import Experiment, Study, StudyError, Trial
 from harness.trajectory import Hits, State
+from harness.trial.bench import Bench
+from harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
 
 DT = 1 / 240
 
@@ -50,7 +50,7 @@ class Maker:
 
 
 def bench(name: str, clocks: Clocks, **parameters: Any) -> tuple[Bench, Maker]:
-    case, maker = discover.case(name), Maker()
+    case, maker = plugins.case(name), Maker()
     trial = Trial(
         trial="t", study="s", experiment=Experiment(name="e"), case=name, parameters=dict(case.parameters) | parameters,
         engine="x", engine_version="1", track="tuned", settings=Settings(dt=DT), seed=0, clocks=clocks,
@@ -111,4 +111,4 @@ def test_a_scene_without_sensors_is_refused_by_name() -> None:
 def test_a_study_that_clocks_sensors_where_there_are_none_is_refused(name: str, clocks: Clocks, kind: str) -> None:
     study = Study(name="s", experiments=(Experiment(name="e", cases=(name,), clocks=(clocks,)),))
     with pytest.raises(StudyError, match=f"clocks '{clocks}' of case '{name}', which has no {kind}"):
-        list(study.trials({name: discover.case(name)}, {"mujoco": discover.adapter("mujoco")}, {"mujoco": "1"}))
+        list(study.trials({name: plugins.case(name)}, {"mujoco": plugins.adapter("mujoco")}, {"mujoco": "1"}))

@@ -9,7 +9,6 @@ from scipy.optimize import root
 from scipy.spatial import ConvexHull, Delaunay
 
 from harness.adapter import Unsupported
-from harness.kinematics import rotate
 from harness.scene import (
     Body,
     Box,
@@ -29,6 +28,7 @@ from harness.sensors.pinhole import intrinsics, pixel_centres, pixel_rays, proje
 from harness.sensors.recorder import SensorRecorder
 from harness.sensors.true_frames import true_frames, true_sight
 from harness.trajectory import Floats, Image, State
+from harness.trajectory.kinematics import rotate
 
 CAMERA = Camera(
     name="c", body="world", rate=10.0, width=640, height=480, focal_x=500.0, focal_y=520.0, centre_x=311.0, centre_y=247.0

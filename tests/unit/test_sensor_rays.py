@@ -73,7 +73,7 @@ def test_rays_hit_where_the_signed_distance_vanishes(shape: Shape, seed: int) ->
     origin_S = origin_S[_distance(shape, origin_S) > 0.1]
     aim_S = rng.uniform(-0.9, 0.9, size=origin_S.shape) - origin_S
     aim_S /= np.linalg.norm(aim_S, axis=1, keepdims=True)
-    from harness.kinematics import rotate
+    from harness.trajectory.kinematics import rotate
 
     turn = np.broadcast_to(np.array(q_WB), (len(origin_S), 4))
     hits = first_hits(scene, State.initial(scene), rotate(turn, origin_S) + np.array(p_WB), rotate(turn, aim_S), 20.0)

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.readings.channel import Channel, channels, rays_of
-from harness.readings.depth import depth_sigma
-from harness.readings.findings import Finding, findings
-from harness.readings.ideal import ideal_errors
-from harness.readings.inertial import allan_curve, inertial_noise
-from harness.readings.lag import lag_of
-from harness.readings.ranging import range_histogram
+from harness.findings.sensor_readings.channel import Channel, channels, rays_of
+from harness.findings.sensor_readings.depth import depth_sigma
+from harness.findings.sensor_readings.findings import Finding, findings
+from harness.findings.sensor_readings.ideal import ideal_errors
+from harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
+from harness.findings.sensor_readings.lag import lag_of
+from harness.findings.sensor_readings.ranging import range_histogram
+from harness.findings.tables import sensors as table
 from harness.scene import AxisNoise, Camera, DepthCamera, Imu, ImuNoise, Lidar
-from harness.store import Store
-from harness.tables import sensors as table
+from harness.store.store import Store
 from harness.trajectory import Trajectory
 from tests.sensor_folder import BEAMS, CASE, LATENCY, PIXELS, scene, sensing, told, write_sensor_folder
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.servers import WORTH_A_SERVER, context, start_apart, start_loaded
+from harness.run.fork_servers import WORTH_A_SERVER, context, start_apart, start_loaded
 
 SELDOM = ("xml.dom.pulldom",)
 """What nobody else here loads."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness import discover, provenance, sources
+from harness.study import plugins, provenance, sources
 
 ROOT = Path(sources.__file__).parents[1]
 
@@ -55,8 +55,13 @@ def test_the_quick_scan_finds_every_import_that_the_parser_finds() -> None:
 
 def test_a_case_rests_on_what_it_imports_and_on_nothing_else() -> None:
     modules = sources.closure(["cases.impact_bounce"])
-    assert {"cases.impact_bounce", "harness.metrics.restitution", "harness.checks.impact", "harness.scene.scene"} <= modules
-    assert not {"cases.impact_cradle", "harness.journal", "harness.metrics.stack", "engine"} & modules
+    assert {
+        "cases.impact_bounce",
+        "harness.metrics.restitution",
+        "harness.case.shared_checks.impact",
+        "harness.scene.scene",
+    } <= modules
+    assert not {"cases.impact_cradle", "harness.store.journal", "harness.metrics.stack", "engine"} & modules
 
 
 def test_our_adapter_rests_on_the_whole_engine_and_another_on_none_of_it() -> None:
@@ -67,7 +72,13 @@ def test_our_adapter_rests_on_the_whole_engine_and_another_on_none_of_it() -> No
 
 def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
     answering = provenance._harness()
-    assert {"harness.run", "harness.simulate", "harness.alteration", "harness.converge", "harness.truth_keeper"} <= answering
+    assert {
+        "harness.trial.accuracy",
+        "harness.trial.simulate",
+        "harness.case.alteration",
+        "harness.trial.converged_truth",
+        "harness.trial.truth_cache",
+    } <= answering
     assert not sources._KEEPING & answering
 
 
@@ -77,7 +88,7 @@ def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
         ("cases/impact_bounce.py", "case"),
         ("harness/metrics/restitution.py", "case"),
         ("adapters/mujoco.py", "adapter"),
-        ("harness/simulate.py", "harness"),
+        ("harness/trial/simulate.py", "harness"),
     ],
 )
 def test_a_changed_file_changes_its_part_and_is_named(file: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,8 +106,8 @@ def test_a_truth_that_our_engine_makes_rests_on_it(monkeypatch: pytest.MonkeyPat
     assert "truth" not in provenance.sources_of("impact_bounce", "mujoco")
     assert "engine/world.py" not in provenance.files_of(["impact_bounce"], ["mujoco"])
     clear()
-    made = replace(discover.case("impact_bounce"), expected=None, coarsest=0.01)
-    monkeypatch.setattr(discover, "case", {"impact_bounce": made}.__getitem__)
+    made = replace(plugins.case("impact_bounce"), expected=None, coarsest=0.01)
+    monkeypatch.setattr(plugins, "case", {"impact_bounce": made}.__getitem__)
     assert "truth" in provenance.sources_of("impact_bounce", "mujoco")
     assert "engine/world.py" in provenance.files_of(["impact_bounce"], ["mujoco"])
 
@@ -120,8 +131,8 @@ def test_a_third_partys_package_is_followed_within_itself(tmp_path: Path, monkey
 def test_a_scene_file_of_ones_own_is_part_of_its_case(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text("first")
-    before = provenance.sources_of(f"{discover.SCENE_PREFIX}{path}", "mujoco")
+    before = provenance.sources_of(f"{plugins.SCENE_PREFIX}{path}", "mujoco")
     path.write_text("second")
     clear()
-    after = provenance.sources_of(f"{discover.SCENE_PREFIX}{path}", "mujoco")
+    after = provenance.sources_of(f"{plugins.SCENE_PREFIX}{path}", "mujoco")
     assert {name for name in after if after[name] != before[name]} == {"case"}

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from harness import discover
-from harness.roll_call import call_roll
-from harness.run import outcome
-from harness.study import Experiment, Study, StudyError, Trial, Variant, load_study
+from harness.study import plugins
+from harness.study.roll_call import call_roll
+from harness.study.study import Experiment, Study, StudyError, Trial, Variant, load_study
+from harness.trial.accuracy import outcome
 
 
 def test_every_built_in_study_is_readable() -> None:
-    for path in (Path(discover.__file__).parent / "studies").glob("*.toml"):
+    for path in (Path(plugins.__file__).parent / "studies").glob("*.toml"):
         assert load_study(path.stem).name == path.stem
 
 
@@ -44,24 +44,24 @@ def test_an_unknown_study_is_answered_with_the_known_ones() -> None:
 
 
 def trial_names(study: Study, version: str = "1") -> list[str]:
-    cases = {"flight_projectile": discover.case("flight_projectile")}
-    adapters = {"mujoco": discover.adapter("mujoco")}
+    cases = {"flight_projectile": plugins.case("flight_projectile")}
+    adapters = {"mujoco": plugins.adapter("mujoco")}
     return [trial.trial for trial in study.trials(cases, adapters, {"mujoco": version})]
 
 
 def test_the_same_study_gives_the_same_trial_names_and_another_version_gives_others() -> None:
     study = load_study("accuracy")
     first = trial_names(study)
-    assert len(first) == len(set(first)) == 2 * len(discover.case("flight_projectile").ladder)
+    assert len(first) == len(set(first)) == 2 * len(plugins.case("flight_projectile").ladder)
     assert trial_names(study) == first
     assert not set(trial_names(study, version="2")) & set(first)
 
 
 def test_all_combinations_of_parameters_are_run() -> None:
     experiment = Experiment(name="e", dt=(0.01,), tracks=("tuned",), parameters={"mass": (1.0, 2.0), "radius": (0.1, 0.2, 0.3)})
-    cases = {"flight_projectile": discover.case("flight_projectile")}
+    cases = {"flight_projectile": plugins.case("flight_projectile")}
     study = Study(name="s", experiments=(experiment,))
-    trials = list(study.trials(cases, {"mujoco": discover.adapter("mujoco")}, {"mujoco": "1"}))
+    trials = list(study.trials(cases, {"mujoco": plugins.adapter("mujoco")}, {"mujoco": "1"}))
     assert {(t.parameters["mass"], t.parameters["radius"]) for t in trials} == {(m, r) for m in (1, 2) for r in (0.1, 0.2, 0.3)}
     assert len({t.trial for t in trials}) == len(trials) == 6
     assert all(t.parameters["velocity"] == cases["flight_projectile"].parameters["velocity"] for t in trials)
@@ -69,21 +69,21 @@ def test_all_combinations_of_parameters_are_run() -> None:
 
 def test_a_parameter_that_a_case_does_not_have_is_named() -> None:
     study = Study(name="s", experiments=(Experiment(name="e", parameters={"colour": ("red",)}),))
-    cases = {"flight_projectile": discover.case("flight_projectile")}
+    cases = {"flight_projectile": plugins.case("flight_projectile")}
     with pytest.raises(StudyError, match=r"'flight_projectile' has no parameter 'colour'.*mass"):
-        list(study.trials(cases, {"mujoco": discover.adapter("mujoco")}, {"mujoco": "1"}))
+        list(study.trials(cases, {"mujoco": plugins.adapter("mujoco")}, {"mujoco": "1"}))
 
 
 def test_another_scene_behind_the_same_parameters_is_another_trial() -> None:
-    case = discover.case("flight_projectile")
+    case = plugins.case("flight_projectile")
     heavier = dataclasses.replace(case, scene=lambda **p: case.scene(**(p | {"mass": 2 * p["mass"]})))
-    adapters, study = {"mujoco": discover.adapter("mujoco")}, load_study("quick")
+    adapters, study = {"mujoco": plugins.adapter("mujoco")}, load_study("quick")
     names = [{t.trial for t in study.trials({case.name: c}, adapters, {"mujoco": "1"})} for c in (case, heavier)]
     assert not names[0] & names[1]
 
 
 def test_what_is_clocked_and_by_how_many_are_trials_of_their_own_and_the_plain_one_keeps_its_name() -> None:
-    cases, adapters = {"flight_box": discover.case("flight_box")}, {"mujoco": discover.adapter("mujoco")}
+    cases, adapters = {"flight_box": plugins.case("flight_box")}, {"mujoco": plugins.adapter("mujoco")}
 
     def trials(**fields: object) -> list[Trial]:
         experiment = Experiment(name="e", tracks=("tuned",), **fields)  # type: ignore[arg-type]
@@ -101,11 +101,11 @@ def test_what_is_clocked_and_by_how_many_are_trials_of_their_own_and_the_plain_o
 
 
 def test_rays_and_many_worlds_are_clocked_for_their_work_only() -> None:
-    adapters = {"mujoco": discover.adapter("mujoco")}
+    adapters = {"mujoco": plugins.adapter("mujoco")}
     for name, parameters in (("system_rays", {}), ("stack_pile", {"n": (4,), "worlds": (3,)})):
         study = Study(name="s", experiments=(Experiment(name="e", parameters=parameters, clocks=("reading",)),))
         with pytest.raises(StudyError, match=f"clocks 'reading' of case '{name}'.*expected 'work' alone"):
-            list(study.trials({name: discover.case(name)}, adapters, {"mujoco": "1"}))
+            list(study.trials({name: plugins.case(name)}, adapters, {"mujoco": "1"}))
 
 
 VARIANTS = {"mujoco": {"cg": Variant(on="default", solver="cg"), "stiff": Variant(options={"contact_steps": 5.0})}}
@@ -114,8 +114,8 @@ VARIANTS = {"mujoco": {"cg": Variant(on="default", solver="cg"), "stiff": Varian
 def test_a_variant_runs_beside_the_tracks_under_its_own_name_and_settings() -> None:
     experiment = Experiment(name="e", dt=(0.01,), variants=("mujoco/*",))
     study = Study(name="s", variants=VARIANTS, experiments=(experiment,))
-    engine = discover.adapter("mujoco")
-    cases = {"flight_projectile": discover.case("flight_projectile")}
+    engine = plugins.adapter("mujoco")
+    cases = {"flight_projectile": plugins.case("flight_projectile")}
     trials = {t.track: t for t in study.trials(cases, {"mujoco": engine}, {"mujoco": "1"})}
     assert list(trials) == ["default", "tuned", "cg", "stiff"]
     assert trials["cg"].settings.solver == "cg"
@@ -125,7 +125,7 @@ def test_a_variant_runs_beside_the_tracks_under_its_own_name_and_settings() -> N
 
 
 def test_variants_are_chosen_by_pattern_and_left_out_otherwise() -> None:
-    cases, adapters = {"flight_projectile": discover.case("flight_projectile")}, {"mujoco": discover.adapter("mujoco")}
+    cases, adapters = {"flight_projectile": plugins.case("flight_projectile")}, {"mujoco": plugins.adapter("mujoco")}
     for patterns, expected in (((), set()), (("mujoco/c*",), {"cg"}), (("bullet/*",), set()), (("*/stiff",), {"stiff"})):
         experiment = Experiment(name="e", tracks=(), variants=patterns)
         study = Study(name="s", variants=VARIANTS, experiments=(experiment,))
@@ -147,20 +147,20 @@ def test_a_case_may_be_left_out_of_a_pattern() -> None:
 def test_the_quick_study_has_a_case_of_each_family_and_does_not_grow_by_itself() -> None:
     (look, _) = load_study("quick").experiments
     assert "*" not in look.cases
-    chosen = [name for name in discover.names("cases") if any(fnmatchcase(name, pattern) for pattern in look.cases)]
+    chosen = [name for name in plugins.names("cases") if any(fnmatchcase(name, pattern) for pattern in look.cases)]
     assert len(chosen) == 14
 
 
 @pytest.mark.parametrize(("given", "scene"), [("scaling", "flight_box"), ("tremble", "stand_humanoid")])
 def test_every_variant_of_a_study_is_one_that_its_engine_builds(given: str, scene: str) -> None:
-    study, case = load_study(given), discover.case(scene)
+    study, case = load_study(given), plugins.case(scene)
     for name, variants in study.variants.items():
-        engine = discover.adapter(name)
-        if discover.version_of(engine)[1] is None:
+        engine = plugins.adapter(name)
+        if plugins.version_of(engine)[1] is None:
             for variant in variants.values():
                 engine.build(case.scene(), variant.over(engine.tracks)).close()
 
 
 def test_every_built_in_study_calls_whom_there_is() -> None:
-    for path in (Path(discover.__file__).parent / "studies").glob("*.toml"):
-        call_roll(load_study(path.stem), discover.names("cases"), discover.names("adapters"))
+    for path in (Path(plugins.__file__).parent / "studies").glob("*.toml"):
+        call_roll(load_study(path.stem), plugins.names("cases"), plugins.names("adapters"))

@@ -10,10 +10,10 @@ import pytest
 from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.case import Case
 from harness.metrics.position import POSITION_MAX
-from harness.record import Measurement, Record
 from harness.scene import Body, Scene
-from harness.study import Experiment, Study, Trial
-from harness.sweep import SCREENING, due_for_clock, next_trials, turned
+from harness.search.front import SCREENING, due_for_clock, next_trials, turned
+from harness.store.record import Measurement, Record
+from harness.study.study import Experiment, Study, Trial
 
 CASE = Case(
     name="flight_made",

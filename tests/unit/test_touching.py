@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from harness import discover
-from harness.members import PRESSED, TOLERANCE, member
+from harness.case.starts import PRESSED, TOLERANCE, member
 from harness.scene import Body, Box, Capsule, Cylinder, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
 from harness.scene.shape import Shape
-from harness.touching import reach, touches
+from harness.study import plugins
+from harness.trajectory.touching import reach, touches
 
 RULES = (Surface(static_friction=0.5, kinetic_friction=0.5),)
 FLOOR = Body(name="floor", motion="static", collision=(PlacedShape(shape=Plane()),))
@@ -71,7 +71,7 @@ def test_a_body_reaches_as_far_as_its_farthest_point() -> None:
     "name", ["friction_wall_pinch", "stack_tower", "stack_mass_ratio", "stack_card_house", "stack_arch", "stack_pyramid"]
 )
 def test_no_start_of_an_ensemble_opens_a_gap_between_bodies_that_touch(name: str) -> None:
-    case = discover.case(name)
+    case = plugins.case(name)
     scene = case.scene(**case.parameters)
     touched = touches(scene)
     assert touched

@@ -13,15 +13,15 @@ import pytest
 
 from cases import stand_humanoid
 from harness.adapter import Adapter, Diverged, Feature, Settings
-from harness.catalogue import describe_case
-from harness.disk import write_atomically
-from harness.journal import Journal
-from harness.run import run_trial
+from harness.findings.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
 from harness.scene import Revolute, Scene
-from harness.store import Store
-from harness.study import Study, load_study
-from harness.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
+from harness.store.disk import write_atomically
+from harness.store.journal import Journal
+from harness.store.store import Store
+from harness.study.catalogue import describe_case
+from harness.study.study import Study, load_study
 from harness.trajectory import Contacts, State
+from harness.trial.accuracy import run_trial
 from reports.pages.tremble import PAGE
 from tests.run_folder import write_run_folder
 

@@ -19,7 +19,6 @@ from cases.sensor_depth_plane import GRAZING as PLANE_GRAZING
 from cases.sensor_depth_spheres import BALLS, LONGEST
 from cases.sensor_depth_spheres import CASE as SPHERES
 from harness.case import Case
-from harness.kinematics import rotate_back
 from harness.metric import NotMeasurable
 from harness.metrics.colour_error import COLOUR_ERROR_MAX, COLOUR_ERROR_MEDIAN
 from harness.scene import DepthCamera
@@ -29,6 +28,7 @@ from harness.sensors.recorder import steps_between_readings
 from harness.sensors.returned_light import signal, sunlight
 from harness.sensors.true_frames import true_frames, true_sight
 from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory.kinematics import rotate_back
 
 
 def _truth(case: Case, parameters: dict[str, Any] | None = None) -> Trajectory:

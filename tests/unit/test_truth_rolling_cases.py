@@ -12,8 +12,8 @@ from cases import (
     friction_turntable,
 )
 from harness.case import Case
-from harness.kinematics import angle_between
 from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory.kinematics import angle_between
 from harness.truths.rolling import grip_time, rolling
 
 MODULES = (

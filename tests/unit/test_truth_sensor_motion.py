@@ -20,7 +20,6 @@ from cases import (
 )
 from cases.sensor_imu_turntable import DURATION, LEVER, MOUNTING, RATE, SPIN_UP, G
 from harness.case import Case
-from harness.kinematics import rotate
 from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
 from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG
 from harness.scene import Lidar, Scene, rotation_matrix
@@ -28,6 +27,7 @@ from harness.sensors import lidar as scanning
 from harness.sensors.rays import first_hits
 from harness.sensors.recorder import SensorRecorder, steps_between_readings, steps_of_latency
 from harness.trajectory import Floats, State, Trajectory
+from harness.trajectory.kinematics import rotate
 
 TURNTABLE = sensor_imu_turntable.CASE
 CASES = [

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from cases.spin_asymmetric_top import CASE
-from harness.kinematics import angle_between, rotate
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import angle_between, rotate
 from harness.truths.free_rotation import body_rates
 
 

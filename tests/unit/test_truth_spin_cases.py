@@ -6,9 +6,9 @@ from scipy.integrate import solve_ivp
 
 from cases import flight_damped, spin_heavy_top, spin_intermediate_axis, spin_symmetric_top
 from harness.case import Case
-from harness.kinematics import angle_between, rotate, rotate_back
 from harness.scene import EARTH_GRAVITY
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import angle_between, rotate, rotate_back
 
 
 def _truth(case: Case, time: Floats, **parameters: object) -> Trajectory:

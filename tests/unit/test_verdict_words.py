@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from harness import discover
 from harness.metrics.frames import FRAME_FRICTION_ERROR
 from harness.metrics.overhang import OVERHANG_LIMIT_ERROR, _stacks
 from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle, box_inertia
+from harness.study import plugins
 from harness.trajectory import Contacts, Trajectory
 
 WORDS = re.compile(
@@ -166,7 +166,7 @@ def spun() -> Plant:
 
 def houses() -> Plant:
     """A case's own houses: that which should stand sinks to 0.51 or 0.49 of its height, while the other has fallen."""
-    scene = discover.case("stack_card_house").scene()
+    scene = plugins.case("stack_card_house").scene()
     run = still(scene)
     loose = [place for place, body in enumerate(scene.bodies) if body.name.endswith("_loose") and body.movable]
     firm = next(place for place, body in enumerate(scene.bodies) if body.name == "left_firm")
@@ -178,7 +178,7 @@ def houses() -> Plant:
 
 def inclined(name: str, near: Callable[[Scene, Trajectory, int], None], hit: Callable[[Scene, Trajectory, int], None]) -> Plant:
     """A case's own boxes on inclines that do what statics says, but for one that should hold."""
-    case = discover.case(name)
+    case = plugins.case(name)
     scene = case.scene(**case.parameters)
     made = case.truth_at(TIME, case.parameters)
     truth = made if isinstance(made, Trajectory) else None
@@ -219,7 +219,7 @@ def turned(about: tuple[float, float, float], angle: float) -> Callable[[Scene, 
 
 def bricks() -> Plant:
     """A case's own bricks: one that should stand sinks by less or more than its half thickness; sideways counts for nothing."""
-    scene = discover.case("stack_overhang").scene()
+    scene = plugins.case("stack_overhang").scene()
     run = still(scene)
     stacks = _stacks(scene)
     for overhang, places in stacks:
@@ -240,7 +240,7 @@ def huge() -> Plant:
 
 def balanced() -> Plant:
     """A case's own balls: one that leaves a little late is followed; one that leaves to the other side is lost."""
-    case = discover.case("system_predictability")
+    case = plugins.case("system_predictability")
     scene = case.scene(**case.parameters)
     time = np.arange(0.0, case.duration, 1 / 240)
     truth = case.truth_at(time, case.parameters)
@@ -279,7 +279,7 @@ PLANTS: dict[str, Callable[[], Plant]] = {
     "tipping_angle_error": lambda: inclined("stack_tip_or_slide", turned((0.0, 0.0, 1.0), 0.6), turned((0.0, 1.0, 0.0), 0.6)),
     "lost_start_share": balanced,
 }
-VERDICTS = {name: metric for name, metric in discover.metrics().items() if metric.verdict}
+VERDICTS = {name: metric for name, metric in plugins.metrics().items() if metric.verdict}
 
 
 @pytest.mark.parametrize("name", sorted(VERDICTS))
@@ -292,13 +292,13 @@ def test_a_verdict_counts_its_hit_and_not_its_near_miss(name: str) -> None:
 
 
 def test_a_name_that_says_that_something_happened_belongs_to_a_verdict() -> None:
-    named = {name for name in discover.metrics() if WORDS.search(name) and name not in MEASURES}
+    named = {name for name in plugins.metrics() if WORDS.search(name) and name not in MEASURES}
     assert named <= set(VERDICTS), f"{sorted(named - set(VERDICTS))}: a verdict by name, without one in words"
     assert set(PLANTS) <= set(VERDICTS)
 
 
 def test_short_bricks_that_fall_and_long_ones_that_stand_do_not_make_up_for_each_other() -> None:
-    scene = discover.case("stack_overhang").scene()
+    scene = plugins.case("stack_overhang").scene()
     right = wrong = still(scene)
     for overhang, places in _stacks(scene):
         right = ended(right, places[-1], (0.0, 0.0, -1.0)) if overhang > 1 else right
@@ -319,6 +319,6 @@ def test_a_firm_house_that_falls_and_a_loose_one_that_stands_do_not_make_up_for_
 
 
 def test_a_measure_renamed_to_a_stronger_word_would_be_seen() -> None:
-    renamed = replace(discover.metrics()["sink_depth"], name="tunnelled_share")
+    renamed = replace(plugins.metrics()["sink_depth"], name="tunnelled_share")
     assert WORDS.search(renamed.name)
     assert not renamed.verdict

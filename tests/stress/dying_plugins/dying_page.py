@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from harness.store import Store
+from harness.store.store import Store
 from reports.page import Page
 
 

@@ -1,0 +1,325 @@
+"""The one boundary between the harness and an engine.
+
+An adapter file holds one frozen `Adapter` subclass and ends in `ADAPTER = ...`. Its stations, in this order: docstring (engine,
+version tried, sources, section *Deviations*), constants, the `Simulation`, the builder, the `Adapter`, `ADAPTER`. The vendor's
+package is imported inside functions only.
+
+The contract, proven by `harness.conformance`:
+
+* `build` takes the scene exactly as it is or raises `Unsupported(what, why)`; it never approximates in silence. What cannot
+  be avoided stands under *Deviations*.
+* Two bodies touch only where `scene.collides(a, b)`: pairs of materials in `scene.apart` and pairs held by a joint never do.
+* States come in the order of `scene.bodies`, static and kinematic bodies included; p_WB is the centre of mass, q_WB is
+  (w, x, y, z), velocities are of the centre of mass and in W. After `build`, `state` gives the scene's initial state.
+* `step(count)` advances exactly count * dt; where the engine can, in one native call.
+* `Settings` fields left None are the vendor's defaults. `dt` is always given. An option that the adapter does not know is an
+  error (`SettingsError`). `Simulation.resolved` says what the engine really uses.
+* Tracks: `default` is what a newcomer gets (the vendor's physics defaults left alone: damping, sleeping, clamps, pyramids),
+  though frames, units, order, finiteness, shapes, and the scene's own material law are right; `tuned` switches off what
+  the scene does not ask for and follows the vendor's recommendation for this kind of scene, with the source cited.
+* Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as 'surplus: ...'.
+* Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
+  a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
+* What comes back is checked too: quaternions have norm 1, `resolved` and `warnings()` hold text, Python's own numbers and lists
+  and names of such; contacts, hits, pictures and inertial readings are arrays as `harness.trajectory` says (see
+  `harness.adapter.what_comes_out`). What breaks that is a crash with a reason, and costs its own cell. What `state` leaves out is not finite.
+* Arrays that are handed in are checked at one door, `harness.adapter.what_goes_in`: `wrench`, `cast`, `caster`, `command` and `state` raise
+  `ValueError` for a wrong shape, type or content before the engine sees them.
+* A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
+* Four things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
+  and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock:
+  `build_batch`, many worlds of one scene on one thread, and `Simulation.caster(origins, directions, max_range)`, a function
+  that casts the same rays again into arrays made beforehand. For forces told anew before each step: `Simulation.force_lead`,
+  the share of a step after whose start a force held over it is to be evaluated (see `harness.case.forces`); 0 unless said.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from enum import Flag, auto
+from typing import Any, Literal, Protocol
+
+from harness.adapter.many_worlds import Batch, Turns
+from harness.scene import Camera, Effect, Scene
+from harness.trajectory import Contacts, Floats, Hits, Image, State
+
+__all__ = [
+    "Adapter",
+    "Advantage",
+    "Diverged",
+    "Emulation",
+    "Feature",
+    "Settings",
+    "SettingsError",
+    "Simulation",
+    "Unavailable",
+    "Unsupported",
+]
+
+
+class Feature(Flag):
+    """What an engine can express; conformance builds a scene for each claimed one and expects `Unsupported` for the others."""
+
+    NONE = 0
+    SPHERE = auto()
+    BOX = auto()
+    CAPSULE = auto()
+    CYLINDER = auto()
+    PLANE = auto()
+    CONVEX_HULL = auto()
+    TRIANGLE_MESH = auto()
+    COMPOUND = auto()
+    FULL_INERTIA = auto()
+    """Products of inertia: principal axes turned against B."""
+    KINEMATIC = auto()
+    FIXED = auto()
+    BALL = auto()
+    REVOLUTE = auto()
+    PRISMATIC = auto()
+    DISTANCE = auto()
+    CLOSED_LOOP = auto()
+    LIMITS = auto()
+    SPRINGS = auto()
+    DRIVES = auto()
+    PAIR_FRICTION = auto()
+    """Friction per pair of materials, whatever the pairs."""
+    STATIC_FRICTION = auto()
+    """Static friction above kinetic friction."""
+    ROLLING_FRICTION = auto()
+    TORSIONAL_FRICTION = auto()
+    RESTITUTION = auto()
+    LINEAR_DAMPING = auto()
+    ANGULAR_DAMPING = auto()
+    CONTINUOUS_COLLISION = auto()
+    CONTACTS = auto()
+    CONTACT_FORCES = auto()
+    RAYS = auto()
+    RENDER = auto()
+    RAY_TRACING = auto()
+    """Pictures with shadows, reflection and refraction, through any lens."""
+    WRENCH = auto()
+    SAVE = auto()
+    NATIVE_STEPS = auto()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the bits that are set, in lower case, in the order of definition."""
+        return tuple(one.name.lower() for one in Feature if one in self and one.name is not None)
+
+
+class Unsupported(Exception):
+    """The engine cannot express `what`; `why` says which property of the engine stands against it."""
+
+    def __init__(self, what: str, why: str) -> None:
+        super().__init__(f"{what}: {why}")
+        self.what, self.why = what, why
+
+
+class Unavailable(Exception):
+    """The engine is not installed or cannot be loaded; the text says why and what to do."""
+
+
+class Diverged(Exception):
+    """The engine's state stopped being finite, or the engine reset or repaired it."""
+
+
+class SettingsError(ValueError):
+    """A setting that the adapter does not know, or a value outside its range; names field, value and expectation."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How to solve a scene. None leaves a field to the engine.
+
+    Terms:
+        dt [s]; substeps per dt; iterations of the contact or constraint solver; integrator, solver: the engine's own names in
+        lower case; tolerance of the solver; options: what only this engine knows; source: who recommends it.
+    """
+
+    dt: float = 1 / 240
+    substeps: int | None = None
+    iterations: int | None = None
+    integrator: str | None = None
+    solver: str | None = None
+    tolerance: float | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not 1e-12 <= self.dt <= 1e3:
+            raise SettingsError(f"settings: dt {self.dt} s, expected 1e-12..1e3")
+        for name in ("substeps", "iterations"):
+            value = getattr(self, name)
+            if value is not None and not 1 <= value <= 1_000_000:
+                raise SettingsError(f"settings: {name} {value}, expected 1..1000000")
+        if self.tolerance is not None and not 0 <= self.tolerance < 1:
+            raise SettingsError(f"settings: tolerance {self.tolerance}, expected 0..1")
+
+    @property
+    def substep(self) -> float:
+        """The step that is really taken [s]: dt over its sub-steps, one where they are left to the engine."""
+        return self.dt / (self.substeps or 1)
+
+    def with_dt(self, dt: float) -> "Settings":
+        """The same settings at another time step [s]."""
+        return replace(self, dt=dt)
+
+    def plain(self) -> dict[str, Any]:
+        """The fields that are set, as a JSON-ready mapping."""
+        return {name: value for name, value in asdict(self).items() if value not in (None, "", {})}
+
+
+class Simulation(Protocol):
+    """One scene in one engine."""
+
+    @property
+    def resolved(self) -> Settings:
+        """The settings that the engine really uses, defaults filled in, read back from the engine where it lets us."""
+
+    def step(self, count: int = 1) -> None:
+        """Advance by count * dt; a count of 0 changes nothing. Raises: Diverged."""
+
+    def state(self, out: State) -> None:
+        """Write the present state into the arrays of `out`."""
+
+    def contacts(self) -> Contacts:
+        """The contacts of the last step. Raises: Unsupported."""
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """First hit of each ray within max_range [m]; origins (r, 3) m, directions (r, 3) unit, in W.
+
+        A ray that starts inside a solid meets its far side, whose normal points along the ray. Raises: Unsupported.
+        """
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        """The engine's own picture by `camera.renderer`, without colours if these are not wanted. Raises: Unsupported."""
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        """Set the targets [rad or m] of drives by the names of their joints, until told otherwise."""
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        """Apply f_B_W (n, 3) N at the centres of mass and tau_B_W (n, 3) N m in every step from now on. Raises: Unsupported."""
+
+    def warnings(self) -> tuple[str, ...]:
+        """What the engine or the adapter has to say: numerical warnings, and effects that could not be switched off."""
+
+    def save(self) -> object:
+        """All that decides the future, bit for bit. Raises: Unsupported."""
+
+    def restore(self, saved: object) -> None:
+        """Back to a saved state. Raises: Unsupported."""
+
+    def close(self) -> None:
+        """Free the engine's memory; may be called twice."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Emulation:
+    """A law that the adapter makes, because its engine has none of its own or none that says the same.
+
+    Terms:
+        feature: one of those that the adapter claims. how: what the engine lacks and what stands for it, as a sentence without
+        its full stop. where: what confines it, as a clause; '' where every scene with the feature has it. tracks: those on
+        which it does.
+    """
+
+    feature: Feature
+    how: str
+    where: str = ""
+    tracks: tuple[str, ...] = ("default", "tuned")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Advantage:
+    """Why an engine errs least in a case: what it is given, and not what it is.
+
+    Terms:
+        by: sub-steps, where it takes several to the others' one; the order of its integrator; construction, where its method
+        keeps or has in it what the truth says; its own law, where others have none; a solver, where another method solves the
+        same equations; defaults, where the others' own ones, or their adapters', add what the scene does not ask for. why: as a
+        sentence without its full stop, with the figures.
+    """
+
+    by: Literal["sub-steps", "order", "construction", "own law", "solver", "defaults"]
+    why: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Adapter(ABC):
+    """One engine.
+
+    Terms:
+        name: as on the command line. distribution: the package that is installed. title: as in the report.
+        features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
+        users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
+        test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
+        failures.
+        trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
+        case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
+        deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
+        adapter makes, with how; all others are the engine's own. advantages: of the engine that the others are compared with,
+        why it errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`,
+        promises for smooth motion. compile_allowance [s]: what an engine that compiles itself on first use may take for that,
+        once, beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads';
+        none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
+        them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
+    """
+
+    name: str
+    title: str
+    distribution: str
+    features: Feature
+    tracks: Mapping[str, Settings]
+    knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    acts_on: Mapping[str, Effect] = field(default_factory=dict)
+    known_failures: Mapping[str, str] = field(default_factory=dict)
+    trade_offs: Mapping[str, str] = field(default_factory=dict)
+    deviations: tuple[str, ...] = ()
+    emulated: tuple[Emulation, ...] = ()
+    advantages: Mapping[str, Advantage] = field(default_factory=dict)
+    orders: Mapping[str, int] = field(default_factory=dict)
+    compile_allowance: float = 0.0
+    threads: tuple[int, ...] = ()
+    loads: tuple[str, ...] = ()
+    single_precision: bool = False
+
+    def __post_init__(self) -> None:
+        for one in self.emulated:
+            where = f"adapter '{self.name}': emulated {'|'.join(one.feature.names)}"
+            if len(one.feature.names) != 1 or one.feature not in self.features:
+                raise ValueError(f"{where}: expected one feature that the adapter claims")
+            if not one.how.strip() or not one.tracks or not set(one.tracks) <= set(self.tracks):
+                raise ValueError(f"{where}: expected how, and on which of the tracks {', '.join(self.tracks)}")
+
+    def knobs_in(self, scene: Scene) -> tuple[str, ...]:
+        """The knobs that may mean something in this scene."""
+        return tuple(knob for knob in self.knobs if knob not in self.acts_on or self.acts_on[knob] & scene.effects)
+
+    def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled
+        """Compile what this scene needs, where the engine does such a thing; a trial's deadline begins after it.
+
+        Raises: as `build`.
+        """
+
+    @abstractmethod
+    def version(self) -> str:
+        """The installed version. Raises: Unavailable."""
+
+    @abstractmethod
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
+
+    def build_batch(self, scene: Scene, settings: Settings, count: int) -> Batch:
+        """`count` equal worlds that are stepped together; one simulation each, unless an adapter knows better.
+
+        Raises: Unsupported, Unavailable, SettingsError.
+        """
+        made: list[Simulation] = []
+        try:
+            for _ in range(count):
+                made.append(self.build(scene, settings))
+        except BaseException:
+            for simulation in made:
+                simulation.close()
+            raise
+        return Turns(made)

@@ -1,0 +1,157 @@
+"""How the scene of a trial departs from its case's: effects switched on, off, or faintly there, damping added.
+
+The case stays what it is, its truth and its checks too; what the departure does to the answer is what a study asks.
+"""
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
+
+from harness.case.symmetries import Retelling, nudged, reordered, restored
+from harness.scene import Effect, Scene
+
+__all__ = ["ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "FINEST", "REFINED", "Alteration", "departures"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alteration:
+    """A departure from a scene, by a name that tables show.
+
+    Terms:
+        widen, narrow: effects switched on or off whatever the scene says; where one is in both, it is off.
+        present: effects that the scene lacks, made present so weakly (`FAINT`) that they change nothing but the work.
+        linear_damping, angular_damping [1/s]: added to what each movable body has.
+        told: run this retelling of the scene in place of it: 'restored' (half-way), 'reordered', 'nudged' (by one bit).
+        every_step: record every step, whatever the case says.
+    """
+
+    name: str = ""
+    widen: Effect = Effect.NONE
+    narrow: Effect = Effect.NONE
+    present: Effect = Effect.NONE
+    linear_damping: float = 0.0
+    angular_damping: float = 0.0
+    told: Literal["", "restored", "reordered", "nudged"] = ""
+    every_step: bool = False
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene as it is under this alteration; the very same one where nothing departs."""
+        if self == replace(AS_IT_IS, name=self.name, told=self.told, every_step=self.every_step):
+            return scene
+        if self.present:
+            scene = _with(scene, self.present)
+        bodies = scene.bodies
+        if self.linear_damping or self.angular_damping:
+            bodies = tuple(
+                replace(
+                    body,
+                    linear_damping=body.linear_damping + self.linear_damping,
+                    angular_damping=body.angular_damping + self.angular_damping,
+                )
+                if body.movable
+                else body
+                for body in bodies
+            )
+        return replace(
+            scene,
+            bodies=bodies,
+            widen=(scene.widen | self.widen) & ~self.narrow,
+            narrow=(scene.narrow & ~self.widen) | self.narrow,
+        )
+
+    def retelling(self, scene: Scene, duration: float) -> Retelling | None:
+        """How a scene, altered already, is told in a run of `duration` [s]; None as it is."""
+        match self.told:
+            case "restored":
+                return restored(scene, duration / 2)
+            case "reordered":
+                return reordered(scene)
+            case "nudged":
+                return nudged(scene)
+            case "":
+                return None
+
+    def plain(self) -> dict[str, Any]:
+        """What departs, as a JSON-ready mapping; empty where nothing does. `from_plain` reads it back."""
+        said: dict[str, Any] = {}
+        for one in fields(self):
+            value = getattr(self, one.name)
+            if value != one.default:
+                said[one.name] = list(value.names) if isinstance(value, Effect) else value
+        return said
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Alteration":
+        """Read back what `plain` wrote."""
+        said: dict[str, Any] = {name: _effects(value) if isinstance(value, list) else value for name, value in plain.items()}
+        return cls(**said)
+
+
+FAINT = 1e-9
+"""Coefficients [1], levers [m] and rates [1/s] of effects that are to be there and do nothing; what they do
+after all is measured, as of every departure."""
+_LAWS = {
+    Effect.FRICTION: ("static_friction", "kinetic_friction"),
+    Effect.RESTITUTION: ("restitution",),
+    Effect.ROLLING_FRICTION: ("rolling_friction",),
+    Effect.TORSIONAL_FRICTION: ("torsional_friction",),
+}
+_RATES = {Effect.LINEAR_DAMPING: "linear_damping", Effect.ANGULAR_DAMPING: "angular_damping"}
+
+
+def _with(scene: Scene, present: Effect) -> Scene:
+    """The scene with these effects faintly there, where they can be without a new body or joint."""
+    fields_ = [name for effect, names in _LAWS.items() if effect in present for name in names]
+    surfaces = tuple(
+        replace(law, **{name: max(FAINT, getattr(law, name)) for name in fields_}) if fields_ else law for law in scene.surfaces
+    )
+    rates = [name for effect, name in _RATES.items() if effect in present]
+    bodies = tuple(
+        replace(body, **{name: max(FAINT, getattr(body, name)) for name in rates}) if rates and body.movable else body
+        for body in scene.bodies
+    )
+    said = present & (Effect.CONTINUOUS_COLLISION | Effect.GYROSCOPIC | Effect.GRAVITY)
+    return replace(scene, bodies=bodies, surfaces=surfaces, widen=scene.widen | said, narrow=scene.narrow & ~present)
+
+
+def _effects(names: Collection[str]) -> Effect:
+    total = Effect.NONE
+    for name in names:
+        total |= Effect[name.upper()]
+    return total
+
+
+AS_IT_IS = Alteration()
+"""No departure."""
+
+ALONE = "alone"
+"""Name: the run has the machine for itself, while all others run side by side."""
+EVERYTHING, FINER, FINEST = "everything on", "half the step", "a quarter of the step"
+"""Names: every other effect of the engine faintly present; the scene as it is, at half the time step and at half of that."""
+REFINED = {FINER: 2, FINEST: 4}
+"""By how much the time step is divided, by name."""
+_ALWAYS = Effect.GRAVITY | Effect.FRICTION | Effect.GYROSCOPIC
+"""What every engine has; the rest stands by the same name among an engine's features."""
+_TOUCHING = _ALWAYS | Effect.ROLLING_FRICTION | Effect.TORSIONAL_FRICTION
+_FREE = _ALWAYS | Effect.LINEAR_DAMPING | Effect.ANGULAR_DAMPING
+"""What can be faintly there in a scene with contacts, and in one without. Restitution cannot: soft contacts rebound by more,
+and others take so little for none. Bullet has rolling friction, or damping and continuous collision, not both; the latter is
+a departure of its own."""
+
+
+def departures(scene: Scene, features: Collection[str]) -> Iterator[Alteration]:
+    """What the study of effects makes of a scene: everything on, each effect left out that it calls for, each one taken in that
+    it leaves off. `features` are the names of what the engine can express."""
+    declared = scene.effects
+    on = _ALWAYS | _effects([one for one in features if one.upper() in Effect.__members__])
+    others = _TOUCHING if Effect.CONTACT in declared else _FREE
+    yield Alteration(name=EVERYTHING, present=others & on & ~declared)
+    for one in Effect:
+        if one in declared and one != Effect.SENSING:
+            yield Alteration(name=f"without {one.names[0]}", narrow=one)
+    left_off = scene.content & ~declared
+    if Effect.CONTACT in declared:
+        left_off |= Effect.CONTINUOUS_COLLISION & ~declared
+    for one in Effect:
+        if one in left_off and one != Effect.SENSING:
+            yield Alteration(name=f"with {one.names[0]}", widen=one)

@@ -1,0 +1,209 @@
+"""A case: one question in SI units, its scene, its truth and the checks that judge an answer."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from inspect import Parameter, signature
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+
+from harness.case.forces import Control
+from harness.case.symmetries import Retelling
+from harness.metric import Metric
+from harness.scene import Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["Axis", "Case", "Check", "Clocks", "Converged", "Rays", "Unit"]
+
+Unit = Literal["step", "ray", "world-step", "read-step", "call", "sensing"]
+"""What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds, one step with the state of
+all bodies read after it, one call that takes no step, one interval of a scene's sensors with all that they read in it."""
+Clocks = Literal["work", "reading", "call", "casting", "sensing"]
+"""What runs under the clock: the case's own work, its steps with all states read after each, `step(0)`, the bare rays of its
+range finders, or its steps with all that its sensors read."""
+
+
+OUTER = "outer"
+"""What a bound calls the step between two calls, if it depends on that."""
+OWN: Mapping[str, Any] = MappingProxyType({})
+"""In place of parameters: the case's own."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """A bound on a metric, derived in words.
+
+    Terms:
+        at_most: the bound in the metric's unit (at least, where higher is better); either a number or a function of the step
+        that the engine really takes [s], its sub-step, for errors that shrink with it; by name `outer`, of the step [s] between
+        two calls, over which states are told and forces from outside are held; and of those parameters of the case, by name,
+        that it is derived from, whose defaults are the case's own. because: the derivation. start, end [s]: the part of the run
+        that is judged.
+    """
+
+    metric: Metric
+    at_most: float | Callable[..., float]
+    because: str
+    start: float = 0.0
+    end: float | None = None
+
+    def bound(self, dt: float, parameters: Mapping[str, Any] = OWN, substep: float | None = None) -> float:
+        """The bound at a case's parameters, its own where they are left out, for a time step dt [s] that an engine takes in
+        steps of `substep` [s]: in one where that is left out."""
+        if not callable(self.at_most):
+            return float(self.at_most)
+        wanted = _named(self.at_most)
+        told = parameters if wanted is None else {name: parameters[name] for name in wanted if name in parameters}
+        between = {OUTER: dt} if OUTER in signature(self.at_most).parameters else {}
+        taken = dt if substep is None else substep
+        return float(self.at_most(taken, **between, **{name: _frozen(value) for name, value in told.items()}))
+
+    def passes(self, value: float, dt: float, parameters: Mapping[str, Any] = OWN, substep: float | None = None) -> bool:
+        """Is the value finite and on the right side of the bound?"""
+        if not np.isfinite(value):
+            return False
+        bound = self.bound(dt, parameters, substep)
+        return value <= bound if self.metric.better == "lower" else value >= bound
+
+
+@cache
+def _named(law: Callable[..., float]) -> tuple[str, ...] | None:
+    """The parameters that a bound takes beside the steps; None where it takes all."""
+    taken = [one for one in list(signature(law).parameters.values())[1:] if one.name != OUTER]
+    return None if any(one.kind == Parameter.VAR_KEYWORD for one in taken) else tuple(one.name for one in taken)
+
+
+def _frozen(value: Any) -> Any:
+    """What came through JSON as lists, as the tuples that it was: bounds that take long are kept by their arguments."""
+    return tuple(_frozen(part) for part in value) if isinstance(value, list | tuple) else value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Converged:
+    """A reference without a closed form: a trajectory with its own error bars in p_WB [m] and v_WB [m/s]."""
+
+    trajectory: Trajectory
+    position_error: float
+    velocity_error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """The parameter that makes a case harder, from `easy` to `extreme`, in a unit.
+
+    Terms:
+        lost: the share of the case's scale beyond which the headline counts as broken (below which, where higher is better),
+        beside the signs that need no truth; None where those are enough.
+    """
+
+    parameter: str
+    unit: str
+    easy: float
+    extreme: float
+    lost: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rays:
+    """Rays of one cast: origins (r, 3) m and unit directions (r, 3) in W, followed up to max_range [m]."""
+
+    origins: Floats
+    directions: Floats
+    max_range: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One question put to every engine.
+
+    Terms:
+        name: the file's; its prefix is the family. duration [s].
+        scene(**parameters) gives the scene; expected(time (t,), **parameters) the truth at those times, a `Converged`, or
+        None where only conservation or statistics judge. truth: what kind of truth that is, in words. coarsest [s]: without
+        `expected`, the truth is the exact solver of the reference engine, extrapolated from runs of at most this step.
+        sample_interval [s]: distance of recorded samples, 0 for every step. dt [s]: the step of a quick look; ladder: the
+        steps of an accuracy run. with_contacts: record contacts at each sample.
+        headline: the metric drawn against time step and cost. scale: the size of that metric's value that counts as 1.
+        converges: 'smoothly' where nothing breaks the motion, so that the headline shrinks with the integrator's own order;
+        'once' where contacts begin, end or go from slip to roll within a step, which leaves the first order; '' where the
+        headline is no error that has to shrink with the step.
+        ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
+        steady [s]: from there on every step costs alike, so the clock starts there; None clocks whole runs.
+        control(**parameters): the forces that act from outside, told anew before the steps.
+        retellings(**parameters): the scene told in other ways, each run beside it into streams '<name>/...'.
+        rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
+        insists: effects that the case declares though its own motion does not show them, by name, each with its reason.
+        eased: by name, other parameters that make the scene a saner one, as a remedy where it breaks.
+        worlds: the parameter that says how many equal worlds are stepped together, '' for none.
+    """
+
+    name: str
+    title: str
+    question: str
+    source: str
+    truth: Literal["closed form", "converged reference", "conservation", "statistics", "rest"]
+    scene: Callable[..., Scene]
+    checks: tuple[Check, ...]
+    duration: float
+    expected: Callable[..., Trajectory | Converged | None] | None = None
+    coarsest: float | None = None
+    observe: tuple[Metric, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    hard: Axis | None = None
+    ensemble: int = 1
+    sample_interval: float = 1 / 60
+    dt: float = 1 / 240
+    ladder: tuple[float, ...] = (1 / 60, 1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920)
+    with_contacts: bool = False
+    headline: str = ""
+    scale: float = 1.0
+    converges: Literal["smoothly", "once", ""] = ""
+    steady: float | None = None
+    control: Callable[..., Control] | None = None
+    retellings: Callable[..., tuple[Retelling, ...]] | None = None
+    rays: Callable[..., Rays] | None = None
+    worlds: str = ""
+    insists: Mapping[str, str] = field(default_factory=dict)
+    eased: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    def count_of_worlds(self, parameters: Mapping[str, Any]) -> int:
+        """How many worlds are stepped together."""
+        return int(parameters[self.worlds]) if self.worlds else 1
+
+    def unit(self, parameters: Mapping[str, Any], clocks: Clocks = "work") -> Unit:
+        """What the clock counts."""
+        if clocks != "work":
+            units: Mapping[Clocks, Unit] = {"reading": "read-step", "call": "call", "casting": "ray", "sensing": "sensing"}
+            return units[clocks]
+        if self.rays is not None:
+            return "ray"
+        return "world-step" if self.count_of_worlds(parameters) > 1 else "step"
+
+    def __post_init__(self) -> None:
+        if self.coarsest is not None and self.expected is not None:
+            raise ValueError(f"case '{self.name}': has both a truth and a coarsest step to make one from, expected one of them")
+        for check in self.checks:
+            unknown = set(_named(check.at_most) or () if callable(check.at_most) else ()) - set(self.parameters)
+            if unknown:
+                raise ValueError(
+                    f"case '{self.name}': the bound of {check.metric.name} names the parameter '{min(unknown)}', expected some "
+                    f"of: {', '.join(self.parameters) or 'none'}"
+                )
+
+    @property
+    def family(self) -> str:
+        """The prefix of the name: flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor."""
+        return self.name.split("_", 1)[0]
+
+    @property
+    def metrics(self) -> tuple[Metric, ...]:
+        """All metrics, checked or only observed, each once."""
+        seen = {check.metric.name: check.metric for check in self.checks}
+        seen.update({metric.name: metric for metric in self.observe})
+        return tuple(seen.values())
+
+    def truth_at(self, time: Floats, parameters: Mapping[str, Any]) -> Trajectory | Converged | None:
+        """The truth at the given times [s], shape (t,)."""
+        return None if self.expected is None else self.expected(time, **parameters)

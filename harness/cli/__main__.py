@@ -1,0 +1,6 @@
+"""`python -m harness`: the command line, where the script `plumbline` is not on the path."""
+
+from harness.cli.main import main
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""What the records say: prices, limits, leads, readings of sensors, and the tables made of them."""

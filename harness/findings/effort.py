@@ -1,0 +1,45 @@
+"""How many settings were tried for each case on each engine, and why a search for more of them ended."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import pandas as pd
+
+from harness.search.front import RUNS
+from harness.store.store import Store
+from harness.study.stored_study import experiments_of
+
+__all__ = ["ALIKE", "Effort", "Ended", "efforts"]
+
+Ended = Literal["no search", "nothing left to try", "all points spent"]
+ALIKE = 1.5
+"""How many times as many settings may be tried of one engine as of another in the same case."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effort:
+    """What was tried of a case on an engine.
+
+    Terms: tried: settings whose answers differ, the ladder of both tracks among them; one that leaves every bit of a trajectory
+    as it was is no other. beyond: those that a sweep found beyond the ladder, of `room` that it had. ended: why there are no
+    more; 'nothing left to try' where knobs and steps were used up, or what is left takes too long.
+    """
+
+    tried: int
+    beyond: int
+    room: int
+    ended: Ended
+
+
+def efforts(store: Store, part: pd.DataFrame) -> dict[str, Effort]:
+    """By engine, of the trials of one case at one set of parameters."""
+    rooms = {one.name: one.sweep for one in experiments_of(store)}
+    found = {}
+    for engine, mine in part.groupby("engine", sort=False):
+        room = max((rooms.get(name, 0) for name in mine["experiment"]), default=0)
+        answers = set(mine["trajectory_hash"].dropna())
+        beyond = len(answers - set(mine.loc[mine["round"] == 0, "trajectory_hash"]))
+        spent = beyond >= room or (mine["round"] > 0).sum() >= RUNS * room
+        ended: Ended = "no search" if not room else "all points spent" if spent else "nothing left to try"
+        found[str(engine)] = Effort(tried=len(answers), beyond=beyond, room=room, ended=ended)
+    return found

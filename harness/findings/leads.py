@@ -1,0 +1,219 @@
+"""Who leads where engines are compared: at equal sub-steps and at equal time, with the reference engine and without it.
+
+What an engine comes to is an interval: a limit lies between what held and what broke, a price in its error bar. An engine leads
+where no other's interval lies wholly beyond its own; engines whose intervals meet lead together, for their order is not known.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from harness.findings.limits_found import Hold, Search
+from harness.findings.prices import Point, Price
+
+__all__ = ["BUDGETS", "REFERENCE", "Extent", "Lead", "Reach", "axis_leads", "leaders", "pair_leads", "reaches"]
+
+BUDGETS = (1e-4, 1e-3)
+"""CPU seconds for one time step of a case that engines are compared at: a tenth of a millisecond, and a millisecond."""
+REFERENCE = "reference"
+"""The ruler, which leads are counted with and without."""
+EQUAL = 1e-9
+
+Extent = tuple[float, float]
+"""How far an engine certainly comes and how far it may: (0.4, 0.5) of an axis; (1/high, 1/low) of costs."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reach:
+    """How far one engine goes along one axis under one condition.
+
+    Terms:
+        at: 'equal sub-step' or 'equal time'. condition: what is equal, a sub-step or a CPU time for one time step of the case
+        [s]. parts: that time steps were to be taken in, 0 where that was open. held: the hardest value that held, None where
+        none did; reach, further: its place between easy and extreme, and that of the next harder value, tried or too dear.
+        setting, substep [s], cost [s]: what it was reached with, and what one time step of the case costs then, roughly. leads,
+        leads_without: alone or with others, among all engines and without the reference engine.
+    """
+
+    experiment: str
+    case: str
+    where: str
+    axis: str
+    unit: str
+    engine: str
+    at: str
+    condition: float
+    parts: int
+    held: float | None
+    reach: float
+    further: float
+    setting: str
+    substep: float | None
+    cost: float | None
+    leads: bool = False
+    leads_without: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lead:
+    """How often an engine leads. Terms: what: 'axes' or 'pairs' of case and error; at, condition: what was equal, 0 where that
+    differs from pair to pair. ours: was the reference engine among them? alone, shared: how often; of: how many there were."""
+
+    what: str
+    at: str
+    condition: str
+    ours: bool
+    engine: str
+    alone: int
+    shared: int
+    of: int
+
+
+def leaders(extents: Mapping[str, Extent]) -> frozenset[str]:
+    """The engines whose extent reaches beyond what the best certainly comes to, and those that come as far; none of none."""
+    best = max((low for low, _ in extents.values()), default=0.0)
+    return frozenset(name for name, (low, high) in extents.items() if high > best + EQUAL or low >= best - EQUAL)
+
+
+def reaches(searches: Iterable[Search]) -> list[Reach]:
+    """Every axis under every condition, engine by engine; axes that were not searched at equal sub-steps have times alone."""
+    axes: dict[tuple[str, str, str], list[Search]] = {}
+    for one in searches:
+        if not one.remedied and one.verdict not in ("unsupported", "unavailable"):
+            axes.setdefault(one.searched_along, []).append(one)
+    found: list[Reach] = []
+    for group in axes.values():
+        for parts in sorted({one.parts for one in group if one.parts}):
+            level = [one for one in group if one.parts == parts and one.fair]
+            found += _led([_reach(one, "equal sub-step", one.dt / parts, one.holds[-1:]) for one in level])
+        for budget in BUDGETS:
+            found += _led([_within([one for one in group if one.engine == name], budget) for name in _engines(group)])
+    return found
+
+
+def _engines(group: Sequence[Search]) -> list[str]:
+    return list(dict.fromkeys(one.engine for one in group))
+
+
+def _within(mine: Sequence[Search], budget: float) -> Reach:
+    """The farthest of an engine's searches among what it held at a cost within the budget; nothing is interpolated."""
+    made = []
+    for one in mine:
+        cheap = [hold for hold in one.holds if hold.cost is not None and hold.cost <= budget]
+        made.append(_reach(one, "equal time", budget, cheap[-1:]))
+    return max(made, key=lambda one: (one.held is not None, one.reach, -(one.cost or 0.0)))
+
+
+def _reach(one: Search, at: str, condition: float, last: Sequence[Hold]) -> Reach:
+    hold = last[0] if last else None
+    return Reach(
+        experiment=one.experiment,
+        case=one.case,
+        where=one.where,
+        axis=one.axis,
+        unit=one.unit,
+        engine=one.engine,
+        at=at,
+        condition=condition,
+        parts=one.parts if at == "equal sub-step" else 0,
+        held=None if hold is None else hold.value,
+        reach=0.0 if hold is None else hold.reach,
+        further=0.0 if hold is None else hold.further,
+        setting=one.setting,
+        substep=one.substep,
+        cost=None if hold is None else hold.cost,
+    )
+
+
+def _led(level: Sequence[Reach]) -> list[Reach]:
+    extents = {one.engine: (one.reach, one.further) for one in level if one.held is not None}
+    first = leaders(extents)
+    others = leaders({name: extent for name, extent in extents.items() if name != REFERENCE})
+    return [
+        replace(one, leads=one.engine in first, leads_without=one.engine in others and one.engine != REFERENCE) for one in level
+    ]
+
+
+def axis_leads(found: Sequence[Reach]) -> list[Lead]:
+    """How often each engine leads on axes: at each share of the case's time step, and at each budget of time."""
+    conditions: dict[tuple[str, str], dict[tuple[str, str, str], list[Reach]]] = {}
+    for one in sorted(found, key=lambda one: (one.at, one.parts, one.condition if not one.parts else 0.0)):
+        named = "dt" + (f"/{one.parts}" if one.parts > 1 else "") if one.parts else f"{1e3 * one.condition:g} ms a step"
+        axes = conditions.setdefault((one.at, named), {})
+        axes.setdefault((one.experiment, one.case, one.where), []).append(one)
+    return [
+        lead
+        for (at, condition), axes in conditions.items()
+        for ours in (True, False)
+        for lead in _count(
+            "axes",
+            (at, condition),
+            ours,
+            [
+                (
+                    frozenset(one.engine for one in axis if (one.leads if ours else one.leads_without)),
+                    frozenset(one.engine for one in axis),
+                )
+                for axis in axes.values()
+            ],
+        )
+    ]
+
+
+def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
+    """How often each engine leads in pairs of case and error that anybody reaches.
+
+    At equal time that is the cheapest, within the intervals of costs; at equal sub-step the one that comes down to the error in
+    the coarsest steps that were run.
+    """
+    pairs: dict[tuple[str, str, float], list[Price]] = {}
+    for price in prices:
+        pairs.setdefault((price.case, price.where, price.target), []).append(price)
+    found = []
+    for at in ("equal sub-step", "equal time"):
+        for ours in (True, False):
+            groups = []
+            for (case, where, target), asked in pairs.items():
+                engines = frozenset(one.engine for one in asked if ours or one.engine != REFERENCE)
+                if at == "equal time":
+                    extents = {one.engine: _cheapness(one) for one in asked if one.engine in engines and one.cost}
+                else:
+                    extents = _coarsest([p for p in points if (p.case, p.where) == (case, where)], target, engines)
+                if extents:
+                    groups.append((leaders(extents), engines))
+            found += _count("pairs", (at, ""), ours, groups)
+    return found
+
+
+def _cheapness(price: Price) -> Extent:
+    cost = price.cost or 1.0
+    low, high = (value if value is not None and value == value else cost for value in (price.low, price.high))
+    return 1 / high, 1 / low
+
+
+def _coarsest(points: Iterable[Point], target: float, engines: frozenset[str]) -> dict[str, Extent]:
+    found: dict[str, Extent] = {}
+    for point in points:
+        if point.engine in engines and point.error <= target:
+            step = max(point.substep, found.get(point.engine, (0.0, 0.0))[0])
+            found[point.engine] = (step, step)
+    return found
+
+
+def _count(
+    what: str, condition: tuple[str, str], ours: bool, groups: Sequence[tuple[frozenset[str], frozenset[str]]]
+) -> list[Lead]:
+    """Args: groups: of each axis or pair, who leads and who was asked."""
+    names = sorted({name for _, asked in groups for name in asked if ours or name != REFERENCE})
+    return [
+        Lead(
+            what=what,
+            at=condition[0],
+            condition=condition[1],
+            ours=ours,
+            engine=name,
+            alone=sum(first == {name} for first, _ in groups),
+            shared=sum(name in first and len(first) > 1 for first, _ in groups),
+            of=sum(name in asked for _, asked in groups),
+        )
+        for name in names
+    ]

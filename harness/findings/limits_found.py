@@ -1,0 +1,277 @@
+"""The searches for limits, read back from a run folder: where each ended, by what it broke, and what a step costs there."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import pandas as pd
+
+from harness.case import Axis
+from harness.search.first_break import BROKE, Bracket, Ruler, bracket
+from harness.store.store import Store
+from harness.study.stored_study import experiments_of
+from harness.study.study import Experiment, axis_among
+from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
+
+__all__ = ["Hold", "Search", "amount", "searches"]
+
+NOTICES = ("surplus", "missing")
+"""How a warning begins that is about the effects of a scene (see `harness.adapter`)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hold:
+    """A value that held. Terms: reach: its place between easy (0) and extreme (1); further: that of the next harder value that
+    was tried, its own where none was. cost: CPU seconds for one time step of the case, roughly, None where unknown."""
+
+    value: float
+    reach: float
+    further: float
+    cost: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """One search: a case on an engine under one group of settings.
+
+    Terms:
+        where: the parameters, and the time step, that the experiment sets to other values than the case's own. axis, unit,
+        easy, extreme: what was made harder. held, broke: the ends of the bracket; None where it has none on that side. share:
+        of the members that held at `broke`. signs: by what the others broke. verdict: 'limit', 'beyond the extreme', 'not even
+        the easiest', 'stopped' (a run without an answer: `reason`), 'unsupported', 'unavailable'. members: starts of each
+        value. values: how many were tried. cost: CPU seconds per simulated second at `held`, roughly. reach: where between easy
+        (0) and extreme (1) the limit lies, on the axis's own measure. trial_held, trial_broke: those runs. remedy, remedied:
+        what was tried to help the trial that broke. dt [s]: the time step that is divided. parts: what it was to be taken in, 0
+        where that was left to the track. substep [s]: the finest step that the engine really took, None without an answer.
+        step_cost: CPU seconds for one such time step at `held`, roughly. holds: all that held before the first that broke, the
+        hardest last. own_holds: do the case's checks hold at `broke` at its own start, so that others broke? None without an
+        answer. noticed: what the engine warned of there: effects that the scene does not call for, or that it lacks.
+    """
+
+    experiment: str
+    case: str
+    where: str
+    engine: str
+    track: str
+    dt: float
+    axis: str
+    unit: str
+    easy: float
+    extreme: float
+    held: float | None
+    broke: float | None
+    share: float | None
+    signs: str
+    verdict: str
+    reason: str
+    members: int
+    values: int
+    cost: float | None
+    reach: float
+    trial_held: str
+    trial_broke: str
+    remedy: str = ""
+    remedied: str = ""
+    parts: int = 0
+    substep: float | None = None
+    step_cost: float | None = None
+    holds: tuple[Hold, ...] = ()
+    own_holds: bool | None = None
+    noticed: tuple[str, ...] = ()
+
+    @property
+    def setting(self) -> str:
+        """The track, with the sub-step that it was held to."""
+        if not self.parts:
+            return self.track
+        return f"{self.track}, sub-step dt" + (f"/{self.parts}" if self.parts > 1 else "")
+
+    @property
+    def searched_along(self) -> tuple[str, str, str]:
+        """What searches that can be compared have in common: experiment, case and where."""
+        return self.experiment, self.case, self.where
+
+    @property
+    def fair(self) -> bool:
+        """Was the engine held to the sub-step that was asked for, or to a coarser one?"""
+        return self.substep is None or not self.parts or self.substep * self.parts >= self.dt * (1 - 1e-9)
+
+
+def _experiments(store: Store) -> dict[str, Experiment]:
+    return {one.name: one for one in experiments_of(store) if one.limit is not None}
+
+
+def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
+    told = store.catalogue["cases"][case]
+    hard = None if told["hard"] is None else Axis(**told["hard"])
+    axis = axis_among(experiment, case, hard, told["ladder"], told["parameters"])
+    return Ruler.of(axis, told["parameters"], experiment.limit)
+
+
+@lru_cache(maxsize=1)
+def searches(store: Store) -> tuple[Search, ...]:
+    """All searches of a run, those for remedies with them; worked out once for a store."""
+    return tuple(_searches(store))
+
+
+@dataclass(frozen=True, slots=True)
+class _Measured:
+    """What the ensembles of a run were found to do, by trial.
+
+    Terms: shares, starts, own: series of HELD, STARTS, OWN_CHECKS. signs: by metric, the share that broke by it.
+    """
+
+    shares: "pd.Series[float]"
+    starts: "pd.Series[float]"
+    own: "pd.Series[float]"
+    signs: Mapping[str, Mapping[str, float]]
+
+
+def _measured(store: Store) -> _Measured:
+    table = store.measurements
+    shares, starts, own = (table[table["metric"] == name].set_index("trial")["value"] for name in (HELD, STARTS, OWN_CHECKS))
+    broke = table[table["metric"].str.startswith(BROKE_BY)]
+    signs = {str(trial): dict(zip(part["metric"], part["value"], strict=True)) for trial, part in broke.groupby("trial")}
+    return _Measured(shares, starts, own, signs)
+
+
+def _searches(store: Store) -> Iterator[Search]:
+    experiments, measured = _experiments(store), _measured(store)
+    trials = store.trials[store.trials["experiment"].isin(experiments)]
+    for (name, case), part in trials.groupby(["experiment", "case"], sort=False):
+        by = _ruler(store, experiments[str(name)], str(case))
+        told = [json.loads(text) for text in part["parameters"]]
+        part = part.assign(
+            value=part["dt"] if by.axis.parameter == "dt" else [float(one[by.axis.parameter]) for one in told],
+            others=[json.dumps({k: v for k, v in one.items() if k not in (by.axis.parameter, "seed")}) for one in told],
+            outer=_outer(part),
+        )
+        part = part.assign(step=0.0 if by.axis.parameter == "dt" else part["outer"])
+        plain = part[part["remedied"] == ""]
+        named = _telling(plain["others"], plain["step"], store.catalogue["cases"][str(case)])
+        for (others, step, engine, track, parts, remedy, remedied), group in part.groupby(
+            ["others", "step", "engine", "track", "parts", "remedy", "remedied"], sort=False
+        ):
+            where = named.get((others, step), "")
+            side = (engine, track, int(parts))
+            yield _search(str(name), str(case), where, side, (remedy, remedied), group, by, measured)
+
+
+def _outer(part: pd.DataFrame) -> list[float]:
+    """The time step [s] of each trial that its parts are parts of: an engine without sub-steps was told one of these."""
+    told = [json.loads(text) for text in part["settings"]]
+    return [
+        float(dt) if not parts else float(dt) / (one.get("substeps") or 1) * parts
+        for dt, parts, one in zip(part["dt"], part["parts"], told, strict=True)
+    ]
+
+
+def _telling(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]) -> dict[tuple[str, float], str]:
+    """What tells the cells of an experiment apart, and from the case as it is, in words."""
+    cells = list(dict.fromkeys(zip(others, steps, strict=True)))
+    told = [json.loads(text) for text, _ in cells]
+    own = case["parameters"]
+    loose = [name for name in (told[0] if told else {}) if any(one.get(name) != own.get(name) for one in told)]
+    many = any(step not in (0.0, case["dt"]) for _, step in cells)
+    found = {}
+    for cell, one in zip(cells, told, strict=True):
+        words = [f"{name} {one[name]}" for name in loose] + ([f"dt 1/{1 / cell[1]:.4g} s"] if many else [])
+        found[cell] = ", ".join(words)
+    return found
+
+
+def _search(
+    name: str,
+    case: str,
+    where: str,
+    side: tuple[str, str, int],
+    help_: tuple[str, str],
+    group: pd.DataFrame,
+    by: Ruler,
+    measured: _Measured,
+) -> Search:
+    at = {row.value: row for row in group.itertuples()}
+    found = bracket({value: row.status for value, row in at.items()}, by)
+    held, broke = (None if value is None else at[value] for value in (found.held, found.broke))
+    last = max(at.values(), key=lambda row: by.place(row.value))
+    reason = last.reason if found.stopped or (broke is None and held is None) else ""
+    if broke is not None:
+        verdict = "limit" if held is not None else "not even the easiest"
+    elif found.stopped:
+        verdict = last.status if last.status in ("unsupported", "unavailable") else "stopped"
+    else:
+        verdict = "beyond the extreme"
+    reach = by.place(held.value) if held is not None else 0.0
+    holds = _holds(at, found, by)
+    taken = [float(row.substep) for row in at.values() if row.substep == row.substep]
+    return Search(
+        experiment=name,
+        case=case,
+        where=where,
+        engine=side[0],
+        track=side[1],
+        dt=float(last.outer),
+        axis=by.axis.parameter,
+        unit=by.axis.unit,
+        easy=by.axis.easy,
+        extreme=by.axis.extreme,
+        held=found.held,
+        broke=found.broke,
+        share=None if broke is None else float(measured.shares.get(broke.trial, 0.0)),
+        signs="" if broke is None else _signs(broke, measured),
+        verdict=verdict,
+        reason=reason,
+        members=int(measured.starts.get(last.trial, last.members)),
+        values=len(at),
+        cost=_number(held.rough_cost if held is not None else None),
+        reach=reach,
+        trial_held="" if held is None else held.trial,
+        trial_broke="" if broke is None else broke.trial,
+        remedy=help_[0],
+        remedied=help_[1],
+        parts=side[2],
+        substep=min(taken, default=None),
+        step_cost=holds[-1].cost if holds else None,
+        holds=holds,
+        own_holds=None if broke is None or broke.trial not in measured.own else bool(measured.own[broke.trial]),
+        noticed=() if broke is None else tuple(text for text in json.loads(broke.warnings) if text.startswith(NOTICES)),
+    )
+
+
+def _holds(at: Mapping[float, Any], found: Bracket, by: Ruler) -> tuple[Hold, ...]:
+    """What held before the first value that broke, each with its cost and with the next harder value that was tried."""
+    tried = sorted(at, key=by.place)
+    made = []
+    for value, harder in zip(tried, [*tried[1:], tried[-1]], strict=True):
+        if at[value].status != "passed" or (found.broke is not None and by.place(value) >= by.place(found.broke)):
+            continue
+        answered = at[harder].status in ("passed", *BROKE)
+        cost = _number(at[value].rough_cost)
+        made.append(
+            Hold(
+                value=value,
+                reach=by.place(value),
+                further=by.place(harder if answered else value),
+                cost=None if cost is None else cost * float(at[value].outer),
+            )
+        )
+    return tuple(made)
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or value != value else float(value)
+
+
+def _signs(row: Any, measured: _Measured) -> str:
+    """'penetration 12, energy 4', or the status of a run that gave no ensemble."""
+    shares = measured.signs.get(row.trial, {})
+    counts = {name.removeprefix(BROKE_BY): round(share * measured.starts[row.trial]) for name, share in shares.items()}
+    ordered = sorted(counts.items(), key=lambda one: -one[1])
+    return ", ".join(f"{name} {count}" for name, count in ordered) or f"{row.status}: {row.reason}"
+
+
+def amount(value: float | None, none: str) -> str:
+    """A value in four digits, or a word for none."""
+    return none if value is None else f"{value:.4g}"

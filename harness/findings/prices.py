@@ -1,0 +1,400 @@
+"""The price list: what an error costs on each engine in each case, interpolated between time steps, or "not
+within the ladder".
+
+An engine's price is that of its cheapest group of settings. Between two time steps of one group it is interpolated, where the
+error converges and does not jump; between two groups nothing lies that could be bought.
+
+Errors are those of the case's headline, as shares of the case's scale; costs are CPU seconds per simulated second (of a unit
+where that is no step). Both have error bars: costs those of their samples, errors that of the truth itself.
+
+An error that no run comes down to is none that an engine could never reach: where the error of one of its settings shrinks
+with the step, the step at which that trend would get there is foreseen.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+
+from harness.findings.effort import Ended, efforts
+from harness.statistics.order import fit_order
+from harness.statistics.pareto import on_front, price
+from harness.store.store import Store
+from harness.trajectory import Floats
+
+__all__ = ["PER_SECOND", "TARGETS", "Foreseen", "Point", "Price", "Prices", "foreseen", "unit_of"]
+
+TARGETS = tuple(10.0**-k for k in range(1, 9))
+"""Errors, as shares of a case's scale."""
+LEAST = 1e-9
+"""An error below this share of the scale is drawn and priced as this: there is no logarithm of none."""
+DRAWS = 400
+"""Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""
+
+FORESIGHT = 1e-6
+"""Share of the finest step that was run beyond which no trend is followed: rounding grows with the steps, and comes first."""
+
+PER_SECOND = "simulated second"
+
+Verdict = Literal["priced", "at most", "within the truth's error", "not within the ladder", "not clocked", "no answer"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """One trial on the plane of error and cost.
+
+    Terms:
+        substep [s]: the step that was really taken. error: share of the scale; off: by how much the truth may be off,
+        likewise. cost, low, high: CPU seconds per simulated second or unit, with the 95 % interval; of an unclocked trial the
+        rough cost alone. front: does no clocked point of the same engine beat it? best: none of any engine?
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    dt: float
+    error: float
+    off: float
+    cost: float
+    low: float | None
+    high: float | None
+    clocked: bool
+    unstable: bool
+    status: str
+    trial: str
+    substep: float
+    front: bool
+    best: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Price:
+    """What one target costs on one engine in one case.
+
+    Terms:
+        target: share of the scale. verdict: priced; at most: the cheapest point already errs less; within the truth's error:
+        the target is smaller than what the truth is known to; not within the ladder: no step and setting that was run gets
+        there; not clocked: no point that gets there has a time, and reason says what it roughly costs, where that is known; no
+        answer: no trial gave an error, and reason says why.
+        unit: what cost counts: 'simulated second', or 'ray' and the like. cost with the 95 % interval low..high; ratio: over
+        the cheapest engine at this target, with its interval; 1 for
+        that engine itself. best_error: the smallest of all its clocked points. finest_dt [s]: the finest step of all its
+        points.
+        foreseen_dt [s]: of a target not within the ladder, the step at which it is met if the error of the settings
+        foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt, trial:
+        the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
+        tried: settings of the engine in this case whose answers differ; ended: why there are no more.
+    """
+
+    case: str
+    where: str
+    target: float
+    engine: str
+    verdict: Verdict
+    unit: str
+    cost: float | None
+    low: float | None
+    high: float | None
+    ratio: float | None
+    ratio_low: float | None
+    ratio_high: float | None
+    cheapest: bool
+    best_error: float | None
+    finest_dt: float | None
+    foreseen_dt: float | None
+    foreseen_order: float | None
+    foreseen_track: str
+    track: str
+    dt: float | None
+    trial: str
+    unstable: bool
+    reason: str
+    tried: int
+    ended: Ended
+
+
+def number(value: Any) -> float:
+    """A finite number, or nan."""
+    return float(value) if value is not None and pd.notna(value) else math.nan
+
+
+class Prices:
+    """Points and prices of a run folder, worked out once."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._cases: Mapping[str, Mapping[str, Any]] = store.catalogue.get("cases", {})
+
+    @cached_property
+    def _headlines(self) -> Mapping[str, tuple[float, float]]:
+        """Error and the truth's own error of each trial's headline, in its unit."""
+        wanted = dict(
+            zip(self._store.asked["trial"], (self._headline(case) for case in self._store.asked["case"]), strict=True)
+        )
+        found: dict[str, tuple[float, float]] = {}
+        for row in self._store.measurements.to_dict("records"):
+            if row["metric"] == wanted.get(row["trial"]) and row["trial"] not in found:
+                found[row["trial"]] = (abs(number(row["value"])), number(row.get("truth_error", 0.0)))
+        return found
+
+    def _headline(self, case: str) -> str:
+        """The metric that is the case's error; none where more of it is better."""
+        about = self._cases.get(case, {})
+        headline = str(about.get("headline", ""))
+        higher = any(check.get("better") == "higher" for check in about.get("checks", ()) if check.get("metric") == headline)
+        return "" if higher else headline
+
+    @cached_property
+    def _samples(self) -> Mapping[str, Mapping[tuple[int, int], float]]:
+        """CPU seconds of a unit by trial and (process, block)."""
+        found: dict[str, dict[tuple[int, int], float]] = {}
+        for s in self._store.samples.to_dict("records"):
+            found.setdefault(s["trial"], {})[s["process"], s["block"]] = s["cpu"] / (s["steps"] * s["units"])
+        return found
+
+    def groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
+        """The trials of one case at one set of parameters; where: what differs from the case's own, in words."""
+        trials = self._store.asked
+        for (case, parameters), part in trials.groupby(["case", "parameters"], sort=False):
+            own = self._cases.get(case, {}).get("parameters", {})
+            given = {n: v for n, v in json.loads(parameters).items() if own.get(n) != v and n != "seed"}
+            yield case, ", ".join(f"{n} {v}" for n, v in given.items()), part
+
+    @cached_property
+    def points(self) -> tuple[Point, ...]:
+        """Every trial that has an error and any cost, case by case and engine by engine."""
+        found: list[Point] = []
+        for case, where, part in self.groups():
+            here = [point for row in part.to_dict("records") if (point := self._point(case, where, row)) is not None]
+            clocked = [point for point in here if point.clocked]
+            best = marked(clocked)
+            fronts: set[str] = set()
+            for engine in dict.fromkeys(point.engine for point in here):
+                fronts |= marked([point for point in clocked if point.engine == engine])
+            found += [replace(point, front=point.trial in fronts, best=point.trial in best) for point in here]
+        return tuple(found)
+
+    def _point(self, case: str, where: str, row: Mapping[str, Any]) -> Point | None:
+        if row["status"] not in ("passed", "failed") or row["trial"] not in self._headlines:
+            return None
+        error, off = self._headlines[row["trial"]]
+        scale = float(self._cases.get(case, {}).get("scale") or 1.0)
+        step = row.get("unit") in (None, "step") or pd.isna(row.get("unit"))
+        kinds = ("cpu_per_sim_s", "cpu_low", "cpu_high") if step else ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high")
+        cost, low, high = (number(row.get(name)) for name in kinds)
+        clocked = math.isfinite(cost)
+        if not clocked:
+            cost = number(row.get("rough_cost"))
+        if not (math.isfinite(error) and math.isfinite(cost) and cost > 0):
+            return None
+        return Point(
+            case=case,
+            where=where,
+            engine=row["engine"],
+            track=row["track"],
+            dt=float(row["dt"]),
+            error=max(error / scale, LEAST),
+            off=off / scale if math.isfinite(off) else 0.0,
+            cost=cost,
+            low=low if clocked else None,
+            high=high if clocked else None,
+            clocked=clocked,
+            unstable=clocked and bool(row["unstable_timing"]),
+            status=row["status"],
+            trial=row["trial"],
+            substep=float(row["dt"]) if math.isnan(number(row.get("substep"))) else float(row["substep"]),
+            front=False,
+            best=False,
+        )
+
+    @cached_property
+    def prices(self) -> tuple[Price, ...]:
+        """One for each case, target and engine."""
+        found: list[Price] = []
+        for case, where, part in self.groups():
+            if self._headline(case):
+                found += self._of_case(case, where, part)
+        return tuple(found)
+
+    def _of_case(self, case: str, where: str, part: pd.DataFrame) -> Iterator[Price]:
+        unit = unit_of(part)
+        here = [point for point in self.points if (point.case, point.where) == (case, where)]
+        draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
+        lists = {
+            engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(part["engine"])
+        }
+        spent = efforts(self._store, part)
+        for k, target in enumerate(TARGETS):
+            reached = {engine: one.middle[k] for engine, one in lists.items() if math.isfinite(one.middle[k])}
+            cheapest = min(reached, key=lambda engine: reached[engine], default="")
+            for engine, one in lists.items():
+                blank: dict[str, Any] = {f.name: None for f in fields(Price)}
+                row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
+                row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
+                row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
+                row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in here if p.engine == engine), default=None)}
+                if one.best is None:
+                    yield Price(**(row | without(part[part["engine"] == engine], here, engine)))
+                    continue
+                row |= {"best_error": one.best.error}
+                if engine not in reached:
+                    close = [p for p in here if p.engine == engine and p.error <= target]
+                    least = min(close, key=lambda p: p.cost, default=one.best)
+                    said: dict[str, Any] = (
+                        {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"}
+                        if close
+                        else {"verdict": "not within the ladder"}
+                    )
+                    trend = None if close else foreseen([p for p in here if p.engine == engine], target)
+                    if trend is not None:
+                        said |= {f"foreseen_{key}": value for key, value in asdict(trend).items()}
+                    yield Price(**(row | said | {"trial": least.trial, "track": least.track, "dt": least.dt}))
+                    continue
+                under, over = one.beside(k, target)
+                verdict: Verdict = "priced" if over is not None else "at most"
+                low, high = interval(one.drawn[:, k])
+                ratio_low, ratio_high = interval(one.drawn[:, k] / lists[cheapest].drawn[:, k])
+                row |= {"verdict": "within the truth's error" if target < under.off else verdict}
+                row |= {"cost": reached[engine], "low": low, "high": high}
+                row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
+                row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
+                yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Foreseen:
+    """Where a trend meets a target. Terms: dt [s]; order: of its error in the step; track: the settings that follow it."""
+
+    dt: float
+    order: float
+    track: str
+
+
+def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
+    """The cheapest step at which an error of these points of one engine, none of which comes down to it, would be `target`.
+
+    Settings count whose error shrinks with the step down to the finest that was run: the fit reaches no floor, its interval
+    leaves out an order of zero, and its three finest points alone have half of its order or more. The trend is followed from
+    the finest point on, no farther than to `FORESIGHT` of its step, and a step that is finer by a factor costs that many times
+    more.
+    """
+    found: list[tuple[float, Foreseen]] = []
+    for track in dict.fromkeys(point.track for point in points):
+        mine = [point for point in points if point.track == track]
+        fit = fit_order([point.dt for point in mine], [point.error for point in mine])
+        last = min(mine, key=lambda point: point.dt)
+        if fit is None or fit.floor is not None or fit.low <= 0 or fit.at_fine_end < fit.order / 2:
+            continue
+        finer = (target / last.error) ** (1 / fit.order)
+        if finer < FORESIGHT:
+            continue
+        found.append((last.cost / finer, Foreseen(dt=last.dt * finer, order=fit.order, track=track)))
+    return min(found, key=lambda one: one[0], default=(0.0, None))[1]
+
+
+def unit_of(part: pd.DataFrame) -> str:
+    """What costs of these trials count: 'simulated second', or 'ray' and the like."""
+    units = {str(unit) for unit in part["unit"].dropna()}
+    return PER_SECOND if units <= {"step"} else " or ".join(sorted(units))
+
+
+def marked(points: Sequence[Point]) -> set[str]:
+    """The trials on the front of these points."""
+    flags = on_front([p.error for p in points], [p.cost for p in points])
+    return {point.trial for point, on in zip(points, flags, strict=True) if on}
+
+
+def without(part: pd.DataFrame, here: Sequence[Point], engine: str) -> dict[str, Any]:
+    """Verdict and reason for an engine that has no clocked point."""
+    if any(point.engine == engine for point in here):
+        return {"verdict": "not clocked", "reason": "no point near the front was clocked; see the trials' warnings"}
+    counts = part.groupby(["status", "reason"]).size().sort_values(ascending=False)
+    status, reason = counts.index[0]
+    return {"verdict": "no answer", "reason": f"{status}: {reason}" if reason else str(status)}
+
+
+def interval(values: Floats) -> tuple[float, float]:
+    """The 95 % interval of drawn values, those left out that did not reach the target."""
+    finite = values[np.isfinite(values)]
+    low, high = np.percentile(finite, [2.5, 97.5]) if len(finite) else (math.nan, math.nan)
+    return float(low), float(high)
+
+
+class Draws:
+    """What prices would be had other samples been taken, the same for all engines of a case: a bootstrap in two levels.
+
+    Processes are drawn first and blocks within each, since what a process was given (its place in memory) stays with all its
+    blocks; the truth's error is drawn evenly within its bar, and moves all errors of the case alike.
+
+    Source: A. C. Davison & D. V. Hinkley, Bootstrap Methods and their Application (1997), section 3.8.
+    """
+
+    def __init__(self, points: Sequence[Point], samples: Mapping[str, Mapping[tuple[int, int], float]]) -> None:
+        rng = np.random.default_rng(0)
+        keys = sorted({key for point in points for key in samples.get(point.trial, {})})
+        processes = sorted({process for process, _ in keys})
+        blocks = {p: [place for place, key in enumerate(keys) if key[0] == p] for p in processes}
+        chosen = [
+            np.concatenate([rng.choice(blocks[p], len(blocks[p])) for p in rng.choice(processes, len(processes))])
+            for _ in range(DRAWS if keys else 0)
+        ]
+        # Processes may have given different numbers of blocks: shorter draws end in the place of a sample that nobody has.
+        places = np.full((len(chosen), max(map(len, chosen), default=0)), len(keys), dtype=np.int64)
+        for draw, drawn in enumerate(chosen):
+            places[draw, : len(drawn)] = drawn
+        self._shift = rng.uniform(-1.0, 1.0, DRAWS)
+        self._costs: dict[str, Floats] = {}
+        for point in points:
+            taken = samples.get(point.trial, {})
+            values = np.array([*(taken.get(key, math.nan) for key in keys), math.nan])
+            middle = medians(values[None, :])[0]
+            drawn = medians(values[places]) / middle if taken else np.ones(DRAWS)
+            # A draw may hold none of this trial's samples: it then says nothing of its cost.
+            self._costs[point.trial] = point.cost * np.where(np.isfinite(drawn), drawn, 1.0)
+
+    def of(self, points: Sequence[Point], targets: Floats) -> Floats:
+        """The prices of each draw for points that differ in the time step alone, shape (DRAWS, t)."""
+        errors, offs = np.array([p.error for p in points]), np.array([p.off for p in points])
+        costs = np.stack([self._costs[p.trial] for p in points], axis=1)
+        shifted = np.maximum(errors[None, :] + self._shift[:, None] * offs[None, :], LEAST)
+        return np.stack([price(shifted[d], costs[d], targets) for d in range(DRAWS)])
+
+
+class List:
+    """The prices of one engine in one case.
+
+    Terms:
+        best: its most accurate clocked point, None without one. middle: its prices, shape (t,), nan where it does not get
+        there; drawn: those of each draw, shape (DRAWS, t).
+    """
+
+    def __init__(self, points: Sequence[Point], draw: Draws, targets: Floats) -> None:
+        clocked = [point for point in points if point.clocked]
+        self.best = min(clocked, key=lambda p: p.error, default=None)
+        self._groups = [[p for p in clocked if p.track == track] for track in dict.fromkeys(p.track for p in clocked)]
+        none = np.full((1, len(targets)), math.nan)
+        middles = [price(np.array([p.error for p in g]), np.array([p.cost for p in g]), targets) for g in self._groups]
+        self._middles = np.stack(middles) if middles else none
+        self.middle: Floats = np.fmin.reduce(self._middles)
+        self.drawn: Floats = np.fmin.reduce([draw.of(group, targets) for group in self._groups]) if middles else none
+
+    def beside(self, k: int, target: float) -> tuple[Point, Point | None]:
+        """The point that the k-th price leans on, and the next one of the same group that errs more than the target."""
+        group = self._groups[int(np.nanargmin(self._middles[:, k]))]
+        under = min((p for p in group if p.error <= target), key=lambda p: p.cost)
+        return under, min((p for p in group if p.error > target), key=lambda p: p.error, default=None)
+
+
+def medians(values: Floats) -> Floats:
+    """The median of the numbers in each row, nan where a row has none: shape (n, m) to (n,)."""
+    ordered = np.sort(values, axis=1)  # nan last
+    count, rows = np.isfinite(values).sum(axis=1), np.arange(len(values))
+    lower, upper = ordered[rows, np.maximum(count - 1, 0) // 2], ordered[rows, np.minimum(count // 2, values.shape[1] - 1)]
+    found: Floats = 0.5 * (lower + upper)
+    return found

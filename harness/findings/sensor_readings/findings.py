@@ -1,0 +1,247 @@
+"""What is found of each channel of each sensor on each engine, from its readings, its checks and the clock.
+
+A finding tells of the trial that stands nearest to its case's own time step; prices come from the trials beside it that clocked
+the sensors or their bare rays. A trial without readings is a finding without a channel, with its outcome.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import pandas as pd
+
+from harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
+from harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
+from harness.findings.sensor_readings.ideal import Errors, ideal_errors
+from harness.findings.sensor_readings.inertial import Allan, allan_curve, inertial_noise
+from harness.findings.sensor_readings.lag import lag_by_law, lag_of
+from harness.findings.sensor_readings.noise import SILENT, Noise
+from harness.findings.sensor_readings.picture import Picture, first_picture
+from harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
+from harness.scene import Lidar, Scene
+from harness.scene.file import parse
+from harness.store.store import Store, StoreError
+
+__all__ = ["SKETCHES", "Finding", "concerned", "findings"]
+
+MEASURES = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Finding:
+    """One channel of one sensor on one engine and track.
+
+    Terms:
+        where: the parameters that are not the case's own. readings: how many, of `values` numbers each. error_max, error_rms,
+        error_median [unit]: of the ideal signal against the truth; disagree: share that meets another surface, or none.
+        metric, at_most, passed: the case's own check of that signal, and error its value; the largest error without a check.
+        noise: what is found of it beside its law.
+        lag, lag_law [s]: behind the motion. rays_per_s: beams or pixels a CPU second, sensors read and noise laid over;
+        bare_rays_per_s: of the beams, or of the case's own rays, alone; times_bare: what a ray that is read costs over a bare
+        one, where all rays of the scene are beams. cpu_sensing [s]: of one interval of the scene's sensors.
+        trial: the readings'; trial_sensing, trial_bare: the prices'. reason: why there is no answer, or what a number lacks.
+        allan, histogram, levels, picture: what charts draw.
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    dt: float
+    sensor: str = ""
+    type: str = ""
+    channel: str = ""
+    unit: str = ""
+    readings: int = 0
+    values: int = 0
+    error_max: float | None = None
+    error_rms: float | None = None
+    error_median: float | None = None
+    disagree: float | None = None
+    error: float | None = None
+    metric: str = ""
+    at_most: float | None = None
+    passed: bool | None = None
+    noise: Noise = SILENT
+    lag: float | None = None
+    lag_law: float | None = None
+    rays_per_s: float | None = None
+    bare_rays_per_s: float | None = None
+    times_bare: float | None = None
+    cpu_sensing: float | None = None
+    status: str
+    reason: str
+    trial: str
+    trial_sensing: str = ""
+    trial_bare: str = ""
+    allan: Allan | None = None
+    histogram: Histogram | None = None
+    levels: Levels | None = None
+    picture: Picture | None = None
+
+
+SKETCHES = ("allan", "histogram", "levels", "picture")
+"""Fields for charts, too large for a row."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Prices:
+    """CPU seconds of one interval of all sensors, and of one bare ray, with the trials that say so."""
+
+    sensing: float | None = None
+    bare: float | None = None
+    trial_sensing: str = ""
+    trial_bare: str = ""
+
+
+def concerned(store: Store) -> pd.DataFrame:
+    """The trials with sensors and, beside such, those that cast rays of their own; known without a look at trajectories."""
+    told = store.catalogue.get("cases", {})
+    sensing = {name for name, case in told.items() if "sensing" in case.get("effects", ()) or case.get("family") == "sensor"}
+    trials = store.asked
+    mine = trials["case"].isin(sensing)
+    return trials[mine | (trials["unit"] == "ray")] if mine.any() else trials[mine]
+
+
+@lru_cache(maxsize=1)
+def findings(store: Store) -> tuple[Finding, ...]:
+    """All findings of a run, engine beside engine; worked out once for a store, since it reads every trajectory."""
+    found = list(_findings(store))
+    told = store.catalogue
+    cases, engines = ({name: place for place, name in enumerate(told.get(kind, {}))} for kind in ("cases", "engines"))
+    wheres = {where: place for place, where in enumerate(dict.fromkeys(one.where for one in found))}
+    signals = {signal: place for place, signal in enumerate(dict.fromkeys((one.sensor, one.channel) for one in found))}
+
+    def place(one: Finding) -> tuple[object, ...]:
+        signal = signals[one.sensor, one.channel]
+        engine = engines.get(one.engine, len(engines))
+        scene = cases.get(one.case, len(cases)), one.case, wheres[one.where]
+        return *scene, signal, engine, one.engine, one.track != "tuned", one.track
+
+    return tuple(sorted(found, key=place))
+
+
+def _findings(store: Store) -> Iterator[Finding]:
+    told = store.catalogue.get("cases", {})
+    measured = {trial: part.to_dict("records") for trial, part in store.measurements.groupby("trial", sort=False)}
+    trials = concerned(store)
+    for (case, parameters, engine, track), part in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
+        about = told.get(case, {})
+        given = {n: v for n, v in json.loads(parameters).items() if about.get("parameters", {}).get(n) != v and n != "seed"}
+        row = _nearest(part, about.get("dt"))
+        plain = Finding(
+            case=case,
+            where=", ".join(f"{n} {v}" for n, v in given.items()),
+            engine=engine,
+            track=track,
+            dt=float(row["dt"]),
+            status=str(row["status"]),
+            reason="" if row["status"] in ("passed", "failed") else str(row["reason"]),
+            trial=str(row["trial"]),
+        )
+        yield from _of_trial(store, plain, row, measured.get(row["trial"], []), _prices(part))
+
+
+def _nearest(part: pd.DataFrame, own: float | None) -> Mapping[str, Any]:
+    """The row at the step nearest to the case's own, with readings before one without."""
+    target = own or float(part["dt"].min())
+    known = part.to_dict("records")
+    return min(
+        known,
+        key=lambda row: (round(abs(math.log(row["dt"] / target)), 9), not isinstance(row["trajectory_hash"], str), row["seed"]),
+    )
+
+
+def _prices(part: pd.DataFrame) -> _Prices:
+    found = _Prices()
+    for row in part.to_dict("records"):
+        if pd.isna(row["cpu_per_unit"]) or row["cpu_per_unit"] <= 0:
+            continue
+        if row["unit"] == "sensing":
+            found = replace(found, sensing=float(row["cpu_per_unit"]), trial_sensing=str(row["trial"]))
+        elif row["unit"] == "ray":
+            found = replace(found, bare=float(row["cpu_per_unit"]), trial_bare=str(row["trial"]))
+    return found
+
+
+def _of_trial(
+    store: Store, plain: Finding, row: Mapping[str, Any], measured: Sequence[Mapping[str, Any]], prices: _Prices
+) -> Iterator[Finding]:
+    if not isinstance(row["trajectory_hash"], str):
+        yield plain
+        return
+    try:
+        arrays = store.trajectory(row["trajectory_hash"])
+        scene = parse(str(arrays["scene"]))
+    except (StoreError, KeyError, ValueError) as error:
+        yield replace(plain, reason=f"{plain.reason}; {error}".lstrip("; "))
+        return
+    silent = True
+    for channel in channels(scene, arrays):
+        silent = False
+        yield _of_channel(plain, channel, scene, arrays, measured, prices)
+    if silent:
+        yield replace(plain, reason=plain.reason or "no readings were kept")
+
+
+def _of_channel(
+    plain: Finding,
+    channel: Channel,
+    scene: Scene,
+    arrays: Mapping[str, Any],
+    measured: Sequence[Mapping[str, Any]],
+    prices: _Prices,
+) -> Finding:
+    errors = ideal_errors(channel)
+    measure = MEASURES.get(channel.type)
+    noise = (None if measure is None else measure(channel)) or SILENT
+    lacking = [word for word in (plain.reason, errors.why, noise.why) if word]
+    seeing = channel.sensor is not None and rays_of(channel.sensor) > 0
+    bare = prices.bare if channel.type in ("lidar", RAYS) else None
+    beams = all(isinstance(sensor, Lidar) or not rays_of(sensor) for sensor in scene.sensors)
+    cast = [rays_of(sensor) * sensor.rate for sensor in scene.sensors]
+    # The sensors of a scene share a price; each interval is the longest of them, in which faster ones read more often.
+    rays = sum(cast) / min(sensor.rate for sensor in scene.sensors) if scene.sensors else 0.0
+    read = prices.sensing / rays if prices.sensing and rays and seeing else None
+    return replace(
+        plain,
+        sensor=channel.name,
+        type=channel.type,
+        channel=channel.channel,
+        unit=channel.unit,
+        readings=len(channel.time),
+        values=channel.read[0].size if len(channel.read) else 0,
+        **_error_fields(errors, _check(channel.channel, measured)),
+        noise=noise,
+        lag=lag_of(channel, scene, arrays),
+        lag_law=lag_by_law(channel),
+        rays_per_s=1.0 / read if read else None,
+        bare_rays_per_s=1.0 / bare if bare else None,
+        times_bare=read / bare if read and bare and beams else None,
+        cpu_sensing=prices.sensing,
+        reason="; ".join(lacking),
+        trial_sensing=prices.trial_sensing,
+        trial_bare=prices.trial_bare if bare else "",
+        allan=allan_curve(channel) if channel.type == "imu" else None,
+        histogram=range_histogram(channel) if channel.type == "lidar" else None,
+        levels=depth_levels(channel) if channel.type == "depth_camera" else None,
+        picture=first_picture(channel),
+    )
+
+
+def _error_fields(errors: Errors, check: Mapping[str, Any]) -> dict[str, Any]:
+    found = {"error_max": errors.largest, "error_rms": errors.rms, "error_median": errors.median, "disagree": errors.disagree}
+    if not check:
+        return found | {"error": errors.largest}
+    bound = None if pd.isna(check["at_most"]) else float(check["at_most"])
+    judged = {"metric": check["metric"], "at_most": bound, "passed": bool(check["passed"])}
+    return found | judged | {"error": float(check["value"])}
+
+
+def _check(channel: str, measured: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
+    """The case's first check of a channel's ideal signal: '<channel>_error...' or '<channel>_ideal_error...'."""
+    starts = (f"{channel}_error", f"{channel}_ideal_error")
+    return next((m for m in measured if str(m["metric"]).startswith(starts) and not pd.isna(m["passed"])), {})

@@ -1,0 +1,80 @@
+"""How far the ideal signal of a channel lies from the truth: the largest, the root mean square and the median error.
+
+An inertial reading errs by the length of the difference of two vectors, and so does a colour; a range, an intensity or a
+depth by the size of the difference. Ranges and depths are compared where both meet the same surface, taken to be another one
+where they differ by more than a tenth; the share of the others is `disagree`. Two silences agree where both are alike (NaN, or
+infinite with one sign). Bodies that a pixel shows agree or do not.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.findings.sensor_readings.channel import Channel
+from harness.metric.series import maximum, root_mean_square
+from harness.trajectory import Floats
+
+__all__ = ["OTHER_SURFACE", "Errors", "ideal_errors"]
+
+OTHER_SURFACE = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """In the channel's unit; None where nothing can be compared, and why. disagree: share of readings, None where all agree
+    by their nature."""
+
+    largest: float | None = None
+    rms: float | None = None
+    median: float | None = None
+    disagree: float | None = None
+    why: str = ""
+
+
+def ideal_errors(channel: Channel) -> Errors:
+    """The errors of a channel without its noise; a reading that is not finite where the truth is leaves no finite error."""
+    truth = channel.truth
+    if truth is None or truth.size == 0:
+        return Errors(why=channel.untold or "no reading was taken")
+    match channel.channel:
+        case "range" | "depth":
+            return _surfaces(channel.ideal, truth, strict=channel.channel == "range")
+        case "body":
+            return Errors(disagree=float(np.mean(channel.ideal != truth)))
+        case "intensity":
+            return _intensity(channel, truth)
+        case _:
+            return _of(np.linalg.norm(channel.ideal - truth, axis=-1))
+
+
+def _of(errors: Floats, disagree: float | None = None) -> Errors:
+    if errors.size == 0:
+        return Errors(disagree=disagree, why="nothing that is read meets what the truth meets")
+    return Errors(maximum(errors), root_mean_square(errors), float(np.median(errors)), disagree)
+
+
+def _same(found: Floats, truth: Floats) -> NDArray[np.bool_]:
+    """Where both meet the same surface."""
+    both = np.isfinite(found) & np.isfinite(truth)
+    with np.errstate(invalid="ignore"):
+        mask: NDArray[np.bool_] = both & (np.abs(found - truth) <= OTHER_SURFACE * np.abs(truth))
+    return mask
+
+
+def _surfaces(found: Floats, truth: Floats, strict: bool) -> Errors:
+    same = _same(found, truth)
+    silent = (np.isnan(found) & np.isnan(truth)) | (np.isinf(found) & (found == truth))
+    disagree = float(np.mean(~same & ~silent))
+    if strict and np.isnan(found).any():
+        # A beam hits or it does not: NaN is neither, and no statistics may pass over it.
+        return Errors(np.nan, np.nan, np.nan, disagree)
+    return _of(np.abs(found[same] - truth[same]), disagree)
+
+
+def _intensity(channel: Channel, truth: Floats) -> Errors:
+    found, told = channel.beside.get("range", (None, None))
+    same = np.ones(truth.shape, dtype=np.bool_) if found is None or told is None else _same(found, told)
+    if same.any() and np.isnan(channel.ideal[same]).all():
+        return Errors(why="the engine gives no normals where its rays hit")
+    return _of(np.abs(channel.ideal[same] - truth[same]))

@@ -1,0 +1,76 @@
+"""What is found of a channel's noise beside what its law says, and how sure a finding is."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.statistics.proportion import Z_95, wilson_interval
+from harness.trajectory import Floats
+
+__all__ = ["SILENT", "Noise", "lost_share", "spread", "spread_interval"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Noise:
+    """Found, with 95 % intervals, and by law; None where the law has no such part or the readings cannot tell.
+
+    Terms:
+        law: in words. count: of readings that the spread is taken from. sigma: standard deviation from reading to reading,
+        over all readings together. bias: mean deviation. lost: share of returns that got lost.
+        white, floor, walk: Allan deviation over the law's, where that process is strongest. why: what cannot be told.
+    """
+
+    law: str
+    count: int = 0
+    sigma: float | None = None
+    sigma_low: float | None = None
+    sigma_high: float | None = None
+    sigma_law: float | None = None
+    bias: float | None = None
+    bias_low: float | None = None
+    bias_high: float | None = None
+    bias_law: float | None = None
+    lost: float | None = None
+    lost_low: float | None = None
+    lost_high: float | None = None
+    lost_law: float | None = None
+    white: float | None = None
+    floor: float | None = None
+    walk: float | None = None
+    why: str = ""
+
+
+SILENT = Noise(law="")
+"""Of a channel without noise."""
+
+
+def spread_interval(sigma: float, freedom: float) -> tuple[float, float]:
+    """95 % interval of a standard deviation with so many degrees of freedom, by the chi-squared law of its square."""
+    from scipy import stats  # late: a listing must not pay for it
+
+    if not (math.isfinite(sigma) and freedom >= 1):
+        return math.nan, math.nan
+    high, low = stats.chi2.ppf(0.025, freedom), stats.chi2.ppf(0.975, freedom)
+    return sigma * math.sqrt(freedom / low), sigma * math.sqrt(freedom / high)
+
+
+def lost_share(lost: int, count: int, law: float) -> dict[str, Any]:
+    """The fields of `Noise` about returns that got lost, with Wilson's interval; none where nothing could get lost."""
+    if count == 0:
+        return {}
+    low, high = wilson_interval(lost, count)
+    return {"lost": lost / count, "lost_low": low, "lost_high": high, "lost_law": law}
+
+
+def spread(deviation: Floats, law: Floats) -> dict[str, Any]:
+    """The fields of `Noise` about spread and mean of independent deviations (n,), whose standard deviations by law are (n,)."""
+    n = len(deviation)
+    sigma, bias = float(np.sqrt(np.mean(np.square(deviation)))), float(np.mean(deviation))
+    low, high = spread_interval(sigma, n)
+    # The law is known, so the interval of the mean is that of a known variance.
+    width = Z_95 * float(np.sqrt(np.mean(np.square(law)) / n))
+    by_law = float(np.sqrt(np.mean(np.square(law))))
+    found = {"sigma": sigma, "sigma_low": low, "sigma_high": high, "sigma_law": by_law}
+    return found | {"bias": bias, "bias_low": bias - width, "bias_high": bias + width, "bias_law": 0.0}

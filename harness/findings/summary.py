@@ -1,0 +1,66 @@
+"""Two short answers beside the tables: junit.xml for build servers, and summary.md for people."""
+
+from collections.abc import Mapping
+from typing import Any
+from xml.etree import ElementTree
+
+import pandas as pd
+
+from harness.findings.emulations import whose
+from harness.intake.safe_text import markdown_cell, visible
+from harness.store.disk import write_atomically
+from harness.store.store import Store
+
+__all__ = ["summaries", "write_summary"]
+
+_ERRORS = ("crashed", "timeout", "oom", "diverged")
+_SKIPPED = ("unsupported", "unavailable", "interrupted")
+
+
+def _junit(trials: pd.DataFrame) -> bytes:
+    suite = ElementTree.Element("testsuite", name="plumbline", tests=str(len(trials)))
+    counts = trials["status"].value_counts()
+    suite.set("failures", str(int(counts.get("failed", 0))))
+    suite.set("errors", str(int(counts.reindex(_ERRORS, fill_value=0).sum())))
+    suite.set("skipped", str(int(counts.reindex(_SKIPPED, fill_value=0).sum())))
+    for row in trials.itertuples():
+        name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}]"
+        test = ElementTree.SubElement(suite, "testcase", classname=visible(str(row.study)), name=visible(name))
+        kind = {"failed": "failure"} | dict.fromkeys(_ERRORS, "error") | dict.fromkeys(_SKIPPED, "skipped")
+        if row.status in kind:
+            ElementTree.SubElement(test, kind[row.status], message=visible(f"{row.status}: {row.reason}"))
+    text: bytes = ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)
+    return text
+
+
+def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
+    table = trials.groupby(["engine", "track", "status"]).size().unstack(fill_value=0)
+    lines = ["# Outcomes", "", "| engine | track | " + " | ".join(map(markdown_cell, table.columns)) + " |"]
+    lines.append("|---" * (2 + len(table.columns)) + "|")
+    for (engine, track), row in table.iterrows():
+        lines.append(f"| {markdown_cell(engine)} | {markdown_cell(track)} | " + " | ".join(str(n) for n in row) + " |")
+    notable = trials[trials["status"].isin((*_ERRORS, "failed"))]
+    if len(notable):
+        lines += [
+            "",
+            "# What did not pass",
+            "",
+            "| case | engine | track | dt | status | reason | by the adapter |",
+            "|---|---|---|---|---|---|---|",
+        ]
+        for row in notable.itertuples():
+            law = whose(catalogue, row.engine, row.case, row.track)
+            cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason, law)
+            lines.append("| " + " | ".join(map(markdown_cell, cells)) + " |")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def summaries(store: Store) -> dict[str, bytes]:
+    """The content of junit.xml and summary.md."""
+    return {"junit.xml": _junit(store.trials), "summary.md": _markdown(store.trials, store.catalogue)}
+
+
+def write_summary(store: Store) -> None:
+    """Write junit.xml and summary.md into the run folder."""
+    for name, content in summaries(store).items():
+        write_atomically(store.folder / name, content)

@@ -1,0 +1,202 @@
+"""Does the same scene give the same bits, and if not, from which step on and how fast does it part?
+
+Each cell was run once and then again: in another process beside others ('again'), with the machine for itself ('alone'), from a
+state saved in its middle ('restored'), with its bodies in the other order ('reordered'), on more threads where the engine has
+that knob, and with the last bit of one coordinate changed ('nudged'), which is no test but a measure: a motion that multiplies
+that bit shows anything that an engine forgets.
+"""
+
+import json
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from harness.store.store import Store
+from harness.trajectory import Floats
+
+__all__ = ["BRIEF", "COLUMNS", "FIRST", "Agreement", "agreements", "brief", "broken", "parting", "rows", "sentences"]
+
+STATES = ("p_WB", "q_WB", "v_WB", "w_WB")
+MUST = ("again", "alone", "restored", "threads")
+"""Runs that must give the same bits."""
+FIRST = "first"
+"""The run that the others are compared with."""
+GROWS_FROM, GROWS_TO = 1e-14, 1e-3
+"""Distances [m] between which the growth of a difference is fitted: above rounding, below the size of the scene."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agreement:
+    """One repetition against the first run.
+
+    Terms:
+        way: how it was repeated. hash_first, hash: of the whole answers; those of 'restored' and 'reordered' differ by what
+        they hold, and are compared state by state. steps: that both have. first_step: the first that differs, None for none.
+        farthest [m]: the greatest distance of any body. doubles_in [s]: the time in which the difference doubles, None where it
+        does not grow by ten times. verdict: 'bit-identical', 'differs', 'parts' (of a nudge), or the status of a run without
+        an answer. trial, trial_first: the two runs.
+    """
+
+    case: str
+    engine: str
+    track: str
+    way: str
+    must: bool
+    hash_first: str
+    hash: str
+    steps: int
+    first_step: int | None
+    farthest: float | None
+    doubles_in: float | None
+    verdict: str
+    reason: str
+    trial: str
+    trial_first: str
+
+
+COLUMNS = tuple(field.name for field in fields(Agreement))
+
+
+@lru_cache(maxsize=1)
+def agreements(store: Store) -> tuple[Agreement, ...]:
+    """All repetitions of a run; worked out once for a store, since it reads every trajectory."""
+    return tuple(_agreements(store))
+
+
+def _agreements(store: Store) -> Iterator[Agreement]:
+    told = [json.loads(text) for text in store.trials["alteration"]]
+    part = store.trials.assign(way=[one.get("name", "") for one in told], every=[one.get("every_step", False) for one in told])
+    part = part[part["every"]]
+    for _, group in part.groupby(["case", "parameters", "engine", "track"], sort=False):
+        runs = {row.way: row for row in group.itertuples()}
+        first = runs.pop("", None)
+        if first is None:
+            continue
+        if first.status not in ("passed", "failed"):
+            yield _silent(first, first, FIRST)
+            continue
+        for way, run in runs.items():
+            answered = run.status in ("passed", "failed", "diverged") and isinstance(run.trajectory_hash, str)
+            yield _compared(store, first, run, way) if answered else _silent(first, run, way)
+
+
+def _silent(first: Any, run: Any, way: str) -> Agreement:
+    return _row(first, run, way, 0, None, None, None, str(run.status), str(run.reason))
+
+
+def _row(
+    first: Any,
+    run: Any,
+    way: str,
+    steps: int,
+    first_step: int | None,
+    farthest: float | None,
+    doubles_in: float | None,
+    verdict: str,
+    reason: str = "",
+) -> Agreement:
+    return Agreement(
+        case=first.case,
+        engine=first.engine,
+        track=first.track,
+        way=way,
+        must=any(way.endswith(word) for word in MUST),
+        hash_first=str(first.trajectory_hash),
+        hash=str(run.trajectory_hash),
+        steps=steps,
+        first_step=first_step,
+        farthest=farthest,
+        doubles_in=doubles_in,
+        verdict=verdict,
+        reason=reason,
+        trial=str(run.trial),
+        trial_first=str(first.trial),
+    )
+
+
+def _compared(store: Store, first: Any, run: Any, way: str) -> Agreement:
+    one, other = (store.trajectory(side.trajectory_hash) for side in (first, run))
+    steps, differs, distance = parting(one, other)
+    dt = float(first.dt)
+    places = np.flatnonzero(differs)
+    first_step = None if len(places) == 0 else round(float(steps[places[0]]) / dt)
+    same = first_step is None and len(steps) > 0
+    verdict = "bit-identical" if same else ("parts" if way == "nudged" else "differs")
+    grows = doubling(steps, distance)
+    farthest = float(distance.max(initial=0.0))
+    return _row(first, run, way, len(steps), first_step, farthest, grows, verdict)
+
+
+def parting(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[Floats, Any, Floats]:
+    """Times [s] that two runs share (t,), whether any bit of the states differs there (t,), the greatest distance [m] (t,)."""
+    times, here, there = np.intersect1d(np.round(one["time"], 9), np.round(other["time"], 9), return_indices=True)
+    differs = np.zeros(len(times), dtype=np.bool_)
+    for name in STATES:
+        a, b = (np.ascontiguousarray(run[name][rows]).reshape(len(times), -1) for run, rows in ((one, here), (other, there)))
+        differs |= (a.view(np.int64) != b.view(np.int64)).any(axis=1)
+    distance: Floats = np.linalg.norm(one["p_WB"][here] - other["p_WB"][there], axis=2).max(axis=1, initial=0.0)
+    return times, differs, distance
+
+
+def doubling(time: Floats, distance: Floats) -> float | None:
+    """The time [s] in which a difference doubles while it is small, by least squares of its logarithm; None where it does not
+    grow by ten times.
+
+    Args: time (t,) s, distance (t,) m.
+    """
+    small = np.flatnonzero((distance > GROWS_FROM) & (distance < GROWS_TO))
+    if len(small) < 3 or distance[small].max() < 10 * distance[small].min():
+        return None
+    since, logs = time[small] - time[small].mean(), np.log2(distance[small])
+    slope = float(since @ logs / (since @ since))
+    return 1 / slope if slope > 0 and math.isfinite(slope) else None
+
+
+def broken(found: Iterable[Agreement], engines: Collection[str]) -> list[str]:
+    """The repetitions on these engines that must give the same bits and do not, each in a sentence."""
+    return [
+        f"{one.case} on {one.engine}/{one.track}, {one.way}: differs from step {one.first_step} on (trial {one.trial})"
+        for one in found
+        if one.engine in engines and one.must and one.verdict == "differs"
+    ]
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(one) for one in agreements(store)]
+
+
+BRIEF = ("case", "engine", "way", "verdict", "first step that differs", "farthest", "doubles in")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    return [
+        row["case"],
+        f"{row['engine']}/{row['track']}",
+        row["way"],
+        row["verdict"] + (f": {row['reason'][:50]}" if row["reason"] else ""),
+        "" if row["first_step"] is None else f"{row['first_step']} of {row['steps']}",
+        "" if row["farthest"] is None else f"{row['farthest']:.2g} m",
+        "" if row["doubles_in"] is None else f"{row['doubles_in']:.3g} s",
+    ]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Engine by engine, how many repetitions gave the same bits, way by way."""
+    found = []
+    for engine in dict.fromkeys(row["engine"] for row in rows):
+        mine = [row for row in rows if row["engine"] == engine and row["way"] != "nudged"]
+        words = []
+        for way in dict.fromkeys(row["way"] for row in mine):
+            judged = [row for row in mine if row["way"] == way and row["verdict"] in ("bit-identical", "differs")]
+            if judged:
+                words.append(f"{way} {sum(row['verdict'] == 'bit-identical' for row in judged)} of {len(judged)}")
+            else:
+                words.append(f"{way}: no answer")
+        found.append(f"{engine}: bit-identical {', '.join(words)}.")
+    return found

@@ -1,0 +1,159 @@
+"""Long runs: does what should stay stay, or does it run away little by little?
+
+Of motions whose energy is conserved, that energy as a share of what is in play; of things at rest, how far the body that went
+farthest is from its place. A line through it says whether it only swings or has a trend, with the interval of its slope.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from harness.metric import NotMeasurable
+from harness.metrics.energy import energy_change
+from harness.scene.file import parse
+from harness.statistics.order import fit_slope
+from harness.store.store import Store
+from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import movable
+
+__all__ = ["BRIEF", "COLUMNS", "LONG", "Drift", "brief", "drifts", "rows", "sentences"]
+
+LONG = 100_000
+"""Steps from which a run is a long one."""
+UNITS = {"energy": "1", "place": "m"}
+EXACT = 1e-9
+"""Changes over a whole run, in the quantity's unit, below which nothing has happened: rounding, added up."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drift:
+    """What became of one quantity in a long run.
+
+    Terms:
+        quantity: 'energy', as a share of that in play, or 'place' [m]. slope, low, high: per second, with the 95 % interval.
+        swing: of the series about that line. change: over the whole run. verdict: 'bounded', 'gains', 'loses' (a secular
+        trend), 'still' (no change at all), or the status of a run without an answer.
+    """
+
+    case: str
+    engine: str
+    track: str
+    dt: float
+    steps: int
+    quantity: str
+    unit: str
+    slope: float | None
+    low: float | None
+    high: float | None
+    swing: float | None
+    change: float | None
+    verdict: str
+    status: str
+    reason: str
+    trial: str
+
+
+COLUMNS = tuple(field.name for field in fields(Drift))
+
+
+def drifts(store: Store) -> list[Drift]:
+    """A row for each long run."""
+    plain = store.asked
+    duration = {name: row["duration"] for name, row in store.catalogue["cases"].items()}
+    long = plain[[duration[row.case] / row.dt >= LONG for row in plain.itertuples()]]
+    return [_drift(store, row) for row in long.itertuples()]
+
+
+def _drift(store: Store, row: Any) -> Drift:
+    same: dict[str, Any] = {
+        "case": row.case,
+        "engine": row.engine,
+        "track": row.track,
+        "dt": float(row.dt),
+        "steps": int(row.steps),
+        "status": row.status,
+        "reason": row.reason,
+        "trial": row.trial,
+    }
+    nothing: dict[str, Any] = {"slope": None, "low": None, "high": None, "swing": None, "change": None}
+    if row.status not in ("passed", "failed"):
+        return Drift(**same, **nothing, quantity="", unit="", verdict=row.status)
+    rests = store.catalogue["cases"][row.case]["truth"] == "rest"
+    quantity, time, series = _series(store.trajectory(row.trajectory_hash), rests)
+    fit = fit_slope(time.tolist(), series.tolist()) if np.isfinite(series).all() else None
+    if fit is None:
+        return Drift(**same, **nothing, quantity=quantity, unit=UNITS[quantity], verdict="too short")
+    change = fit.slope * float(time[-1] - time[0])
+    if float(np.ptp(series)) < EXACT:
+        verdict = "still"
+    else:
+        verdict = ("gains" if fit.slope > 0 else "loses") if fit.secular else "bounded"
+    return Drift(
+        **same,
+        quantity=quantity,
+        unit=UNITS[quantity],
+        slope=fit.slope,
+        low=fit.low,
+        high=fit.high,
+        swing=fit.swing,
+        change=change,
+        verdict=verdict,
+    )
+
+
+def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
+    """Quantity, time (t,) s and series (t,) of a trajectory as a run folder keeps it, after its first tenth.
+
+    Of what `rests` it is the place, since there is no energy in play.
+    """
+    scene = parse(str(kept["scene"]))
+    time, p_WB, q_WB, v_WB, w_WB = (kept[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
+    run = Trajectory(time, p_WB, q_WB, v_WB, w_WB, dt=float(kept["dt"]))
+    first = len(run) // 10
+    with suppress(NotMeasurable):
+        if not rests:
+            return "energy", run.time[first:], energy_change(scene, run, None)[first:]
+    moved = movable(scene)
+    start = np.array([scene.bodies[place].p_WB for place in moved])
+    away: Floats = np.linalg.norm(run.p_WB[:, moved] - start, axis=2).max(axis=1)
+    return "place", run.time[first:], away[first:]
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(one) for one in drifts(store)]
+
+
+BRIEF = ("case", "engine", "steps", "quantity", "per second", "over the run", "swings by", "verdict")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    known = row["slope"] is not None
+    return [
+        row["case"],
+        f"{row['engine']}/{row['track']}",
+        row["steps"],
+        f"{row['quantity']}{'' if row['unit'] in ('', '1') else ' [' + row['unit'] + ']'}",
+        f"{row['slope']:.2g} ({row['low']:.2g}..{row['high']:.2g})" if known else "",
+        f"{row['change']:.2g}" if known else "",
+        f"{row['swing']:.2g}" if known else "",
+        row["verdict"] + (f", {row['status']}" if known and row["status"] != "passed" else ""),
+    ]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Who stays, and who runs away, case by case."""
+    found = []
+    for case in dict.fromkeys(row["case"] for row in rows):
+        mine = [row for row in rows if row["case"] == case and row["slope"] is not None]
+        for verdict in ("gains", "loses"):
+            bad = [row for row in mine if row["verdict"] == verdict and math.isfinite(row["change"])]
+            if bad:
+                told = ", ".join(f"{row['engine']} ({row['track']}) by {abs(row['change']):.2g}" for row in bad)
+                found.append(f"{case}: {bad[0]['quantity']} {'grows' if verdict == 'gains' else 'falls'} over the run: {told}.")
+    return found

@@ -1,0 +1,405 @@
+"""What each effect costs, what its absence does, and whether it was needed: the rows of the effects table."""
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from harness.case.alteration import EVERYTHING, REFINED
+from harness.search.needless_effects import Consequence, matters, scale_in, told_apart, weighed
+from harness.statistics.ratio import Ratio, ratio
+from harness.store.store import Store
+
+__all__ = [
+    "BRIEF",
+    "COLUMNS",
+    "JUDGE",
+    "Audit",
+    "Saving",
+    "Verdict",
+    "audit",
+    "brief",
+    "rows",
+    "savings",
+    "sentences",
+    "verdicts",
+]
+
+JUDGE = "reference"
+"""The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
+NOT_JUDGED = "not judged"
+AS_IT_IS = "as it is"
+UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
+"""Statuses that stand as verdicts where a run gave no answer."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """One effect of one scene on one engine, or everything on.
+
+    Terms:
+        effect: its name; several where they were left out together. declared: does the scene call for it? insists: why it does
+        although its motion does not show it. moved, own: see `harness.search.needless_effects.Consequence`; None where nothing could be
+        compared. matters: on this engine. cost, low, high: CPU time of a step with it over that without it (everything on over
+        as it is), with the 95 % interval of the median over blocks; None where one of both was not clocked. cpu_as_it_is: CPU
+        seconds of a simulated second of the scene as it is; None where that was not clocked. verdict: 'needed
+        and on', 'needed but missing', 'missing without need', 'paid for without need', 'insisted on', 'cannot be switched off',
+        'left out', 'everything on', 'left out together', 'needed together'; NOT_JUDGED where nothing could be compared or who
+        judges has not converged in this scene; or the status of a run that gave no answer. reason: what the engine says to it,
+        or why it is not judged. trial: of the departure.
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    effect: str
+    declared: bool
+    insists: str
+    moved: float | None
+    own: float | None
+    matters: bool | None
+    cost: float | None
+    low: float | None
+    high: float | None
+    cpu_as_it_is: float | None
+    verdict: str
+    reason: str
+    trial: str
+
+
+COLUMNS = tuple(field.name for field in fields(Verdict))
+
+
+@lru_cache(maxsize=1)
+def verdicts(store: Store) -> tuple[Verdict, ...]:
+    """All rows of a run; worked out once for a store, since it reads every trajectory."""
+    return tuple(_verdicts(store))
+
+
+def _verdicts(store: Store) -> Iterator[Verdict]:
+    trials = store.trials
+    altered = set(trials.loc[trials["alteration"].str.contains(EVERYTHING, regex=False), "experiment"])
+    part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
+    part = part.assign(departure=[json.loads(text).get("name", "") for text in part["alteration"]])
+    samples = _sampled(store)
+    for _, cells in part.groupby("case", sort=False):
+        named = _where(cells["parameters"])
+        for parameters, scenes in cells.groupby("parameters", sort=False):
+            needed = _needed(store, scenes)
+            for (engine, track), group in scenes.groupby(["engine", "track"], sort=False):
+                yield from _of_side(store, str(engine), str(track), named[str(parameters)], group, needed, samples)
+
+
+Sampled = Mapping[str, pd.Series]
+
+
+def _sampled(store: Store) -> Sampled:
+    """By trial, the CPU seconds of a unit in each of its samples, by process and block."""
+    found = {}
+    for trial, part in store.samples.groupby("trial"):
+        told = part.set_index(["process", "block"])
+        found[str(trial)] = told["cpu"] / (told["steps"] * told["units"])
+    return found
+
+
+def _where(told: Iterable[str]) -> dict[str, str]:
+    """By parameters (JSON) of a case, what tells them apart in words: nothing, where there is but one scene."""
+    read = {text: json.loads(text) for text in dict.fromkeys(told)}
+    names = {name for one in read.values() for name in one}
+    loose = [name for name in sorted(names) if len({repr(one.get(name)) for one in read.values()}) > 1]
+    return {text: ", ".join(f"{name} {one[name]}" for name in loose if name in one) for text, one in read.items()}
+
+
+def _runs(group: pd.DataFrame) -> dict[str, Any]:
+    """A side's runs by the name of their departure."""
+    return {row.departure: row for row in group.itertuples()}
+
+
+@dataclass(frozen=True, slots=True)
+class _Need:
+    """Whether an effect matters, None where that is not known, and why it is not."""
+
+    matters: bool | None
+    doubt: str = ""
+
+
+def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
+    """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
+    runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
+    declared = store.catalogue["cases"][scenes["case"].iloc[0]]["effects"]
+    scale, found = scale_in(store, runs), {}
+    for name, run in runs.items():
+        effects = told_apart(name)
+        one = matters(store, runs.get(""), run, scale) if len(effects) == 1 else None
+        one = weighed(name, one, runs.get(""), run, declared)
+        if one is not None and scale is not None:
+            found[effects[0]] = _Need(one.matters, f"{JUDGE}: {scale.doubt}" if one.matters is None else "")
+    return found
+
+
+def _of_side(
+    store: Store,
+    engine: str,
+    track: str,
+    where: str,
+    group: pd.DataFrame,
+    needed: Mapping[str, _Need],
+    samples: Sampled,
+) -> Iterator[Verdict]:
+    runs = _runs(group)
+    plain = runs.get("")
+    if plain is None:
+        return
+    told = store.catalogue["cases"][plain.case]
+    declared, insists = set(told["effects"]), told.get("insists", {})
+    scale = scale_in(store, runs)
+    doubt = "" if scale is None else f"{engine}: {scale.doubt}"
+    said = [str(text) for text in json.loads(plain.warnings)]
+
+    def row(effect: str, run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = "") -> Verdict:
+        return Verdict(
+            case=plain.case,
+            where=where,
+            engine=engine,
+            track=track,
+            effect=effect,
+            declared=all(one in declared for one in effect.split(", ")),
+            insists=str(insists.get(effect, "")),
+            moved=None if found is None else found.moved,
+            own=None if found is None else found.own,
+            matters=None if found is None else found.matters,
+            cost=None if price is None else price.value,
+            low=None if price is None else price.low,
+            high=None if price is None else price.high,
+            cpu_as_it_is=None if pd.isna(plain.cpu_per_sim_s) else float(plain.cpu_per_sim_s),
+            verdict=verdict,
+            reason=reason,
+            trial=str(run.trial),
+        )
+
+    if plain.status not in ("passed", "failed"):
+        yield row(AS_IT_IS, plain, None, plain.status, None, plain.reason)
+        return
+    surplus = {one: text for text in said if text.startswith("surplus") for one in _named(text)}
+    missing = {one: text for text in said if text.startswith("missing") for one in _named(text)}
+    for name, run in runs.items():
+        if name in ("", *REFINED) or (name.startswith("with ") and told_apart(name)[0] in surplus):
+            continue  # what cannot be switched off is told by its notice, below
+        if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
+            yield row(", ".join(told_apart(name)) or name, run, None, run.status, None, run.reason)
+            continue
+        found = weighed(name, matters(store, plain, run, scale), plain, run, declared)
+        if name == EVERYTHING:
+            yield row(name, run, found, name, _price(run, plain, samples))
+            continue
+        taken_in = name.startswith("with ")
+        price = _price(run, plain, samples) if taken_in else _price(plain, run, samples)
+        effects = told_apart(name)
+        own = _Need(None) if found is None else _Need(found.matters, doubt if found.matters is None else "")
+        if len(effects) > 1:
+            verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"
+            yield row(", ".join(effects), run, found, verdict, price, own.doubt)
+            continue
+        (effect,) = effects
+        need = needed.get(effect, own)
+        if effect in insists and not taken_in and effect not in missing:
+            verdict, reason = "insisted on", str(insists[effect])
+        elif need.matters is None:
+            verdict, reason = NOT_JUDGED, need.doubt
+        elif effect in missing:
+            verdict, reason = ("needed but missing" if need.matters else "missing without need"), missing[effect]
+        elif taken_in:
+            verdict, reason = ("needed but missing" if need.matters else "left out"), ""
+        else:
+            verdict, reason = ("needed and on" if need.matters else "paid for without need"), ""
+        yield row(effect, run, found, verdict, price, reason)
+    for effect, text in surplus.items():
+        if effect not in declared:
+            yield row(effect, plain, None, "cannot be switched off", None, text)
+
+
+def _named(text: str) -> list[str]:
+    """The effects that a notice of an adapter names."""
+    from harness.scene import Effect
+
+    words = text.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
+    return [name for name in Effect(~0).names if name in words]
+
+
+def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
+    """CPU time of a unit of one run over that of another, in the blocks that both were sampled in."""
+    one, other = samples.get(cost.trial), samples.get(base.trial)
+    if one is None or other is None:
+        return None
+    both = one.index.intersection(other.index)
+    return None if both.empty else ratio(one[both].to_numpy(), other[both].to_numpy())
+
+
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """Whether each scene calls for exactly what it needs.
+
+    Terms:
+        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows that say
+        something. failed: those of them that are against the scene: an effect that does not matter is on, or one that matters
+        is off. open: its rows that say nothing, since it gave no answer or has not converged: for these nothing is proposed.
+    """
+
+    judge: str
+    judged: tuple[Mapping[str, Any], ...]
+    failed: tuple[Mapping[str, Any], ...]
+    open: tuple[Mapping[str, Any], ...] = ()
+
+    @property
+    def scenes(self) -> int:
+        """How many were judged, each of their effects."""
+        return len(_scenes(self.judged).keys() - _scenes(self.open).keys())
+
+    @property
+    def clean(self) -> int:
+        """How many of these have nothing against them."""
+        return len(_scenes(self.judged).keys() - _scenes(self.open).keys() - _scenes(self.failed).keys())
+
+    @property
+    def in_doubt(self) -> int:
+        """How many were asked about and not judged in full."""
+        return len(_scenes(self.open))
+
+    @property
+    def sentences(self) -> list[str]:
+        """What is against the scenes, a sentence each."""
+        return [_accusation(row) for row in self.failed]
+
+    @property
+    def doubts(self) -> list[str]:
+        """What could not be judged and why, a sentence for each scene and reason."""
+        effects: dict[tuple[str, str], list[str]] = {}
+        for row in self.open:
+            why = row["reason"] or "no answer to compare"
+            why = why if row["verdict"] == NOT_JUDGED else f"{row['engine']}: {row['verdict']}: {why}"
+            what = "any effect" if row["effect"] == AS_IT_IS else row["effect"]
+            effects.setdefault((_named_scene(row), why), []).append(what)
+        return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
+
+
+def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
+    """Of flat rows with COLUMNS; where the judge was not asked, the first engine that was stands in for it."""
+    asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
+    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
+    asked_of = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
+    judged = tuple(row for row in asked_of if row["verdict"] not in (NOT_JUDGED, *UNANSWERED))
+    failed = tuple(row for row in judged if row["verdict"] in ("paid for without need", "needed but missing"))
+    return Audit(judge, judged, failed, tuple(row for row in asked_of if row not in judged))
+
+
+def _scenes(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
+    """The scenes of some rows, in their order."""
+    return dict.fromkeys((row["case"], row["where"]) for row in rows)
+
+
+def _named_scene(row: Mapping[str, Any]) -> str:
+    return f"{row['case']} {row['where']}".strip()
+
+
+def _accusation(row: Mapping[str, Any]) -> str:
+    name = _named_scene(row)
+    if row["verdict"] == "needed but missing":
+        return f"{name}: leaves out {row['effect']}, which matters: with it a body is moved by {_metres(row['moved'])}"
+    return (
+        f"{name}: declares {row['effect']}, which does not matter: without it no body is moved by more than "
+        f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}"
+    )
+
+
+def _metres(value: float | None) -> str:
+    return "nothing" if value is None else f"{value:.2g} m or rad"
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(one) for one in verdicts(store)]
+
+
+BRIEF = ("case", "engine", "effect", "cost", "moves", "own error", "verdict")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    cost = "" if row["cost"] is None else f"x {row['cost']:.3g} ({row['low']:.3g}..{row['high']:.3g})"
+    return [
+        _named_scene(row),
+        f"{row['engine']}/{row['track']}",
+        row["effect"],
+        cost,
+        "" if row["moved"] is None else f"{row['moved']:.2g}",
+        "" if row["own"] is None else f"{row['own']:.2g}",
+        row["verdict"] + (f": {row['reason'][:70]}" if row["reason"] and row["verdict"] not in ("insisted on",) else ""),
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class Saving:
+    """What everything on costs over the scene as it is, on one engine.
+
+    Terms:
+        mean, low, high: geometric mean, smallest and largest over so many scenes. summed: the time of a simulated second of
+        each of these scenes, added up, with everything on over as it is; None where no step was clocked.
+    """
+
+    engine: str
+    mean: float
+    low: float
+    high: float
+    scenes: int
+    summed: float | None
+
+
+def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
+    """One an engine."""
+    everything: dict[str, list[Mapping[str, Any]]] = {}
+    for row in rows:
+        if row["verdict"] == EVERYTHING and row["cost"]:
+            everything.setdefault(row["engine"], []).append(row)
+    made = []
+    for engine, mine in everything.items():
+        costs = [row["cost"] for row in mine]
+        mean = math.exp(float(np.mean(np.log(costs))))
+        both = [(row["cost"], row["cpu_as_it_is"]) for row in mine if row["cpu_as_it_is"]]
+        whole = sum(second for _, second in both)
+        summed = sum(cost * second for cost, second in both) / whole if whole else None
+        made.append(Saving(engine, mean, min(costs), max(costs), len(costs), summed))
+    return made
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What leaving effects out saves, engine by engine, and what the audit says."""
+    found = []
+    for one in savings(rows):
+        added = "" if one.summed is None else f"; a simulated second of each, added up, {one.summed:.3g} times"
+        found.append(
+            f"{one.engine}: a step with everything on costs {one.mean:.3g} times that of the scene as it is "
+            f"(geometric mean over {one.scenes} scenes, {one.low:.3g} to {one.high:.3g}{added})."
+        )
+    told = audit(rows)
+    if told.scenes:
+        beside = f"; {told.in_doubt} more are not judged in full" if told.in_doubt else ""
+        found.append(
+            f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}{beside}."
+        )
+    found += [f"Audit: {sentence}." for sentence in (*told.sentences, *told.doubts)]
+    return found + [proposal for scene in _scenes(told.failed) if (proposal := proposed(scene, told.judged))]
+
+
+def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
+    mine = [row for row in rows if (row["case"], row["where"]) == scene]
+    together = [row["effect"].split(", ") for row in mine if row["verdict"] == "left out together"]
+    single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
+    idle: list[str] = max(together + single, key=len, default=[])
+    return f"Proposed for {' '.join(scene).strip()}: narrow = {json.dumps(idle)}." if idle else ""

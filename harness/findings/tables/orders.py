@@ -1,0 +1,198 @@
+"""Whether answers converge as their integrators promise: the rows of the orders table, made from a run folder.
+
+The adapter says what each of its integrators promises for smooth motion, the case whether its headline can show that: where
+contacts begin or end within a step, the first order is left of any promise.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal
+
+import pandas as pd
+
+from harness.statistics.order import Order, falls_short, fit_order
+from harness.store.store import Store
+
+__all__ = ["BRIEF", "COLUMNS", "Convergence", "brief", "convergences", "rows", "sentences", "verdict"]
+
+Verdict = Literal["kept", "broken", "exact", "open", "none"]
+
+ROUNDINGS = 8
+"""Roundings of the scale in each step, all to one side, that an error may consist of."""
+SMALLEST = 1e-12
+"""Share of the scale below which series and integrators behind the truths hold no more digits."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Convergence:
+    """How the headline error of a case shrinks with the time step on one engine under one group of settings.
+
+    Terms:
+        where: parameters, as JSON, if not the case's own. order with its 95 % interval low..high, floor, used, coarse, fine
+        [s]: as in `harness.statistics.order.Order`, None without a fit. promised: None where nothing is.
+        verdict: kept; broken; exact: the error is nowhere above what numbers of 64 bits leave; open: too few steps to tell;
+        none: nothing is promised. finding: a sentence where the promise is broken.
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    metric: str
+    integrator: str
+    order: float | None
+    low: float | None
+    high: float | None
+    used: int
+    floor: float | None
+    coarse: float | None
+    fine: float | None
+    promised: int | None
+    verdict: Verdict
+    finding: str
+
+
+COLUMNS = tuple(field.name for field in fields(Convergence))
+BRIEF = ("case", "engine", "track", "integrator", "promised", "order", "interval", "floor", "verdict")
+
+
+def convergences(store: Store) -> list[Convergence]:
+    """One row for each ladder of at least three steps, experiments that share settings taken together."""
+    cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})
+    if store.asked.empty:
+        return []
+    trials = store.asked[store.asked["status"].isin(("passed", "failed"))]
+    headlines = {name: case.get("headline", "") for name, case in cases.items()}
+    table = store.measurements
+    values = dict(zip(zip(table["trial"], table["metric"], strict=True), table["value"], strict=True))
+    found = [values.get((trial, headlines.get(case, ""))) for trial, case in zip(trials["trial"], trials["case"], strict=True)]
+    trials = trials.assign(error=pd.Series(found, index=trials.index, dtype="float64").abs()).dropna(subset="error")
+    rows = []
+    keys = [trials["case"], trials["parameters"].map(_seedless), trials["engine"], trials["track"]]
+    for (case, parameters, engine, track), ladder in trials.groupby(keys, sort=False):
+        if ladder["dt"].nunique() >= 3:
+            about = cases.get(case, {})
+            own = _seedless(json.dumps(about.get("parameters"), default=str))
+            where = "" if parameters == own else str(parameters)
+            rows.append(_row(str(case), where, str(engine), str(track), about, engines.get(engine, {}), ladder))
+    return rows
+
+
+def _object(text: str) -> dict[str, Any]:
+    """A JSON object; nothing where an old or broken store holds something else."""
+    try:
+        found = json.loads(text)
+    except (TypeError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _seedless(parameters: str) -> str:
+    return json.dumps({k: v for k, v in _object(parameters).items() if k != "seed"}, sort_keys=True)
+
+
+def _row(
+    case: str, where: str, engine: str, track: str, about: Mapping[str, Any], who: Mapping[str, Any], ladder: pd.DataFrame
+) -> Convergence:
+    integrators = sorted({str(_object(text).get("integrator") or "") for text in ladder["resolved"]})
+    promised = _promise(about.get("converges", ""), who.get("orders", {}), integrators)
+    by_step = ladder.groupby(_taken(ladder))["error"].median()
+    steps, errors = [float(dt) for dt in by_step.index], [float(error) for error in by_step]
+    scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
+    fit, told = verdict(steps, errors, promised, scale, duration)
+    title = f"{about.get('title') or case} on {who.get('title') or engine} ({track}, {' and '.join(integrators)})"
+    return Convergence(
+        case=case,
+        where=where,
+        engine=engine,
+        track=track,
+        metric=str(about.get("headline", "")),
+        integrator=" ".join(integrators),
+        order=None if fit is None else fit.order,
+        low=None if fit is None else fit.low,
+        high=None if fit is None else fit.high,
+        used=0 if fit is None else fit.used,
+        floor=None if fit is None else fit.floor,
+        coarse=None if fit is None else fit.coarse,
+        fine=None if fit is None else fit.fine,
+        promised=promised,
+        verdict=told,
+        finding="" if told != "broken" or fit is None or promised is None else _sentence(title, fit, promised, errors[0]),
+    )
+
+
+def _taken(ladder: pd.DataFrame) -> "pd.Series[float]":
+    """The steps [s] of a ladder as the engine took them, told in steps of its finest rung.
+
+    An engine that cuts coarse steps into sub-steps takes the same step on several rungs: these are one point of the slope.
+    """
+    substeps = ladder["resolved"].map(lambda text: float(_object(text).get("substeps") or 1))
+    finest = float(substeps[ladder["dt"].idxmin()])
+    # 1/60 s in 4 and 1/240 s in 1 are one step, whatever the last digit says.
+    return (ladder["dt"] * finest / substeps).map(lambda dt: float(f"{dt:.12g}"))
+
+
+def _promise(converges: str, orders: Mapping[str, int], integrators: Sequence[str]) -> int | None:
+    """The least that any of the integrators used promises, and at most the first order where contacts come and go."""
+    if not converges or not integrators or not all(name in orders for name in integrators):
+        return None
+    least = min(orders[name] for name in integrators)
+    return least if converges == "smoothly" else min(1, least)
+
+
+def verdict(
+    steps: Sequence[float], errors: Sequence[float], promised: int | None, scale: float, duration: float
+) -> tuple[Order | None, Verdict]:
+    """The fit through what lies above rounding, and what it says of the promise.
+
+    Args:
+        steps [s], errors: shape (n,), one each. scale: the error that counts as 1. duration [s]: of a run.
+    """
+    least = [scale * max(SMALLEST, ROUNDINGS * 2.0**-52 * duration / dt) for dt in steps]
+    above = [
+        (dt, error) for dt, error, low in zip(steps, errors, least, strict=True) if error > low or not math.isfinite(error)
+    ]
+    if not above:
+        return None, "exact"
+    fit = fit_order([dt for dt, _ in above], [error for _, error in above])
+    if promised is None:
+        return fit, "none"
+    if fit is None:
+        return None, "open"
+    return fit, "broken" if falls_short(fit, promised) else "kept"
+
+
+def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
+    if fit.floor is not None and fit.left > 0.5:
+        return (
+            f"{title}: below a step of {1e3 * fit.fine:.3g} ms the error stays at {fit.floor:.2g}, {fit.left:.0%} of its "
+            f"largest value; above, it shrinks with order {fit.order:.2f} ({fit.low:.2f} to {fit.high:.2f}), promised is "
+            f"{promised}."
+        )
+    goes = f"shrinks with order {fit.order:.2f}" if fit.order > 0 else f"grows as the step shrinks, with order {fit.order:.2f}"
+    return (
+        f"{title}: the error {goes} ({fit.low:.2f} to {fit.high:.2f}) from a step of "
+        f"{1e3 * fit.coarse:.3g} to {1e3 * fit.fine:.3g} ms, promised is {promised}; at the finest step it is {finest:.2g}."
+    )
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(row) for row in convergences(store)]
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    shown = dict(row)
+    shown["order"] = "" if row["order"] is None else f"{row['order']:.2f}"
+    shown["interval"] = "" if row["low"] is None else f"{row['low']:.2f} .. {row['high']:.2f}"
+    shown["floor"] = "" if row["floor"] is None else f"{row['floor']:.2g}"
+    shown["promised"] = "" if row["promised"] is None else str(row["promised"])
+    return [shown[name] for name in BRIEF]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The broken promises."""
+    return [str(row["finding"]) for row in rows if row["finding"]]

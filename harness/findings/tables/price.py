@@ -1,0 +1,63 @@
+"""The price list: what an error of a case costs on each engine; worked out in `harness.findings.prices`."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields
+from typing import Any
+
+from harness.findings.prices import Price, Prices
+from harness.store.store import Store
+
+__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
+
+COLUMNS = tuple(field.name for field in fields(Price))
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(row) for row in Prices(store).prices]
+
+
+BRIEF = ("case", "error", "engine", "CPU s", "95 %", "x cheapest", "95 %", "setting", "step", "tried", "marks")
+"""What a terminal has room for; marks: * the cheapest, ~ an unstable timing, <= the cheapest point errs less already."""
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    case = f"{row['case']} {row['where']}".strip()
+    if row["cost"] is None:
+        best = (
+            f", best {row['best_error']:.2g} down to {1e3 * row['finest_dt']:.3g} ms" if row["best_error"] is not None else ""
+        )
+        if row["foreseen_dt"] is not None:
+            best += f", trend {1e3 * row['foreseen_dt']:.2g} ms"
+        said = f"{row['verdict']}{best}" if not row["reason"] else f"{row['verdict']}: {row['reason']}"
+        return [case, f"{row['target']:.0e}", row["engine"], said, "", "", "", row["track"], "", _tried(row), ""]
+    marks = ("*" if row["cheapest"] else "") + ("~" if row["unstable"] else "")
+    marks += {"at most": "<=", "within the truth's error": "truth"}.get(row["verdict"], "")
+    return [
+        case,
+        f"{row['target']:.0e}",
+        row["engine"],
+        f"{row['cost']:.3g}",
+        f"{row['low']:.3g} .. {row['high']:.3g}",
+        f"{row['ratio']:.3g}",
+        f"{row['ratio_low']:.3g} .. {row['ratio_high']:.3g}",
+        row["track"],
+        f"{row['dt']:.4g}",
+        _tried(row),
+        marks,
+    ]
+
+
+def _tried(row: Mapping[str, Any]) -> str:
+    return f"{row['tried']}" + (" (all there are)" if row["ended"] == "nothing left to try" else "")
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Who is cheapest how often."""
+    pairs = {(row["case"], row["where"], row["target"]) for row in rows if row["cheapest"]}
+    counts = {
+        engine: sum(row["cheapest"] for row in rows if row["engine"] == engine) for row in rows for engine in [row["engine"]]
+    }
+    share = ", ".join(f"{engine} {count}" for engine, count in sorted(counts.items(), key=lambda item: -item[1]))
+    return [f"Of {len(pairs)} pairs of case and error that any engine reaches, cheapest: {share}."] if pairs else []

@@ -1,0 +1,130 @@
+"""What helped where an engine broke, how far beyond, and at what cost."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from harness.findings.limits_found import Search, amount, searches
+from harness.store.store import Store
+from harness.trial.ensemble import HELD
+
+__all__ = ["BRIEF", "COLUMNS", "Remedied", "brief", "remedied", "rows", "sentences"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Remedied:
+    """One remedy at the value at which an engine broke.
+
+    Terms:
+        value: of the axis, where it broke. share_before, share_after: of the members that hold there. held: the hardest value
+        that holds with the remedy, None where none does; broke: the first that does not. farther: from easy (0) to extreme (1),
+        how much farther the limit lies. cost_ratio: CPU seconds per simulated second with the remedy over that without, at
+        `value`, roughly. verdict: 'helps' (all members hold where not all did), 'helps some' (more do), 'no help', 'harms'
+        (fewer do), or the status of a run that gave no answer. trial: the remedied run; trial_broke: the one without.
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    axis: str
+    unit: str
+    value: float
+    signs: str
+    remedy: str
+    share_before: float
+    share_after: float | None
+    held: float | None
+    broke: float | None
+    farther: float
+    cost_ratio: float | None
+    verdict: str
+    reason: str
+    trial: str
+    trial_broke: str
+
+
+COLUMNS = tuple(field.name for field in fields(Remedied))
+
+
+def remedied(store: Store) -> list[Remedied]:
+    """Every remedy that was tried."""
+    every = searches(store)
+    sick = {one.trial_broke: one for one in every if not one.remedied and one.trial_broke}
+    return [_row(one, sick[one.remedied], store) for one in every if one.remedied in sick]
+
+
+def _row(one: Search, sick: Search, store: Store) -> Remedied:
+    trials = store.trials[store.trials["trial"].eq(sick.trial_broke) | store.trials["remedied"].eq(sick.trial_broke)]
+    first = trials[(trials["remedy"] == one.remedy)].sort_values("round").iloc[0]
+    before = trials[trials["trial"] == sick.trial_broke].iloc[0]
+    found = store.measurements[(store.measurements["trial"] == first["trial"]) & (store.measurements["metric"] == HELD)][
+        "value"
+    ]
+    after = float(found.iloc[0]) if len(found) else None
+    share = sick.share or 0.0
+    if after is None:
+        verdict = str(first["status"])
+    elif after > share:
+        verdict = "helps" if after == 1.0 else "helps some"
+    else:
+        verdict = "no help" if after == share else "harms"
+    ratio = first["rough_cost"] / before["rough_cost"]
+    return Remedied(
+        case=one.case,
+        where=sick.where,
+        engine=one.engine,
+        track=one.track,
+        axis=one.axis,
+        unit=one.unit,
+        value=float("nan") if sick.broke is None else sick.broke,
+        signs=sick.signs,
+        remedy=one.remedy,
+        share_before=share,
+        share_after=after,
+        held=one.held,
+        broke=one.broke,
+        farther=max(0.0, one.reach - sick.reach),
+        cost_ratio=None if ratio != ratio else float(ratio),
+        verdict=verdict,
+        reason="" if after is not None else str(first["reason"]),
+        trial=str(first["trial"]),
+        trial_broke=sick.trial_broke,
+    )
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(one) for one in remedied(store)]
+
+
+BRIEF = ("case", "engine", "setting", "broke at", "remedy", "held before", "held after", "now holds to", "cost", "verdict")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    return [
+        f"{row['case']} {row['where']}".strip(),
+        row["engine"],
+        row["track"],
+        f"{row['axis']} {row['value']:.4g}{'' if row['unit'] == '1' else ' ' + row['unit']}",
+        row["remedy"],
+        f"{row['share_before']:.2f}",
+        "" if row["share_after"] is None else f"{row['share_after']:.2f}",
+        amount(row["held"], ""),
+        "" if row["cost_ratio"] is None else f"x {row['cost_ratio']:.2g}",
+        row["verdict"],
+    ]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Remedy by remedy, the most helpful first: where it was tried, how often it helped, at what cost in the middle."""
+    found: list[tuple[float, str]] = []
+    for remedy in dict.fromkeys(row["remedy"] for row in rows):
+        tried = [row for row in rows if row["remedy"] == remedy and row["share_after"] is not None]
+        helped = [row for row in tried if row["verdict"] == "helps"]
+        costs = sorted(row["cost_ratio"] for row in helped if row["cost_ratio"] is not None)
+        if tried:
+            price = f", at {costs[len(costs) // 2]:.2g} times the cost" if costs else ""
+            found.append((len(helped) / len(tried), f"{remedy}: helps in {len(helped)} of {len(tried)} places{price}."))
+    return [sentence for _, sentence in sorted(found, key=lambda one: -one[0])]

@@ -1,0 +1,464 @@
+"""What a step, a ray or a world costs, engine beside engine: the rows of the scaling table, made from a run folder.
+
+A price alone says little, so each stands beside what it buys: how deep bodies stand in one another, how much still moves, or,
+where nothing touches, the case's own error. Ratios are taken within blocks of samples, which cancels what the machine did.
+
+What was clocked beside the work (steps whose state is read, empty calls, several processes side by side) is compared with the
+same engine's plain step and with nobody else's.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from harness.statistics.order import FEWEST, fit_order
+from harness.statistics.ratio import Ratio, ratio
+from harness.store.store import Store
+
+__all__ = [
+    "BRIEF",
+    "COLUMNS",
+    "Cost",
+    "Exponent",
+    "Scaling",
+    "Sweep",
+    "brief",
+    "growth",
+    "no_worse",
+    "rows",
+]
+
+PENETRATION = ("overlap", "penetration")
+"""Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""
+RESIDUAL = ("rms_speed",)
+SMALLEST = {"penetration": 1e-6, "residual": 1e-5, "error": 1e-6}
+"""Below a micrometre, 10 micrometres a second, or a millionth of an error's unit, two answers count as equally good."""
+CLOCKED = {
+    "work": "step alone",
+    "reading": "step and reading",
+    "call": "empty call",
+    "casting": "bare rays",
+    "sensing": "sensing",
+}
+"""What runs under the clock, in the words that set the rows apart."""
+WHOLE = {"ray": ("cast", "rays"), "world-step": ("batch-step", "worlds")}
+"""Where the number of what is counted is swept, the price of all together, and the name of that number."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """A row: one engine under one group of settings in one scene.
+
+    Terms:
+        where: the parameters that tell the scene from the case's others. unit: what is counted. cpu, low, high [s] of one unit.
+        to_fastest: over the fastest setting of any engine whose checks hold. to_ours: over the fastest setting of our engine
+        that penetrates no more and moves no more (or, without contact, errs no more) than this row; ours names it.
+        penetration [m]; residual [m/s]: root mean square speed of the worst body when all should rest; error: the case's
+        headline metric. best: is this the engine's fastest setting whose checks hold?
+        clocks, workers: as in `harness.study.study.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain step of
+        the same engine and setting, where something else was clocked. rate [1/s]: units that all processes get done in a second
+        of wall time; efficiency: that over `workers` times the rate of one process; where several stepped side by side.
+    """
+
+    case: str
+    where: str
+    parameters: Mapping[str, Any]
+    engine: str
+    track: str
+    unit: str
+    cpu: float | None
+    low: float | None
+    high: float | None
+    to_fastest: Ratio | None
+    to_ours: Ratio | None
+    ours: str
+    penetration: float | None
+    residual: float | None
+    error: float | None
+    error_metric: str
+    best: bool
+    unstable: bool | None
+    status: str
+    reason: str
+    dt: float
+    trial: str
+    experiment: str = ""
+    clocks: str = "work"
+    workers: int = 1
+    units: int = 1
+    to_plain: Ratio | None = None
+    rate: float | None = None
+    efficiency: Ratio | None = None
+
+    @property
+    def beside(self) -> bool:
+        """Does it belong to a study of what stands beside the work?"""
+        return "clocked" in self.parameters or "workers" in self.parameters
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exponent:
+    """cost = C parameter^exponent above a floor, with its 95 % interval, between two values of the parameter."""
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    unit: str
+    parameter: str
+    exponent: float
+    low: float
+    high: float
+    points: int
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """Rows of all engines that differ in one numeric parameter, by its size; where: what else tells them from the case.
+
+    Where the parameter decides how many rays or worlds there are, the rows show that number and the price of all of them.
+    """
+
+    case: str
+    where: str
+    unit: str
+    parameter: str
+    rows: tuple[Cost, ...]
+
+
+COLUMNS = (
+    "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
+    "to_fastest_high", "to_ours", "to_ours_low", "to_ours_high", "ours", "penetration_m", "residual_m_s", "error",
+    "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
+    "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
+    "efficiency_high",
+)  # fmt: skip
+"""Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None."""
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if value is not None and pd.notna(value) and math.isfinite(value) else None
+
+
+class Scaling:
+    """The costs and exponents of a run folder, read once."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        engines = store.catalogue.get("engines", {})
+        self._ours = {name for name, engine in engines.items() if engine.get("ours")}
+
+    @cached_property
+    def _values(self) -> Mapping[str, Mapping[str, float]]:
+        """Metric values by trial; of a metric that is checked twice the first."""
+        found: dict[str, dict[str, float]] = {}
+        table = self._store.measurements
+        for trial, metric, value in zip(table["trial"], table["metric"], table["value"], strict=True):
+            found.setdefault(trial, {}).setdefault(metric, value)
+        return found
+
+    @cached_property
+    def _samples(self) -> Mapping[str, Mapping[tuple[int, int], Mapping[str, Any]]]:
+        """Samples by trial and (process, block)."""
+        found: dict[str, dict[tuple[int, int], Mapping[str, Any]]] = {}
+        for s in self._store.samples.to_dict("records"):
+            units = int(s["units"]) if pd.notna(s.get("units")) else 1
+            found.setdefault(s["trial"], {})[s["process"], s["block"]] = s | {"units": units}
+        return found
+
+    def _own(self, case: str) -> Mapping[str, Any]:
+        """The parameters that a case has of itself."""
+        own: Mapping[str, Any] = self._store.catalogue.get("cases", {}).get(case, {}).get("parameters", {})
+        return own
+
+    def _swept(self, case: str, given: Sequence[Mapping[str, Any]]) -> list[str]:
+        """The parameters that differ among trials or from the case's own values; never the seed."""
+        names = dict.fromkeys(name for one in given for name in one if name != "seed")
+        return [n for n in names if len({json.dumps(one.get(n)) for one in (*given, self._own(case))}) > 1]
+
+    def _groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
+        """Trials that were clocked together: one case at one set of parameters and one time step."""
+        for (case, _), part in self._store.asked.groupby(["case", "experiment"], sort=False):
+            given = _given(part)
+            swept = self._swept(case, given)
+            where = [", ".join(_named(name, one.get(name)) for name in swept) for one in given]
+            keyed = part.assign(where=where, given=given, size=[[_size(one.get(name)) for name in swept] for one in given])
+            for (place, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
+                yield case, place, group
+
+    @cached_property
+    def costs(self) -> tuple[Cost, ...]:
+        """All rows, scene by scene; within a scene engine by engine, each from the cheapest setting to the dearest."""
+        found: list[Cost] = []
+        for case, where, group in self._groups():
+            rows = [self._cost(case, where, row) for row in group.to_dict("records")]
+            if any(row.cpu is not None for row in rows):
+                found += rows if any(row.beside for row in rows) else self._compared(rows)
+        return tuple(self._beside(found))
+
+    def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
+        values = self._values.get(row["trial"], {})
+        headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
+        trouble = [text for text in json.loads(row["warnings"]) if str(text).startswith("timing: ")]
+        unstable, workers = row["unstable_timing"], int(row.get("workers", 1))
+        return Cost(
+            case=case,
+            where=where,
+            parameters=row["given"],
+            engine=row["engine"],
+            track=row["track"],
+            unit=str(row["unit"]) if pd.notna(row.get("unit")) else "",
+            cpu=_number(row.get("cpu_per_unit")),
+            low=_number(row.get("cpu_per_unit_low")),
+            high=_number(row.get("cpu_per_unit_high")),
+            to_fastest=None,
+            to_ours=None,
+            ours="",
+            penetration=next((_number(values[name]) for name in PENETRATION if name in values), None),
+            residual=next((_number(values[name]) for name in RESIDUAL if name in values), None),
+            error=_number(values.get(headline)),
+            error_metric=headline,
+            best=False,
+            unstable=None if pd.isna(unstable) else bool(unstable),
+            status=row["status"],
+            reason="; ".join([row["reason"], *trouble]) if row["status"] != "passed" else "; ".join(trouble),
+            dt=float(row["dt"]),
+            trial=row["trial"],
+            experiment=row["experiment"],
+            clocks=row.get("clocks", "work"),
+            workers=workers,
+            units=next((s["units"] for s in self._samples.get(row["trial"], {}).values()), workers) // workers,
+        )
+
+    def _ratio(self, row: Cost, base: Cost, clock: str = "cpu") -> Ratio | None:
+        mine, other = self._samples.get(row.trial, {}), self._samples.get(base.trial, {})
+        both = sorted(mine.keys() & other.keys())
+        if not both:
+            return None
+        cost, other_cost = ([of[k][clock] / (of[k]["steps"] * of[k]["units"]) for k in both] for of in (mine, other))
+        return ratio(np.array(cost), np.array(other_cost))
+
+    def _rate(self, row: Cost) -> float | None:
+        """Units in a second of wall time."""
+        samples = self._samples.get(row.trial, {}).values()
+        return float(np.median([s["steps"] * s["units"] / s["wall"] for s in samples])) if samples else None
+
+    def _beside(self, rows: Sequence[Cost]) -> Iterator[Cost]:
+        """What stands beside the work, compared with the plain step of one process in the same blocks."""
+
+        def side(row: Cost) -> tuple[object, ...]:
+            kept = {name: value for name, value in row.parameters.items() if name not in ("clocked", "workers")}
+            return row.case, row.experiment, row.engine, row.track, row.dt, json.dumps(kept, sort_keys=True)
+
+        plain = {side(row): row for row in rows if row.beside and (row.clocks, row.workers) == ("work", 1)}
+        for row in rows:
+            changed: dict[str, Any] = {}
+            base = plain.get(side(row)) if row.beside and row.cpu is not None else None
+            if base is not None and row.clocks != "work":
+                changed["to_plain"] = self._ratio(row, base)
+            if base is not None and row.clocks == "work" and "workers" in row.parameters:
+                # A unit's wall time, all processes counted, over that of one process: the inverse of the speed-up.
+                slower = self._ratio(row, base, "wall")
+                if slower is not None:
+                    low, high = (1 / (row.workers * end) for end in (slower.high, slower.low))
+                    changed["efficiency"] = Ratio(value=1 / (row.workers * slower.value), low=low, high=high)
+                changed["rate"] = self._rate(row)
+            yield replace(row, **changed)
+
+    def _compared(self, rows: Sequence[Cost]) -> list[Cost]:
+        timed = sorted((row for row in rows if row.cpu is not None), key=lambda row: row.cpu or 0.0)
+        sound = [row for row in timed if row.status == "passed"]
+        best = {engine: next(row for row in sound if row.engine == engine) for engine in {row.engine for row in sound}}
+        compared = []
+        for row in [*timed, *(row for row in rows if row.cpu is None)]:
+            rival = next((own for own in sound if own.engine in self._ours and no_worse(own, row)), None)
+            compared.append(
+                replace(
+                    row,
+                    to_fastest=self._ratio(row, sound[0]) if sound else None,
+                    to_ours=self._ratio(row, rival) if rival is not None else None,
+                    ours=rival.track if rival is not None else "",
+                    best=best.get(row.engine) is row,
+                )
+            )
+        order = list(dict.fromkeys(row.engine for row in rows))
+        return sorted(compared, key=lambda row: order.index(row.engine))
+
+    @cached_property
+    def sweeps(self) -> tuple[Sweep, ...]:
+        """The rows along each numeric parameter that was run at three values or more while the others were kept."""
+        found: dict[tuple[str, str, str, str, float], list[Cost]] = {}
+        for row in self.costs:
+            for name, value in row.parameters.items() if not row.beside else ():
+                if row.cpu is not None and isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
+                    others = {n: v for n, v in row.parameters.items() if n != name}
+                    key = (row.case, json.dumps(others, sort_keys=True), row.unit, name, row.dt)
+                    found.setdefault(key, []).append(row)
+        return tuple(
+            _whole(
+                Sweep(
+                    case=case,
+                    where=", ".join(_named(n, v) for n, v in json.loads(others).items() if self._own(case).get(n) != v),
+                    unit=unit,
+                    parameter=name,
+                    rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
+                )
+            )
+            for (case, others, unit, name, _), rows in found.items()
+            if len({row.parameters[name] for row in rows}) >= FEWEST
+        )
+
+    @cached_property
+    def exponents(self) -> tuple[Exponent, ...]:
+        """Fitted growth of each engine under each group of settings, along each sweep."""
+        return tuple(
+            fit
+            for sweep in self.sweeps
+            for side in dict.fromkeys((row.engine, row.track) for row in sweep.rows)
+            if (fit := growth(sweep, [row for row in sweep.rows if (row.engine, row.track) == side])) is not None
+        )
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Flat rows with COLUMNS."""
+        blank = dict.fromkeys(COLUMNS)
+        found = []
+        for cost in self.costs:
+            row = {name: value for name, value in asdict(cost).items() if name in COLUMNS and not isinstance(value, dict)}
+            for name in ("to_fastest", "to_ours", "to_plain", "efficiency"):
+                one: Ratio | None = getattr(cost, name)
+                if one is not None:
+                    row |= {name: one.value, f"{name}_low": one.low, f"{name}_high": one.high}
+            prices = {"cpu_s": cost.cpu, "cpu_low_s": cost.low, "cpu_high_s": cost.high}
+            named = {"penetration_m": cost.penetration, "residual_m_s": cost.residual, "rate_per_s": cost.rate}
+            found.append(blank | row | prices | {"row": "cost"} | named)
+        for fit in self.exponents:
+            row = {name: getattr(fit, name) for name in ("case", "engine", "track", "unit", "exponent")}
+            where = ", ".join(filter(None, (fit.where, f"{fit.parameter} from {fit.start:g} to {fit.end:g}")))
+            found.append(blank | row | {"row": "exponent", "where": where, "exponent_low": fit.low, "exponent_high": fit.high})
+        return found
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return Scaling(store).rows()
+
+
+BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "x ours", "penetration", "moves", "marks", "status")
+"""What a terminal has room for; marks: * the engine's fastest whose checks hold, ~ an unstable timing."""
+
+
+def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """A flat row in short words under BRIEF."""
+    scene = f"{row['case']} {row['where'] or ''}".strip()
+    if row["row"] == "exponent":
+        grows = f"exponent {row['exponent']:.2f} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
+        return (scene, row["engine"], row["track"], row["unit"], grows, "", "", "", "", "", "")
+    costs = ""
+    if row["cpu_s"] is not None:
+        costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
+        if row["to_plain"] is not None:
+            costs += f", {row['to_plain']:.3g} x the step alone"
+        if row["efficiency"] is not None:
+            costs += f", {row['rate_per_s']:,.0f} a second, efficiency {row['efficiency']:.2f}"
+    ahead = "" if row["to_ours"] is None else f"{row['to_ours']:.3g} ({row['ours']})"
+    return (
+        scene,
+        row["engine"],
+        row["track"],
+        row["unit"],
+        costs,
+        "" if row["to_fastest"] is None else f"{row['to_fastest']:.3g}",
+        ahead,
+        "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um",
+        "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s",
+        ("*" if row["best"] else "") + ("~" if row["unstable"] else ""),
+        row["status"] if row["status"] in ("passed", "failed") else f"{row['status']}: {row['reason']}",
+    )
+
+
+def _micro(value: float) -> str:
+    """In millionths, three digits of it, without a power of ten while it is readable."""
+    return f"{value * 1e6:,.0f}" if value >= 1e-4 else f"{value * 1e6:.3g}"
+
+
+def growth(sweep: Sweep, rows: Sequence[Cost]) -> Exponent | None:
+    """The exponent of the price along a sweep for the rows of one engine; None below three values."""
+    points = [(float(row.parameters[sweep.parameter]), row.cpu) for row in rows if row.cpu is not None]
+    fit = fit_order([x for x, _ in points], [y for _, y in points])
+    if fit is None:
+        return None
+    return Exponent(
+        case=sweep.case,
+        where=sweep.where,
+        engine=rows[0].engine,
+        track=rows[0].track,
+        unit=sweep.unit,
+        parameter=sweep.parameter,
+        exponent=fit.order,
+        low=fit.low,
+        high=fit.high,
+        points=fit.used,
+        start=fit.fine,
+        end=fit.coarse,
+    )
+
+
+def _named(name: str, value: Any) -> str:
+    """'n 100'; a word speaks for itself."""
+    return value if isinstance(value, str) else f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
+
+
+def _given(part: pd.DataFrame) -> list[dict[str, Any]]:
+    """The parameters of trials; two more say what was clocked and in how many processes, where that is not the plain step."""
+    given: list[dict[str, Any]] = [json.loads(text) for text in part["parameters"]]
+    for name, column, plain in (("clocked", "clocks", "work"), ("workers", "workers", 1)):
+        if column in part and (part[column] != plain).any():
+            given = [one | {name: CLOCKED.get(value, value)} for one, value in zip(given, part[column], strict=True)]
+    return given
+
+
+def _whole(sweep: Sweep) -> Sweep:
+    """Prices of all rays or worlds together over their number, where that is what the parameter decides."""
+    if sweep.unit not in WHOLE or len({row.units for row in sweep.rows}) < FEWEST:
+        return sweep
+    unit, name = WHOLE[sweep.unit]
+    kept = [{n: v for n, v in row.parameters.items() if n != sweep.parameter} for row in sweep.rows]
+    rows = [
+        replace(
+            row,
+            unit=unit,
+            parameters=others | {name: row.units},
+            cpu=_times(row.cpu, row.units),
+            low=_times(row.low, row.units),
+            high=_times(row.high, row.units),
+        )
+        for row, others in zip(sweep.rows, kept, strict=True)
+    ]
+    return replace(sweep, unit=unit, parameter=name, rows=tuple(sorted(rows, key=lambda row: row.units)))
+
+
+def _times(value: float | None, count: int) -> float | None:
+    return None if value is None else value * count
+
+
+def _size(value: Any) -> tuple[int, float, str]:
+    """Numbers by size, before words by alphabet."""
+    return (0, float(value), "") if isinstance(value, int | float) else (1, 0.0, str(value))
+
+
+def no_worse(own: Cost, other: Cost) -> bool:
+    """Does one answer penetrate no more and move no more than another (or, where neither is known, err no more)?"""
+    names = [name for name in ("penetration", "residual") if getattr(other, name) is not None] or ["error"]
+    for name in names:
+        mine, theirs = getattr(own, name), getattr(other, name)
+        if mine is None or theirs is None or max(mine, SMALLEST[name]) > max(theirs, SMALLEST[name]):
+            return False
+    return True

@@ -1,0 +1,97 @@
+"""What each sensor says on each engine: how far off its ideal signal is, whether its noise keeps its law, how late it is, and
+what its rays cost.
+
+One row a channel of a sensor on an engine and track; see `harness.findings.sensor_readings.findings.Finding` and, for
+the columns law to walk, `harness.findings.sensor_readings.noise.Noise`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+from harness.findings.sensor_readings.findings import SKETCHES, Finding, findings
+from harness.findings.sensor_readings.noise import Noise
+from harness.store.store import Store
+
+__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
+
+OF_NOISE = tuple(field.name for field in fields(Noise) if field.name not in ("count", "why"))
+
+
+def _columns() -> tuple[str, ...]:
+    """The fields of a finding, with those of its noise in its place."""
+    own = (field.name for field in fields(Finding) if field.name not in SKETCHES)
+    return tuple(column for name in own for column in (OF_NOISE if name == "noise" else (name,)))
+
+
+COLUMNS = _columns()
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [{name: getattr(one.noise if name in OF_NOISE else one, name) for name in COLUMNS} for one in findings(store)]
+
+
+BRIEF = ("case", "engine", "sensor", "error", "bound", "sigma (law)", "lost (law)", "lag", "rays a second", "outcome")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    verdict = "" if row["passed"] is None else " holds" if row["passed"] else " fails"
+    return [
+        f"{row['case']} {row['where']}".strip(),
+        f"{row['engine']}/{row['track']}",
+        f"{row['sensor']}/{row['channel']}" if row["channel"] else "",
+        _error(row),
+        _amount(row["at_most"], "") + verdict,
+        _amount(row["sigma"], row["unit"]) + (f" ({row['sigma_law']:.4g})" if row["sigma_law"] is not None else ""),
+        _share(row["lost"], "") + (f" ({100 * row['lost_law']:.3g} %)" if row["lost_law"] is not None else ""),
+        "" if row["lag"] is None else f"{1e3 * row['lag']:.4g} ms",
+        _rate(row),
+        row["status"] + (f": {row['reason'][:60]}" if row["reason"] else ""),
+    ]
+
+
+def _error(row: Mapping[str, Any]) -> str:
+    """The error that is judged; what kind of mean it is, where it is no largest one."""
+    if row["error"] is None:
+        return _share(row["disagree"], " disagree")
+    kind = next((word for word in ("median", "rms") if row["metric"].endswith(word)), "")
+    return f"{_amount(row['error'], row['unit'])} {kind}".strip()
+
+
+def _amount(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:.3g}{'' if unit in ('', '1') else ' ' + unit}"
+
+
+def _share(value: float | None, word: str) -> str:
+    return "" if value is None else f"{100 * value:.3g} %{word}"
+
+
+def _rate(row: Mapping[str, Any]) -> str:
+    parts = [
+        f"{row[name]:.2g}{word}" for name, word in (("rays_per_s", ""), ("bare_rays_per_s", " bare")) if row[name] is not None
+    ]
+    return ", ".join(parts)
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Engine by engine, how many ideal signals stay within their bounds; then what noise costs beside bare rays."""
+    found = []
+    for engine in dict.fromkeys(row["engine"] for row in rows):
+        mine = [row for row in rows if row["engine"] == engine]
+        judged = [row for row in mine if row["passed"] is not None]
+        silent = sum(not row["channel"] for row in mine)
+        if judged:
+            kept = sum(row["passed"] for row in judged)
+            text = f"{engine}: {kept} of {len(judged)} ideal signals stay within their bounds"
+            found.append(text + (f"; {silent} without readings." if silent else "."))
+        elif silent:
+            found.append(f"{engine}: no readings in {silent} {'cell' if silent == 1 else 'cells'}.")
+    for row in rows:
+        if row["times_bare"] is not None and row["channel"] == "range":
+            name = f"{row['case']} {row['where']}".strip()
+            found.append(
+                f"{name} on {row['engine']}/{row['track']}: a ray that is read costs {row['times_bare']:.2g} bare ones."
+            )
+    return found

@@ -1,0 +1,136 @@
+"""The largest time step: up to where a run stays whole, and up to where it stays within one per cent.
+
+"Up to" means that every smaller step that was run does so as well: a coarse step that happens to hit is no licence.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import pandas as pd
+
+from harness.findings.prices import PER_SECOND, Point, Prices, unit_of
+from harness.store.store import Store
+
+__all__ = ["BRIEF", "COLUMNS", "WITHIN", "Step", "brief", "largest_steps", "rows", "sentences"]
+
+WITHIN = 0.01
+"""Of the case's scale."""
+FEWEST = 4
+"""Steps that a setting was run at; what a sweep tried at one or two says little of the others."""
+_WHOLE = ("passed", "failed")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """How far the time step of one setting may go in one case.
+
+    Terms:
+        stable [s]: the largest step with a whole trajectory, accurate [s]: with an error within 1 % of the scale; None where
+        not even the finest does. coarsest, finest [s]: what was run, at `runs` steps. realtime: simulated over CPU seconds at
+        the accurate step, clocked or by its rough cost, where it is steps that cost. error: the error there. trial: that run.
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    stable: float | None
+    accurate: float | None
+    coarsest: float
+    finest: float
+    runs: int
+    error: float | None
+    realtime: float | None
+    trial: str
+
+
+COLUMNS = tuple(field.name for field in fields(Step))
+
+
+def largest_steps(store: Store) -> list[Step]:
+    """One row for each setting of an engine that was run at `FEWEST` steps or more in a case that has an error."""
+    prices = Prices(store)
+    known = {point.trial: point for point in prices.points}
+    found = []
+    for case, where, part in prices.groups():
+        if not any(trial in known for trial in part["trial"]):
+            continue
+        timed = unit_of(part) == PER_SECOND
+        for (engine, track), runs in part.groupby(["engine", "track"], sort=False):
+            ladder = runs[~runs["status"].isin(("unsupported", "unavailable", "interrupted"))].sort_values("dt")
+            if ladder["dt"].nunique() >= FEWEST:
+                found.append(_step(case, where, str(engine), str(track), ladder, known, timed))
+    return found
+
+
+def _step(
+    case: str, where: str, engine: str, track: str, ladder: pd.DataFrame, known: Mapping[str, Point], timed: bool
+) -> Step:
+    whole = [status in _WHOLE for status in ladder["status"]]
+    points = [known.get(trial) for trial in ladder["trial"]]
+    close = [one is not None and one.error <= WITHIN for one in points]
+    steps = [float(dt) for dt in ladder["dt"]]
+    accurate = _first(close)
+    there = points[accurate - 1] if accurate else None
+    return Step(
+        case=case,
+        where=where,
+        engine=engine,
+        track=track,
+        stable=steps[_first(whole) - 1] if _first(whole) else None,
+        accurate=steps[accurate - 1] if accurate else None,
+        coarsest=steps[-1],
+        finest=steps[0],
+        runs=len(steps),
+        error=there.error if there else None,
+        realtime=1 / there.cost if there and timed else None,
+        trial=there.trial if there else "",
+    )
+
+
+def _first(good: Sequence[bool]) -> int:
+    """How many from the start on are good without a gap."""
+    return next((k for k, one in enumerate(good) if not one), len(good))
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(step) for step in largest_steps(store)]
+
+
+BRIEF = ("case", "engine", "setting", "stable up to", "within 1 % up to", "error there", "times real time", "steps run")
+
+
+def _worded(step: float | None, row: Mapping[str, Any]) -> str:
+    if step is None:
+        return f"not at {1e3 * row['finest']:.3g} ms"
+    return f"{1e3 * step:.3g} ms" + (" (the coarsest)" if step == row["coarsest"] else "")
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    return [
+        f"{row['case']} {row['where']}".strip(),
+        row["engine"],
+        row["track"],
+        _worded(row["stable"], row),
+        _worded(row["accurate"], row),
+        "" if row["error"] is None else f"{row['error']:.2g}",
+        "" if row["realtime"] is None else f"{row['realtime']:.3g}",
+        f"{row['runs']}",
+    ]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The fastest way to stay within one per cent, case by case."""
+    best: dict[str, Mapping[str, Any]] = {}
+    for row in rows:
+        name = f"{row['case']} {row['where']}".strip()
+        if row["realtime"] is not None and (name not in best or row["realtime"] > best[name]["realtime"]):
+            best[name] = row
+    return [
+        f"{name}: to stay within 1 % {row['engine']} ({row['track']}) may use dt = {1e3 * row['accurate']:.3g} ms, "
+        f"{row['realtime']:.3g} times real time."
+        for name, row in best.items()
+    ]

@@ -1,0 +1,264 @@
+"""Why a standing machine trembles: the cause that each engine's runs can prove, from one change at a time.
+
+A base is a run on a track (or a variant whose name is one word) at the study's coarsest step. Beside it stand runs that
+differ in one thing alone:
+
+    iterations   the variant '<track> iterations': more sweeps or steps of the solver
+    law          the variant '<track> law': the same drives, taken implicitly instead of explicitly or the other way round
+    softer       the next lower stiffness of the drives
+    step         the next shorter step
+    product      that step with drives so much stiffer that k dt^2 stays, and with the damping ratio d dt
+
+A run trembles where its vibration exceeds the bound of the case at the base's step; what diverged or fell (a hinge more than
+half a radian off) trembles without bound. A change heals where the vibration falls to a tenth, or under the bound and to a
+third; it does not where it stays above a third; between the two it is unclear. The rule:
+
+    still                                 none (still)
+    iterations alone heal                 iterations
+    softer and step heal, product not     drives: too stiff for the step, since k dt^2 alone decides
+    law heals                             drives: the way in which they are taken fights the contacts
+    softer heals, step not                drives: they fight the contacts, whatever the step
+    step heals, softer not                time step
+    all else                              not separated
+
+Below the first two lines iterations must not heal; what was not run heals nothing, and proves nothing where it has to stay.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from harness.findings.prices import number
+from harness.store.store import Store
+
+__all__ = ["BRIEF", "CAUSES", "CHANGES", "COLUMNS", "CURED", "Finding", "Run", "attribute", "brief", "findings", "rows"]
+
+CAUSES = ("iterations", "drives", "time step", "none (still)", "not separated")
+CHANGES = ("iterations", "law", "softer", "step", "product")
+FALLEN = 0.5
+"""Pose error [rad] from which a machine no longer stands."""
+HEALED, SAME = 10.0, 3.0
+"""How many times smaller a vibration is that is healed, and how many times at most one that is not."""
+
+
+_Key: TypeAlias = tuple[str, str, str, float, float]
+"""Case, engine, track, stiffness and step of a run."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """A run: vibration [rad/s], infinite where it fell or diverged; frequency [Hz]; the case's bound [rad/s]; its name."""
+
+    vibration: float
+    frequency: float
+    bound: float
+    trial: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What one engine's base shows.
+
+    Terms: stiffness in the case's own unit; dt [s]; shares: by change, how many times smaller the vibration became; cause: one
+    of CAUSES; why: the rule that gave it.
+    """
+
+    case: str
+    engine: str
+    track: str
+    stiffness: float
+    dt: float
+    base: Run
+    shares: Mapping[str, float]
+    cause: str
+    why: str
+
+    @property
+    def falls(self) -> bool:
+        """Does the machine not stand at all?"""
+        return math.isinf(self.base.vibration)
+
+
+def _share(base: Run, changed: Run) -> float:
+    if math.isinf(changed.vibration):
+        return 1.0 if math.isinf(base.vibration) else 0.0
+    return base.vibration / changed.vibration if changed.vibration > 0 else math.inf
+
+
+def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float], str, str]:
+    """How many times smaller each change made the vibration, the cause, and the rule that gave it.
+
+    Args: changes: runs by the names of CHANGES; those that an engine cannot make are left out.
+    """
+    shares = {name: _share(base, changes[name]) for name in CHANGES if name in changes}
+    if base.vibration <= base.bound:
+        return shares, "none (still)", "its vibration stays under the bound"
+
+    def heals(name: str) -> bool:
+        share = shares.get(name, 0.0)
+        return share >= HEALED or (share >= SAME and changes[name].vibration <= base.bound)
+
+    def stays(name: str) -> bool:
+        return shares.get(name, 0.0) < SAME
+
+    if stays("iterations"):
+        if heals("softer") and heals("step") and "product" in shares and stays("product"):
+            return shares, "drives", "too stiff for the step: softer or shorter heals it, both at one k dt^2 do not"
+        if heals("law"):
+            return shares, "drives", "by another law the same drives stand still: their law fights the contacts"
+        if heals("softer") and "step" in shares and stays("step"):
+            return shares, "drives", "softer drives heal it and a shorter step does not: they fight the contacts"
+        if heals("step") and "softer" in shares and stays("softer"):
+            return shares, "time step", "a shorter step alone heals it"
+    elif heals("iterations") and {"softer", "step"} <= shares.keys() and all(map(stays, ("law", "softer", "step"))):
+        return shares, "iterations", "more iterations alone heal it"
+    healing = [name for name in CHANGES if heals(name)]
+    return shares, "not separated", f"healed by {', '.join(healing) or 'none of the changes'}"
+
+
+def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
+    """Each trial that has a stiffness and was asked for its vibration, with that stiffness."""
+    values: dict[str, dict[str, Any]] = {}
+    for one in store.measurements.to_dict("records"):
+        values.setdefault(one["trial"], {}).setdefault(one["metric"], one)
+    asked = {
+        name
+        for name, case in store.catalogue.get("cases", {}).items()
+        if any(check["metric"] == "vibration_rms" for check in case.get("checks", ()))
+    }
+    for row in store.trials.to_dict("records"):
+        stiffness = json.loads(row["parameters"]).get("stiffness")
+        if row["case"] not in asked or stiffness is None or row["status"] not in ("passed", "failed", "diverged"):
+            continue
+        mine = values.get(row["trial"], {})
+        fallen = row["status"] == "diverged" or not mine.get("pose_error_max", {}).get("value", 0.0) <= FALLEN
+        vibration = mine.get("vibration_rms", {})
+        size = float(vibration.get("value", math.nan))
+        lost = fallen or not math.isfinite(size)
+        bound = number(vibration.get("at_most"))
+        yield (
+            row,
+            float(stiffness),
+            Run(
+                vibration=math.inf if lost else size,
+                frequency=float(mine.get("vibration_frequency", {}).get("value", math.nan)),
+                bound=bound if math.isfinite(bound) else _bound(store, row),
+                trial=row["trial"],
+            ),
+        )
+
+
+def _bound(store: Store, row: Mapping[str, Any]) -> float:
+    """The case's bound [rad/s] for a run that recorded none, scaled from the catalogue's to the step that it took."""
+    told = store.catalogue["cases"][row["case"]]
+    check = next(check for check in told["checks"] if check["metric"] == "vibration_rms")
+    taken = number(row.get("substep"))
+    return float(check["at_most"]) * (taken if math.isfinite(taken) else float(row["dt"])) / float(told["dt"])
+
+
+def findings(store: Store) -> tuple[Finding, ...]:
+    """All bases of a run folder that have a softer run to be compared with, engine by engine."""
+    found = {
+        (row["case"], row["engine"], row["track"], stiffness, float(row["dt"])): run for row, stiffness, run in _runs(store)
+    }
+    made = []
+    for key, run in found.items():
+        case, engine, track, stiffness, dt = key
+        together = {other: one for other, one in found.items() if other[0] == case}
+        changes = _changes(together, key)
+        # The softest of a series is there to be compared with, and so is every finer step.
+        if " " in track or dt < max(other[-1] for other in together) or "softer" not in changes:
+            continue
+        shares, cause, why = attribute(run, changes)
+        made.append(
+            Finding(
+                case=case,
+                engine=engine,
+                track=track,
+                stiffness=stiffness,
+                dt=dt,
+                base=run,
+                shares=shares,
+                cause=cause,
+                why=why,
+            )
+        )
+    return tuple(sorted(made, key=lambda one: (one.case, one.engine, one.track, one.stiffness)))
+
+
+def _changes(found: Mapping[_Key, Run], base: _Key) -> dict[str, Run]:
+    """The runs that differ from a base in one thing."""
+    case, engine, track, stiffness, dt = base
+    changes = {}
+    for name in ("iterations", "law"):
+        if (case, engine, f"{track} {name}", stiffness, dt) in found:
+            changes[name] = found[case, engine, f"{track} {name}", stiffness, dt]
+    mine = {(k, h): run for (a, b, c, k, h), run in found.items() if (a, b, c) == (case, engine, track)}
+    softer = [k for k, h in mine if h == dt and k < stiffness]
+    if softer:
+        changes["softer"] = mine[max(softer), dt]
+    shorter = [h for k, h in mine if h < dt and k == stiffness]
+    if shorter:
+        h = max(shorter)
+        changes["step"] = mine[stiffness, h]
+        stiffer = [k for k, other in mine if other == h and math.isclose(k * h * h, stiffness * dt * dt, rel_tol=1e-9)]
+        if stiffer:
+            changes["product"] = mine[stiffer[0], h]
+    return changes
+
+
+COLUMNS = (
+    "case", "engine", "track", "stiffness", "dt", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES, "cause", "why",
+    "trial",
+)  # fmt: skip
+"""Of the flat rows: a change's column says how many times smaller it made the vibration, CURED where it was without bound; None
+where there was no such run."""
+CURED = 1e99
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS; a vibration without bound is None."""
+    return [
+        {
+            "case": one.case,
+            "engine": one.engine,
+            "track": one.track,
+            "stiffness": one.stiffness,
+            "dt": one.dt,
+            "vibration_rad_s": _number(one.base.vibration),
+            "frequency_hz": _number(one.base.frequency),
+            "bound_rad_s": one.base.bound,
+            **{name: None if name not in one.shares else min(one.shares[name], CURED) for name in CHANGES},
+            "cause": one.cause,
+            "why": one.why,
+            "trial": one.base.trial,
+        }
+        for one in findings(store)
+    ]
+
+
+BRIEF = ("engine", "setting", "stiffness", "dt", "vibration", "at", *CHANGES, "cause", "why")
+"""What a terminal has room for."""
+
+
+def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """A flat row in short words under BRIEF."""
+    size, rate = row["vibration_rad_s"], row["frequency_hz"]
+    shares = ["" if row[name] is None else "stands" if row[name] >= CURED else f"{row[name]:.3g}x" for name in CHANGES]
+    return (
+        row["engine"],
+        row["track"],
+        f"{row['stiffness']:g}",
+        f"{row['dt']:.4g}",
+        "falls" if size is None else f"{size:.2g} rad/s",
+        "" if rate is None else f"{rate:.3g} Hz",
+        *shares,
+        row["cause"],
+        row["why"],
+    )

@@ -1,0 +1,94 @@
+"""The document of a file filled into typed fields, strictly: what does not fit is said with place, value and expectation."""
+
+import datetime
+import json
+from collections.abc import Iterator
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from harness.intake.safe_text import quoted, readable
+
+__all__ = ["FieldError", "filled"]
+
+MOST = 20
+"""Troubles of one file that are told; the others are counted."""
+
+T = TypeVar("T")
+Path = tuple[str | int, ...]
+
+
+class FieldError(ValueError):
+    """A document that does not fit; each line of the message names source, element, field, value and expectation."""
+
+
+def filled(form: TypeAdapter[T], told: Any, source: str) -> T:
+    """The value that a document tells; a text or a truth value is no number, and nothing is turned into another kind.
+
+    Raises: FieldError.
+    """
+    try:
+        text = json.dumps(told)
+    except (TypeError, ValueError, RecursionError):
+        raise _strange(told, source) from None
+    try:
+        return form.validate_json(text, strict=True)
+    except ValidationError as error:
+        if any(problem["type"] == "json_invalid" for problem in error.errors(include_url=False)):
+            raise _strange(told, source) from None
+        raise FieldError("\n".join(_lines(told, source, error))) from None
+
+
+def _lines(told: Any, source: str, error: ValidationError) -> Iterator[str]:
+    problems = error.errors(include_url=False)
+    for problem in problems[:MOST]:
+        place = _place(told, problem["loc"])
+        message = readable(problem["msg"].removeprefix("Value error, "), 600)
+        got = problem["input"]
+        fits = problem["type"] not in ("missing", "value_error") or not isinstance(got, dict)
+        yield f"{source}: {place + ': ' if place else ''}{message}{f', got {quoted(got)}' if fits else ''}"
+    if len(problems) > MOST:
+        yield f"{source}: and {len(problems) - MOST} more of this kind"
+
+
+def _place(told: Any, path: Path) -> str:
+    """A path into the document in words: indices become the names of the elements where they have one."""
+    words: list[str] = []
+    here = told
+    for depth, part in enumerate(path):
+        tag = part not in here and depth < len(path) - 1 if isinstance(here, dict) else isinstance(part, str)
+        if tag:
+            continue  # of a union, which pydantic puts between a field and what stands in it
+        try:
+            here = here[part]
+        except (KeyError, IndexError, TypeError):
+            here = None
+        if isinstance(part, int) and words:
+            name = here.get("name") if isinstance(here, dict) else None
+            words[-1] += f"[{part}]" + (f" {quoted(name, 80)}" if isinstance(name, str) else "")
+        else:
+            words.append(readable(str(part).replace("\n", "\\n"), 80))
+    return readable(" > ".join(words), 400)
+
+
+def _strange(told: Any, source: str) -> FieldError:
+    for path, value, said in _strangers(told, ()):
+        return FieldError(f"{source}: {_place(told, path)}: {said}, got {quoted(value)}")
+    return FieldError(f"{source}: not readable: no values of JSON")
+
+
+def _strangers(value: Any, path: Path) -> Iterator[tuple[Path, Any, str]]:
+    """What JSON has no word for: dates and times of TOML, halves of characters, whole numbers without end."""
+    if isinstance(value, dict):
+        for name, part in value.items():
+            yield from _strangers(name, (*path, name))
+            yield from _strangers(part, (*path, name))
+    elif isinstance(value, list):
+        for place, part in enumerate(value):
+            yield from _strangers(part, (*path, place))
+    elif isinstance(value, datetime.date | datetime.time):
+        yield path, value.isoformat(), "a date or time fits nowhere"
+    elif isinstance(value, str) and any("\ud800" <= sign <= "\udfff" for sign in value):
+        yield path, value, "half of a character is no text"
+    elif isinstance(value, int) and abs(value) >= 10**4000:
+        yield path, value, "a number too large"

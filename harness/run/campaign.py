@@ -1,0 +1,254 @@
+"""Carrying out a study into a run folder: accuracy runs first, then timing runs, every result on disk as it comes."""
+
+import hashlib
+import random
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+from typing import Any, Literal
+
+import tomli_w
+
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.case.alteration import ALONE, REFINED
+from harness.run.isolated import run_isolated
+from harness.run.progress import Progress
+from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
+from harness.run.timing_blocks import clock_group
+from harness.search import first_break, front, needless_effects
+from harness.search.front import due_for_clock
+from harness.store import disk
+from harness.store.journal import FolderTaken, Journal, StoreError, read_journal
+from harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
+from harness.store.seal import sealed_json, sealed_toml
+from harness.store.store import Store, read_plain, write_json, write_tables
+from harness.study.catalogue import describe_case, describe_engine
+from harness.study.plugins import version_of
+from harness.study.provenance import files_of, sources_of
+from harness.study.study import Study, StudyError, Trial
+from harness.trial.accuracy import outcome
+
+__all__ = ["Shard", "carry_out", "share"]
+
+Shard = tuple[int, int]
+"""(i, n): the i-th of n parts, from 1."""
+
+_TIMED = ("passed", "failed")
+
+
+def _plain_study(study: Study) -> dict[str, Any]:
+    def told(value: Any) -> Any:
+        """Without what is left open: TOML has no word for nothing."""
+        if isinstance(value, dict):
+            return {name: told(part) for name, part in value.items() if part is not None}
+        return [told(part) for part in value] if isinstance(value, list | tuple) else value
+
+    plain: dict[str, Any] = told(asdict(study))
+    return plain
+
+
+def _accuracy(
+    what: str,
+    trials: Sequence[Trial],
+    reasons: Mapping[str, str | None],
+    journal: Journal,
+    folder: Path,
+    workers: int,
+    machine: str,
+) -> None:
+    waiting = [trial for trial in trials if trial.trial not in journal.records]
+    for trial in waiting:
+        reason = reasons[trial.engine]
+        if reason is not None:
+            journal.append(outcome(trial, "unavailable", reason))
+    waiting = [trial for trial in waiting if reasons[trial.engine] is None]
+    if not waiting:
+        return
+    alone = [trial for trial in waiting if trial.alteration.name == ALONE]
+    beside = [trial for trial in waiting if trial.alteration.name != ALONE]
+    lost: list[str] = []
+    with Progress(what, len(waiting)) as progress:
+        for part, side in ((beside, workers), (alone, 1)):
+            for record in run_isolated(part, folder, side):
+                if record.status == "interrupted":
+                    lost.append(record.reason)
+                else:
+                    journal.append(replace(record, answered_on=machine))
+                progress.advance(f"{record.case} {record.engine}/{record.track} {record.status}")
+    if lost:
+        raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
+
+
+def _timing(
+    trials: Sequence[Trial], journal: Journal, folder: Path, cases: Mapping[str, Case], machine: Mapping[str, Any]
+) -> None:
+    records, here = dict(journal.records), machine_digest(machine)
+    near = due_for_clock(trials, records, cases)
+    due = [
+        trial
+        for trial in trials
+        if trial.experiment.timing
+        and trial.alteration.name not in REFINED
+        and (not trial.experiment.sweep or trial.trial in near)
+        and journal.timings.get(trial.trial) != here
+        and trial.trial in records
+        and records[trial.trial].status in _TIMED
+    ]
+    _say(clocked_elsewhere(journal, [trial.trial for trial in due], machine))
+    order: dict[tuple[object, ...], int] = {}
+    due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
+    shuffle, troubles = random.Random(0), list[str]()
+    with Progress("timing", len(due)) as progress:
+        for _, group in groupby(due, key=_together):
+            for timing in clock_group(tuple(group), folder, shuffle):
+                journal.append(replace(timing, clocked_on=here))
+                troubles += [timing.note] if timing.note else []
+                progress.advance(f"{records[timing.trial].case} {records[timing.trial].engine}")
+    if troubles:
+        print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
+
+
+def _say(notes: Sequence[str]) -> None:
+    for note in notes:
+        print(note, file=sys.stderr)
+
+
+def _together(trial: Trial) -> tuple[object, ...]:
+    """What trials have in common that are clocked side by side: the question, whatever the settings."""
+    return trial.experiment.name, trial.case, repr(trial.parameters)
+
+
+def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
+    """One of n parts: every n-th trial, but in a sweep every n-th case, since its engines are clocked side by side."""
+    part, parts = shard
+    cases = list(dict.fromkeys(trial.case for trial in trials))
+    plain = [trial for trial in trials if not trial.experiment.sweep][part - 1 :: parts]
+    return plain + [trial for trial in trials if trial.experiment.sweep and cases.index(trial.case) % parts == part - 1]
+
+
+def _searched(
+    trials: list[Trial],
+    reasons: Mapping[str, str | None],
+    journal: Journal,
+    folder: Path,
+    workers: int,
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],
+    machine: str,
+) -> list[Trial]:
+    """The trials with those that sweeps and limits went on to, round by round, all with a record."""
+    found, number = list(trials), 0
+    searches = [
+        go_on
+        for go_on, wanted in (
+            (front.next_trials, any(trial.experiment.sweep for trial in trials)),
+            (first_break.next_trials, any(trial.experiment.limit for trial in trials)),
+            (partial(needless_effects.next_trials, store=Store(folder)), any(trial.experiment.effects for trial in trials)),
+        )
+        if wanted
+    ]
+    while searches:
+        records = read_journal(journal.path)
+        more = [trial for go_on in searches for trial in go_on(found, records, cases, adapters)]
+        if not more:
+            break
+        number += 1
+        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine)
+        found += more
+    return found
+
+
+def carry_out(
+    study: Study,
+    folder: Path,
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],
+    *,
+    workers: int,
+    resume: bool | Literal["merge"],
+    shard: Shard = (1, 1),
+) -> Store:
+    """Run every trial of a study that the folder does not hold yet.
+
+    The journal grows with each finished run, so a kill loses at most the runs under way. Interrupting leaves the same tables
+    as finishing, of what was done.
+
+    Args: resume: whether the folder may hold this study's run, or with 'merge' another's too. What no longer holds in it is
+    withdrawn and run anew, and told of on standard error.
+    Raises:
+        FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read, and where an answer
+        could not be kept.
+        StudyError: where the study leaves no trial.
+    """
+    if (folder / "journal.jsonl").exists() and not resume:
+        raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
+    versions = {name: version_of(adapter)[0] for name, adapter in adapters.items()}
+    trials = share(list(study.trials(cases, adapters, versions, sources_of)), shard)
+    if not trials:
+        raise StudyError(f"study '{study.name}': no trial; its cases and engines, or --case, --engine and --shard, leave none")
+    disk.make_folder(folder)
+    engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
+    plain, machine = _plain_study(study), fingerprint()
+    here = machine_digest(machine)
+    journal = Journal(folder)
+    try:
+        other = another_study(folder, journal, plain)
+        if other and resume != "merge":
+            raise FolderTaken(f"{folder}: holds {other}; choose another --out, or keep both in it with --resume=merge")
+        clear_drafts(folder)
+        if journal.written.checksums:
+            _say([f"{folder}: {note}" for note in review(journal, folder, trials, cases, versions, here)])
+    except BaseException:
+        journal.close()
+        raise
+    complete = False
+    try:
+        chosen = {trial.case for trial in trials}
+        catalogue = _catalogue(folder, {n: describe_case(case) for n, case in cases.items() if case.name in chosen}, engines)
+        journal.begin(
+            {
+                "study": plain,
+                "machine": circumstances(machine),
+                "engines": versions,
+                "files": files_of(chosen, adapters),
+                "catalogue": hashlib.sha256(catalogue).hexdigest(),
+                "trials": sorted({trial.trial for trial in trials}),
+            }
+        )
+        whole = merged([session["study"] for session in journal.written.sessions])
+        disk.write_atomically(folder / "study.toml", sealed_toml("study.toml", tomli_w.dumps(whole)))
+        disk.write_atomically(folder / "catalogue.json", catalogue)
+        write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
+        reasons = {name: row["unavailable"] for name, row in engines.items()}
+        _accuracy("accuracy", trials, reasons, journal, folder, workers, here)
+        trials = _searched(trials, reasons, journal, folder, workers, cases, adapters, here)
+        _timing(trials, journal, folder, cases, machine)
+        complete = True
+    finally:
+        journal.close()
+        digests = write_tables(folder)
+        ended = {"finished": datetime.now(UTC).isoformat(timespec="seconds"), "complete": complete}
+        write_json(folder / "machine.json", machine | ended | {"journal": _reached(journal), "tables": digests})
+    return Store(folder)
+
+
+def _reached(journal: Journal) -> dict[str, Any]:
+    """How far a journal has come, so that lines which go missing at its end are noticed."""
+    checksums = journal.written.checksums
+    return {"lines": len(checksums), "checksum": checksums[-1] if checksums else ""}
+
+
+def _catalogue(folder: Path, cases: Mapping[str, Any], engines: Mapping[str, Any]) -> bytes:
+    """The file with the rows of these cases and engines, and with those of others that the folder has."""
+    path = folder / "catalogue.json"
+    try:
+        kept = read_plain(path)
+    except StoreError as error:
+        _say([f"{error}: written anew"])
+        kept = {}
+    return sealed_json(path.name, {"cases": kept.get("cases", {}) | cases, "engines": kept.get("engines", {}) | engines})

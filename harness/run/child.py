@@ -1,0 +1,179 @@
+"""Child processes: how they are confined, how they end, and what one does with a trial."""
+
+import ctypes
+import os
+import resource
+import signal
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from multiprocessing.process import BaseProcess, parent_process
+from pathlib import Path
+
+import psutil
+
+from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
+from harness.case import Case
+from harness.run.memory_watch import be_killed_first
+from harness.store.journal import StoreError
+from harness.store.record import Record, Status
+from harness.study import plugins
+from harness.study.study import Trial
+from harness.trial.accuracy import outcome, run_trial
+from harness.trial.bench import Bench, rough_cost_beside
+from harness.trial.ensemble import endure
+
+__all__ = ["answers", "confine", "end", "end_started", "exit_code", "roughly_clocked"]
+
+_LEAVES = 3.0
+"""Seconds that a process may take to end after its last word."""
+_LARGEST_FILE = 512 * 2**20
+"""Bytes; what an engine prints beyond is lost, so that a flood cannot fill the disk."""
+_PR_SET_PDEATHSIG = 1
+"""From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
+_PR_SET_CHILD_SUBREAPER = 36
+"""From linux/prctl.h: what loses its parent becomes the child of this process."""
+_GENERATIONS = 10
+"""How deep the processes of processes are followed."""
+
+
+def exit_code(process: BaseProcess) -> int | None:
+    """How a process ended whose pipe has broken: that comes before the fork server has told the code.
+
+    It is waited for; a process that lives on after its last word is killed.
+    """
+    process.join(_LEAVES)
+    if process.exitcode is None:
+        end(process)
+    return process.exitcode
+
+
+def end(process: BaseProcess) -> None:
+    """End a process that was confined, and every other one that was started in it.
+
+    Where it has ended by itself, those that left its group have escaped; `end_started` is for them.
+    """
+    if process.is_alive():
+        started: list[psutil.Process] = []
+        with suppress(psutil.Error):
+            started = psutil.Process(process.pid).children(recursive=True)
+        process.kill()
+        for other in started:
+            with suppress(psutil.Error):
+                other.kill()
+        process.join()
+    with suppress(ProcessLookupError, PermissionError):
+        if process.pid:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def confine(log: Path) -> None:
+    """Send the output of this process to `log`, and limit what it may write.
+
+    An interrupt is the parent's affair; a parent that is killed takes this process along. What is started in it is of its
+    group, which ends with it. Its memory is watched from outside.
+    """
+    os.setpgid(0, 0)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)
+        _end_if_forsaken()
+    be_killed_first()
+    stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    os.dup2(stream, 1)
+    os.dup2(stream, 2)
+    os.close(stream)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
+
+
+def end_started() -> None:
+    """End what was started in this process, into whatever session it went: what lost its parent is this one's child."""
+    for _ in range(_GENERATIONS):
+        children = {int(pid) for file in Path("/proc/self/task").glob("*/children") for pid in file.read_text().split()}
+        if not children:
+            return
+        for pid in children:
+            with suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
+
+
+def _end_if_forsaken() -> None:
+    """End this process if the server that forked it died before its death could be felt here: its work is done elsewhere."""
+    asked_by = parent_process()
+    with suppress(psutil.Error):
+        if asked_by is None or psutil.Process(os.getppid()).ppid() == asked_by.pid:
+            return
+    os._exit(1)
+
+
+def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
+    """Let an engine compile itself, and have this process killed by SIGALRM once the deadline has passed after that.
+
+    The alarm needs no help from Python, so that code which holds the interpreter does not outlive it.
+    """
+    # What is wrong with the scene or the settings is for `build` to say.
+    with suppress(Unsupported, Unavailable, SettingsError):
+        adapter.compile(trial.scene(case), trial.settings)
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, trial.experiment.deadline)
+
+
+def answers(trial: Trial, folder: Path) -> Iterator[Record]:
+    """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
+
+    What a sweep goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
+    """
+    allowed = _limits()
+    try:
+        case, adapter = plugins.case(trial.case), plugins.adapter(trial.engine)
+        if adapter.compile_allowance > 0:
+            _compile(trial, case, adapter)
+        record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
+    except StoreError as error:  # the machine's, unless the engine took from its process what writing needs
+        changed = [name for name, limit in _limits().items() if limit != allowed[name]]
+        said = f"no answer could be written after the engine changed {', '.join(changed)}: {error.__cause__ or error}"
+        record = outcome(trial, "crashed", said) if changed else outcome(trial, "interrupted", str(error))
+    except Exception as error:
+        status: Status = "oom" if isinstance(error, MemoryError) else "crashed"
+        record = outcome(trial, status, _in_words(error), traceback.format_exc()[-4000:])
+    yield record
+    if roughly_clocked(trial, record):
+        yield _with_rough_cost(record, trial, case, adapter)
+
+
+def _limits() -> dict[str, tuple[int, int]]:
+    """What this process may use of each resource, by the names of the operating system: the soft limit and the hard one."""
+    names = [name for name in dir(resource) if name.startswith("RLIMIT_")]
+    return {name: resource.getrlimit(getattr(resource, name)) for name in names}
+
+
+def _in_words(error: Exception) -> str:
+    """An engine's exception, which may not even have words."""
+    try:
+        return f"{type(error).__name__}: {error}"[:2000]
+    except Exception as another:
+        return f"{type(error).__name__}, whose words raise {type(another).__name__}"
+
+
+def roughly_clocked(trial: Trial, record: Record) -> bool:
+    """Is a rough cost wanted of what came of a trial?"""
+    return bool(trial.experiment.sweep) and trial.members == 1 and bool(record.measurements)
+
+
+def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:
+    """The record with its rough cost, and with that over the cost of the first track that runs at the case's own step."""
+    said: list[str] = []
+    for track, settings in adapter.tracks.items():
+        yardstick = trial.probing(case, track=track, settings=settings.with_dt(case.dt))
+        own, beside = (Bench(case, adapter, one, settled=False) for one in (trial, yardstick))
+        try:
+            cost, ratio = rough_cost_beside(own, beside)
+            return replace(record, rough_cost=cost, rough_ratio=ratio)
+        except Exception as error:
+            said.append(f"{track}: {type(error).__name__}: {error}")
+    return replace(record, warnings=(*record.warnings, f"rough cost: none, beside {'; '.join(said)}"))

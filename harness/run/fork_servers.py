@@ -1,0 +1,185 @@
+"""Fork servers: some that have the numeric libraries and no engine, and one that has it for each engine that loads slowly.
+
+Off such a server a process starts in milliseconds, where loading an engine takes up to two tenths of a second. An engine is in
+its own server alone: a library may set the mode of floating-point arithmetic, or take signals, when it is loaded, and no other
+engine is to feel that.
+
+What comes off one server has everything at the same place in memory, in another run of the study at another. An engine's speed
+can feel that: MuJoCo's and DART's steps of a pendulum were spread by 2 % over eight interpreters and under 1 % over eight
+forks of one. What is to show such chance, clocks and repetitions, therefore asks for processes off several servers.
+"""
+
+import atexit
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing import forkserver
+from multiprocessing.context import ForkServerContext
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+__all__ = ["WORTH_A_SERVER", "Server", "context", "start_apart", "start_loaded"]
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_PRELOAD = (
+    "harness.cli.main",
+    "harness.run.timing_blocks",
+    "harness.run.isolated",
+    "numpy",
+    "scipy.special",
+    "scipy.integrate",
+    "scipy.stats",
+    "numba",
+)
+_TRIES = 2
+"""Servers that a process is asked of, one after the other, where they die."""
+_UNTOLD = 255
+"""What Python says where a server died before it told how a process of its ended."""
+_FALLS = 1.0
+"""Seconds that a server which was killed may take to be gone."""
+
+WORTH_A_SERVER = 20
+"""Processes of an engine from which on a server of its own, which takes some two seconds to start, saves more than it costs."""
+
+
+def context() -> ForkServerContext:
+    """Processes off the server that knows no engine, to be started by `start_loaded` or `start_apart`."""
+    plain = multiprocessing.get_context("forkserver")
+    plain.set_forkserver_preload(list(_PRELOAD))
+    return plain
+
+
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A server as it was when a process came off it. Terms: pid: of the server."""
+
+    pid: int
+
+    @property
+    def ended(self) -> bool:
+        """Is it gone? Whoever starts processes buries it; here it is only looked at."""
+        try:
+            return os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+        except ChildProcessError:
+            return True
+
+    def took_along(self, process: BaseProcess) -> bool:
+        """Has this process, which has ended, ended with the server? Nobody knows its exit code then."""
+        return process.exitcode == _UNTOLD and self._ends(_FALLS)
+
+    def _ends(self, seconds: float) -> bool:
+        """Is it gone within so many seconds?"""
+        until = time.monotonic() + seconds
+        while not self.ended:
+            if time.monotonic() > until:
+                return False
+            time.sleep(0.01)
+        return True
+
+
+def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) -> Server:
+    """Start a process of `context` in which these modules are loaded already, where that can be done and pays.
+
+    Args: foreseen: how many processes will want them; few start off the plain server, unless theirs is there.
+    A server that dies of its modules is given up: its processes start off the plain one, and meet what is wrong themselves.
+    Raises: OSError.
+    """
+    if modules and (modules in _servers or foreseen >= WORTH_A_SERVER):
+        if modules not in _servers:
+            _servers[modules] = _new_server(modules)
+        server = _servers[modules]
+        try:
+            if server is not None:
+                return _start(process, server)
+        except ConnectionError:
+            _servers[modules] = None
+    return _start(process, _PLAIN)
+
+
+def start_apart(process: BaseProcess, number: int, only: str = "") -> Server:
+    """Start a process of `context` off the server of this number, which knows no engine: another number, another layout.
+
+    Args: number: 0 for the one that `context` has anyway. only: whose server it is, beside that of all others; '' for theirs.
+    Raises: OSError.
+    """
+    if number == 0 and not only:
+        return _start(process, _PLAIN)
+    if (number, only) not in _apart:
+        _apart[number, only] = _new_server(())
+    return _start(process, _apart[number, only])
+
+
+_PLAIN: Any = forkserver._forkserver
+"""The one behind every context."""
+_servers: dict[tuple[str, ...], Any] = {}
+"""By modules; None for those that kill a server."""
+_apart: dict[tuple[int, str], Any] = {}
+"""Those beside the plain one that know no engine, by number and by whose they are."""
+
+
+def _start(process: BaseProcess, server: Any) -> Server:
+    """Start it off a server, and off a new one where that has died. Raises: ConnectionError, where the new one dies as well."""
+    for _ in range(_TRIES):
+        try:
+            with _through(server), _one_thread():
+                process.start()
+            return Server(server._forkserver_pid)
+        except (EOFError, ConnectionError):
+            if server._forkserver_pid is not None:
+                Server(server._forkserver_pid)._ends(_FALLS)
+    raise ConnectionError(f"a process could not be started: its fork server died, {_TRIES} times")
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Where numeric libraries use one thread: so says the environment that a server, if it is new, is born with.
+
+    The environment of this process is as before afterwards: Numba refuses to compile once it says another number of threads
+    than those that run.
+    """
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@atexit.register
+def _end_servers() -> None:
+    """End all servers: one whose processes' processes live on would wait for those, and keep what it was given to write to."""
+    for server in (_PLAIN, *_servers.values(), *_apart.values()):
+        if server is not None and server._forkserver_pid is not None and _ours == os.getpid():
+            with suppress(ProcessLookupError):
+                os.kill(server._forkserver_pid, signal.SIGKILL)
+
+
+_ours = os.getpid()
+"""The process that starts servers; those that come off them have loaded this as well."""
+
+
+def _new_server(modules: tuple[str, ...]) -> Any:
+    """It starts with its first process."""
+    server = forkserver.ForkServer()
+    server.set_forkserver_preload([*_PRELOAD, *modules])
+    return server
+
+
+@contextmanager
+def _through(server: Any) -> Iterator[None]:
+    """Python starts the processes of all contexts off one server; for once, off this one."""
+    library: Any = forkserver
+    usual = library.connect_to_new_process
+    library.connect_to_new_process = server.connect_to_new_process
+    try:
+        yield
+    finally:
+        library.connect_to_new_process = usual

@@ -1,0 +1,221 @@
+"""Accuracy runs in processes of their own: a crash, a hang or a leak costs one trial and is a record."""
+
+import signal
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+
+from harness.case.alteration import ALONE
+from harness.run.child import answers, confine, end, end_started, exit_code, roughly_clocked
+from harness.run.fork_servers import Server, context, start_apart, start_loaded
+from harness.run.interrupt import stop_if_asked
+from harness.run.memory_watch import MemoryWatch, kills_for_memory
+from harness.run.message import BrokenMessage, Inbox, read_record, readable, send
+from harness.store.record import Record
+from harness.study import plugins
+from harness.study.study import Trial
+from harness.trial.accuracy import outcome
+
+__all__ = ["run_isolated", "tell"]
+
+_TAIL = 4000
+_KEPT = 2**20
+"""Bytes of a log that stay on disk."""
+_LISTENS = 1.0
+"""Seconds between looks at whether the run is to stop."""
+_QUIET = ("passed", "failed", "unsupported")
+
+
+def _tail(log: Path) -> str:
+    if not log.is_file():
+        return ""
+    with log.open("rb") as stream:
+        stream.seek(max(0, log.stat().st_size - _TAIL))
+        return readable(stream.read().decode("utf-8", errors="replace").strip())
+
+
+def _trim(log: Path, record: Record) -> None:
+    """Drop the log of a trial that ended well, and all but the end of one that was flooded."""
+    if not log.is_file():
+        return
+    size = log.stat().st_size
+    if size == 0 or record.status in _QUIET:
+        log.unlink()
+    elif size > _KEPT:
+        with log.open("rb") as stream:
+            stream.seek(size - _KEPT)
+            end = stream.read()
+        log.write_bytes(end)
+
+
+def _late(trial: Trial, log: Path) -> Record:
+    return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
+
+
+def _named(number: int) -> str:
+    """A signal's name; those of real time have none of their own."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def _expired(trial: Trial, code: int | None, log: Path, seconds: float, kills: int) -> Record:
+    """Terms: seconds: since it began. kills: of the system for want of memory, while the trial ran."""
+    detail = _tail(log)
+    if code == -signal.SIGALRM and seconds >= trial.experiment.deadline:
+        return _late(trial, log)
+    if code == -signal.SIGKILL and kills:
+        return outcome(trial, "oom", f"killed by the system, which killed {kills} times for want of memory meanwhile", detail)
+    if code is not None and code < 0:
+        return outcome(trial, "crashed", f"killed by {_named(-code)}", detail)
+    return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
+
+
+@dataclass(slots=True)
+class _Child:
+    """A process at work on a trial.
+
+    Terms:
+        server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. until: the end of its
+        time, on the monotonic clock. since: its beginning. kills: of the system for want of memory, before it began. alone:
+        does nobody run beside it? said: what has come so far. broken: what it said that no child may say; it is heard no more.
+        ended: has it said its last word, or died?
+    """
+
+    trial: Trial
+    process: BaseProcess
+    server: Server
+    watch: MemoryWatch
+    inbox: Inbox
+    log: Path
+    until: float
+    since: float
+    kills: int
+    alone: bool
+    said: Record | None = None
+    broken: str = ""
+    ended: bool = False
+
+    def listen(self) -> bool:
+        """Take what has come: has it said its last word or died, or is it late?"""
+        try:
+            for kind, value in self.inbox.lines():
+                if kind != "record":
+                    raise BrokenMessage(f"a '{readable(kind, 80)}', expected a record")
+                self.said = read_record(self.trial, value)
+            self.ended = self.inbox.ended
+        except BrokenMessage as error:
+            self.broken = f"broken contract: {error}"
+        return self.ended or bool(self.broken) or time.monotonic() > self.until
+
+    def record(self) -> Record | None:
+        """Its record, or what became of it; None where it ended with its server, beside others: nobody knows whose fault it is.
+
+        The process has ended then.
+        """
+        try:
+            code = exit_code(self.process) if self.ended else None
+            if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
+                return self.said
+            if code and self.server.took_along(self.process):
+                return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.alone else None
+            end = self._end(code)
+            if self.said is None or code == 0:
+                return self.said or end
+            return replace(self.said, warnings=(*self.said.warnings, f"rough cost: none: {end.reason}"))
+        finally:
+            self.stop()
+
+    def _end(self, code: int | None) -> Record:
+        if self.broken:
+            return outcome(self.trial, "crashed", self.broken, _tail(self.log))
+        if self.watch.taken:
+            most = self.trial.experiment.memory
+            return outcome(self.trial, "oom", f"more than {most:g} MB: it took {self.watch.taken:.0f} MB", _tail(self.log))
+        if self.ended:
+            seconds = time.monotonic() - self.since
+            return _expired(self.trial, code, self.log, seconds, kills_for_memory() - self.kills)
+        return _late(self.trial, self.log)
+
+    def stop(self) -> None:
+        """End the process, whatever it does, and what it started."""
+        self.watch.stop()
+        end(self.process)
+        self.inbox.pipe.close()
+
+
+def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
+    confine(log)
+    tell(pipe, trial, folder)
+    end_started()
+    pipe.close()
+
+
+def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
+    """Run a trial in this process, and say what came of it."""
+    for record in answers(trial, folder):
+        try:
+            send(pipe, "record", record)
+        except (TypeError, ValueError) as error:
+            send(pipe, "record", outcome(trial, "crashed", f"broken contract: {error}"))
+
+
+def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = False) -> _Child:
+    """Terms: foreseen: trials of this engine in all."""
+    kills, log = kills_for_memory(), logs / f"{trial.trial}.log"
+    log.unlink(missing_ok=True)
+    forkserver = context()
+    ours, theirs = forkserver.Pipe(duplex=False)
+    process = forkserver.Process(target=_answer, args=(theirs, trial, folder, log), daemon=True)
+    adapter = plugins.adapter(trial.engine)
+    if trial.experiment.determinism:
+        # Whether another process answers the same is asked of one that does not even have things at the same place in memory.
+        server = start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0)
+    else:
+        server = start_loaded(process, adapter.loads, foreseen)
+    theirs.close()
+    since = time.monotonic()
+    until = since + trial.experiment.deadline + adapter.compile_allowance
+    watch = MemoryWatch(process.pid or 0, trial.experiment.memory)
+    return _Child(trial, process, server, watch, Inbox(ours), log, until, since, kills, alone)
+
+
+def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
+    """Records as they come in, one for each trial; leaving the iterator early stops all children.
+
+    Trials whose fork server died under them run again at the end, one by one.
+    """
+    logs = folder / "logs"
+    logs.mkdir(exist_ok=True)
+    forsaken: list[Trial] = []
+    waiting, engines = list(reversed(trials)), Counter(trial.engine for trial in trials)
+    running: list[_Child] = []
+    try:
+        while waiting or running or forsaken:
+            while waiting and len(running) < workers:
+                trial = waiting.pop()
+                running.append(_start(trial, folder, logs, engines[trial.engine]))
+            if not running:
+                trial = forsaken.pop()
+                running.append(_start(trial, folder, logs, engines[trial.engine], alone=True))
+            soonest = min(child.until for child in running) - time.monotonic()
+            wait([child.inbox.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
+            stop_if_asked()
+            for child in [child for child in running if child.listen()]:
+                running.remove(child)
+                record = child.record()
+                if record is None:
+                    forsaken.append(child.trial)
+                    continue
+                _trim(child.log, record)
+                yield record
+    finally:
+        for child in running:
+            child.stop()
+        if not any(logs.iterdir()):
+            logs.rmdir()

@@ -1,0 +1,157 @@
+"""What a child process tells the one that started it: lines of JSON of bounded length, which are read as a stranger's.
+
+An engine's code runs in the child, so nothing that comes from there is trusted: no pickle is opened, no line may be longer than
+`LONGEST`, no read waits for a line that never ends, and what a line says is checked against the types of the fields that it is
+to fill. Text loses what a terminal, a table or an encoder would choke on.
+"""
+
+import dataclasses
+import json
+import os
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cache
+from multiprocessing.connection import Connection, wait
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from harness.intake.safe_text import readable
+from harness.store.record import Record, Sample
+from harness.study.study import Trial
+from harness.trial.accuracy import outcome
+
+__all__ = ["LONGEST", "BrokenMessage", "Inbox", "readable", "read_record", "read_sample", "send"]
+
+LONGEST = 4 * 2**20
+"""Bytes of a line; the longest of the catalogue's records take some 30 kB."""
+_PART = 2**16
+_ANSWERED = (
+    *("status", "reason", "detail", "resolved", "warnings", "measurements"),
+    *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep"),
+)
+"""The fields of a record that are the child's to fill. What was asked of it, the parent knows better."""
+
+
+class BrokenMessage(Exception):
+    """A child said what no child may say; the text says what."""
+
+
+def _cleaned(value: Any) -> Any:
+    """The same JSON value with readable texts, names among them."""
+    if isinstance(value, str):
+        return readable(value)
+    if isinstance(value, dict):
+        return {readable(name): _cleaned(part) for name, part in value.items()}
+    return [_cleaned(part) for part in value] if isinstance(value, list) else value
+
+
+def send(pipe: Connection, kind: str, value: Any) -> None:
+    """Tell the parent something of this kind: a dataclass, or what JSON has a form for.
+
+    Raises: TypeError, where something in it has none; ValueError, where the line is too long.
+    """
+    line = json.dumps({kind: _plain(value, kind)}).encode("ascii") + b"\n"
+    if len(line) > LONGEST:
+        raise ValueError(f"{kind}: {len(line)} bytes, expected at most {LONGEST}")
+    while line:
+        line = line[os.write(pipe.fileno(), line) :]
+
+
+def _plain(value: Any, where: str) -> Any:
+    """The value in what JSON has a form for."""
+    if value is None or type(value) in (bool, int, str) or isinstance(value, float):
+        return value
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {one.name: _plain(getattr(value, one.name), f"{where}.{one.name}") for one in dataclasses.fields(value)}
+    if isinstance(value, Mapping) and all(type(name) is str for name in value):
+        return {name: _plain(part, f"{where}.{name}") for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part, f"{where}[{place}]") for place, part in enumerate(value)]
+    what = f"{type(value).__module__}.{type(value).__name__}"
+    raise TypeError(f"{where}: got {readable(repr(value), 80)} of {what}, expected a JSON value")
+
+
+@dataclasses.dataclass(slots=True)
+class Inbox:
+    """The parent's end of a pipe.
+
+    Terms: rest: the bytes of a line that has not ended. waiting: what has come and was not asked for yet. ended: will nothing
+    more come?
+    """
+
+    pipe: Connection
+    rest: bytes = b""
+    waiting: list[tuple[str, Any]] = dataclasses.field(default_factory=list)
+    ended: bool = False
+
+    def lines(self) -> list[tuple[str, Any]]:
+        """What has come, each with its kind, as much as one message may hold; never waits. Raises: BrokenMessage."""
+        found: list[tuple[str, Any]] = []
+        for _ in range(LONGEST // _PART):
+            if self.ended or not self.pipe.poll():
+                break
+            part = self._part()
+            self.ended = not part
+            *whole, self.rest = (self.rest + part).split(b"\n")
+            if max(map(len, (*whole, self.rest))) > LONGEST:
+                raise BrokenMessage(f"a message of more than {LONGEST} bytes")
+            found += [_parsed(line) for line in whole]
+        return found
+
+    def next(self, seconds: float) -> tuple[str, Any] | None:
+        """The next message, waited for; None after so many seconds. Raises: EOFError, BrokenMessage."""
+        until = time.monotonic() + seconds
+        while not self.waiting:
+            left = until - time.monotonic()
+            if left <= 0 or not wait([self.pipe], timeout=left):
+                return None
+            self.waiting += self.lines()
+            if self.ended and not self.waiting:
+                raise EOFError
+        return self.waiting.pop(0)
+
+    def _part(self) -> bytes:
+        try:
+            return os.read(self.pipe.fileno(), _PART)
+        except ConnectionError:
+            return b""
+
+
+def _parsed(line: bytes) -> tuple[str, Any]:
+    try:
+        told = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise BrokenMessage(f"no JSON ({type(error).__name__}): {readable(repr(line[:80]))}") from None
+    if not isinstance(told, dict) or len(told) != 1:
+        raise BrokenMessage(f"expected one kind of message, got {readable(repr(told), 80)}")
+    ((kind, value),) = told.items()
+    return kind, value
+
+
+@cache
+def _form(of: type) -> Callable[[str], Any]:
+    adapter: TypeAdapter[Any] = TypeAdapter(of)
+    return lambda text: adapter.validate_json(text, strict=True)
+
+
+def _checked(of: type, value: Any) -> Any:
+    try:
+        return _form(of)(json.dumps(_cleaned(value)))
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"])) or of.__name__.lower()
+        raise BrokenMessage(f"{where}: got {readable(repr(first['input']), 80)}: {first['msg']}") from None
+
+
+def read_record(trial: Trial, value: Any) -> Record:
+    """The record that a child told of a trial. Raises: BrokenMessage."""
+    told: Record = _checked(Record, value)
+    return replace(outcome(trial, told.status, told.reason), **{name: getattr(told, name) for name in _ANSWERED})
+
+
+def read_sample(value: Any) -> Sample:
+    """The sample that a child told. Raises: BrokenMessage."""
+    sample: Sample = _checked(Sample, value)
+    return sample

@@ -1,0 +1,182 @@
+"""Going on with a run: which of a folder's records still hold, which are withdrawn and why, and what is clocked anew.
+
+A record holds where its trial's name, which covers all that decides an answer, is that of a trial of today, or where nothing
+that it rests on has changed; and where its trajectory is as it was written.
+"""
+
+import json
+import re
+import shutil
+from collections import Counter, defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from harness.store import disk
+from harness.store.journal import Journal, StoreError
+from harness.store.machine_fingerprint import circumstances, machine_digest
+from harness.store.record import Record
+from harness.store.seal import Damaged, check_seal
+from harness.store.store import ends_early, read_plain
+from harness.study.provenance import what_changed
+from harness.study.study import Trial
+from harness.trial.accuracy import outcome
+
+__all__ = ["another_study", "clear_drafts", "clocked_elsewhere", "damage", "merged", "review"]
+
+_DRAFT = re.compile(r"\..+\.\d+(\.old)?|\.timing-\w+\.log")
+_CELL = ("study", "experiment", "case", "engine", "track", "dt", "seed", "clocks", "workers", "members", "remedied", "parts")
+
+
+def _cell(record: Record) -> str:
+    """What a record answers, whatever the settings and sources."""
+    asked = [getattr(record, name) for name in _CELL]
+    return repr([*asked, sorted(record.parameters.items()), sorted(record.alteration.items(), key=str)])
+
+
+def damage(folder: Path, record: Record) -> str:
+    """What is wrong with the trajectory that a record names; '' where nothing is."""
+    if record.trajectory_hash is None:
+        return ""
+    path = folder / "trajectories" / f"{record.trajectory_hash}.npz"
+    try:
+        check_seal(path, disk.read(path))
+    except FileNotFoundError:
+        return f"{path} is missing"
+    except Damaged as error:
+        return f"{path} is damaged: {error}"
+    return ""
+
+
+def _differences(one: Any, other: Any, where: str) -> list[str]:
+    """The places at which two studies differ."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        names = sorted({*one, *other})
+        return [d for name in names for d in _differences(one.get(name), other.get(name), f"{where}.{name}".strip("."))]
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        return [d for k, (a, b) in enumerate(zip(one, other, strict=True)) for d in _differences(a, b, f"{where}[{k}]")]
+    return [] if one == other else [where]
+
+
+def another_study(folder: Path, journal: Journal, study: Mapping[str, Any]) -> str:
+    """How the study of a folder differs from this one, in words; '' where the folder is of this study too."""
+    known = [session["study"] for session in journal.written.sessions]
+    if not known and journal.written.checksums:
+        known = [kept] if (kept := read_plain(folder / "study.toml")) else []
+    today = json.loads(json.dumps(study))
+    found = [_differences(one, today, "") for one in known]
+    if not found or [] in found:
+        return ""
+    least = min(found, key=len)
+    return f"a run of study '{known[found.index(least)].get('name')}', which differs in {', '.join(least[:5])}"
+
+
+def merged(studies: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """The last study with the experiments and variants of the others that it has not."""
+    *others, last = studies
+    experiments, variants = [*last["experiments"]], dict(last.get("variants", {}))
+    for one in others:
+        experiments += [experiment for experiment in one["experiments"] if experiment not in experiments]
+        variants = {**one.get("variants", {}), **variants}
+    return {**last, "experiments": experiments, "variants": variants}
+
+
+def clocked_elsewhere(journal: Journal, trials: Collection[str], machine: Mapping[str, Any]) -> list[str]:
+    """In sentences, how many of these trials are clocked anew since another machine clocked them, and how that one differs."""
+    said: Counter[str] = Counter()
+    for name in trials:
+        if journal.timings.get(name, digest := machine_digest(machine)) != digest:
+            said[_other_machine(journal, journal.timings[name], machine)] += 1
+    return [f"clocks anew {count}: clocked on another machine ({how})" for how, count in said.items()]
+
+
+def _other_machine(journal: Journal, digest: str, machine: Mapping[str, Any]) -> str:
+    today = circumstances(machine)
+    for session in journal.written.sessions:
+        if machine_digest(session["machine"]) == digest:
+            was = circumstances(session["machine"])
+            return ", ".join(f"{name} {was[name]} -> {today[name]}" for name in today if was[name] != today[name])
+    return "which is not known"
+
+
+def clear_drafts(folder: Path) -> None:
+    """Take away what a kill left half written. Raises: OSError."""
+    for place in (folder, folder / "trajectories", folder / "truths", folder / "recordings"):
+        for path in place.glob(".*"):
+            if _DRAFT.fullmatch(path.name) and path.is_dir():
+                shutil.rmtree(path)
+            elif _DRAFT.fullmatch(path.name):
+                disk.remove(path)
+
+
+def _reason(record: Record, cells: Mapping[str, Trial], versions: Mapping[str, str], journal: Journal) -> str:
+    """Why a record does not hold today; '' where it does."""
+    number = journal.written.made_in[record.trial]
+    files = journal.written.sessions[number].get("files", {}) if number >= 0 else {}
+    said = what_changed(record.case, record.engine, record.sources, files)
+    if record.engine_version != versions[record.engine]:
+        change = f"{record.engine}: version {record.engine_version} -> {versions[record.engine]}"
+        said = f"{change}; {said}" if said else change
+    today = cells.get(_cell(record))
+    if not said and today is not None and today.trial != record.trial:
+        said = f"{record.case} asks something else, or {record.engine}'s settings of track '{record.track}' are others"
+    return said
+
+
+def review(
+    journal: Journal, folder: Path, trials: Sequence[Trial], cases: Collection[str], versions: Mapping[str, str], machine: str
+) -> list[str]:
+    """Withdraw what does not hold, bring back what holds again, and say in sentences what is kept, run anew and clocked anew.
+
+    Args: cases: names of those that are asked about; versions: of the engines asked; machine: today's digest.
+    Raises: StoreError, OSError.
+    """
+    notes = [*journal.notes, *_ended(journal, folder)]
+    planned = {trial.trial for trial in trials}
+    journal.restore([n for n in planned if n in journal.written.withdrawn and not damage(folder, journal.written.lost[n])])
+    cells = {_cell(outcome(trial, "interrupted", "")): trial for trial in trials if trial.round == 0}
+    stale: defaultdict[str, list[str]] = defaultdict(list)
+    beside: Counter[str] = Counter()
+    for record in journal.records.values():
+        if record.trial not in planned:
+            if record.case not in cases or record.engine not in versions:
+                beside[f"{record.engine} {record.engine_version}"] += 1
+                continue
+            if reason := _reason(record, cells, versions, journal):
+                stale[reason].append(record.trial)
+                continue
+        if reason := damage(folder, record):
+            stale[reason].append(record.trial)
+    for reason, names in stale.items():
+        journal.withdraw(names, reason)
+        notes.append(f"runs anew {len(names)}: {reason}")
+    notes += _mended_truths(folder)
+    rough = sum(record.rough_cost is not None and record.answered_on != machine for record in journal.records.values())
+    if rough:
+        notes.append(f"keeps {rough} rough costs of another machine, named in the column answered_on")
+    left = sum(beside.values())
+    kept = f"keeps {len(journal.records)} of {len(journal.records) + sum(map(len, stale.values()))} trials"
+    if left:
+        kept += f", {left} of them beside what is asked now ({', '.join(sorted(beside))})"
+    return [*notes, kept]
+
+
+def _ended(journal: Journal, folder: Path) -> list[str]:
+    """Whether the journal lost lines at its end, as far as machine.json can tell."""
+    try:
+        return [*ends_early(journal.written, read_plain(folder / "machine.json"))]
+    except StoreError as error:
+        return [str(error)]
+
+
+def _mended_truths(folder: Path) -> list[str]:
+    """Take damaged truths away: each is made again when it is wanted."""
+    said = []
+    for path in sorted((folder / "truths").glob("[!.]*")):
+        try:
+            if not check_seal(path, disk.read(path)):
+                raise Damaged("it has no checksum")
+        except (Damaged, KeyError) as error:
+            disk.remove(path)
+            said.append(f"{path} was damaged ({error}): removed, and made again when it is wanted")
+    return said

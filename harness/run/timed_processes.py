@@ -1,0 +1,295 @@
+"""The processes under the clock: what they do, how they are started, and the parent's end of them.
+
+A process serves the trials of one engine in turn, so that an engine is loaded once and not once a trial; where it dies, the
+trial that it died of is told, and the others get a new one. A trial of several workers has that many processes for itself.
+"""
+
+import contextlib
+import gc
+import os
+import resource
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from multiprocessing.synchronize import Barrier
+from pathlib import Path
+
+import numpy as np
+
+from harness.run.child import confine, end, end_started, exit_code
+from harness.run.fork_servers import Server, context, start_apart
+from harness.run.memory_watch import MemoryWatch
+from harness.run.message import BrokenMessage, Inbox, read_sample, readable, send
+from harness.store.record import Sample
+from harness.study import plugins
+from harness.study.study import Trial
+from harness.trial.bench import Bench, calibrate
+
+__all__ = ["Clocked", "Team", "joined", "ready_teams"]
+
+_LOOKS = 0.5
+"""Seconds between looks at the memory of a process under the clock; each takes an eighth of a millisecond of another core."""
+
+
+def _canary() -> float:
+    """CPU seconds of a fixed kernel that depends on nothing under test: the middle of three, as the first finds cold caches."""
+    a = np.full((96, 96), 1.0 / 96.0)
+    taken = []
+    for _ in range(3):
+        start = time.process_time()
+        for _ in range(40):
+            a = a @ a
+        taken.append(time.process_time() - start)
+    return sorted(taken)[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a child stands: its core, whether it is its trial's first, and the gate where workers wait for each other."""
+
+    core: int | None
+    first: bool = True
+    gate: Barrier | None = None
+
+
+def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -> None:
+    """Send the steps of a sample for each trial, then a sample for each order (trial's number, block, steps) that comes.
+
+    An exception is sent as text in place of either; a trial that raised one is not asked again.
+    """
+    confine(log)
+    benches: dict[int, Bench] = {}
+    for number, trial in enumerate(trials):
+        try:
+            bench = Bench(plugins.case(trial.case), plugins.adapter(trial.engine), trial)
+            steps = calibrate(bench, trial.experiment.sample_seconds)
+            if not bench.steady:
+                bench.stop()
+            benches[number] = bench
+            send(pipe, "steps", steps)
+        except Exception as error:
+            send(pipe, "trouble", _told(error, place))
+    if place.core is not None:
+        os.sched_setaffinity(0, {place.core})
+    gc.disable()
+    while (order := pipe.recv()) is not None:
+        try:
+            number, block, steps = order
+            send(pipe, "sample", _sample(benches[number], block, steps, place, trials[number].experiment.deadline))
+        except Exception as error:
+            send(pipe, "trouble", _told(error, place))
+    for bench in benches.values():
+        bench.stop()
+    end_started()
+
+
+def _told(error: Exception, place: Place) -> str:
+    """An exception in words; those who wait at the gate are let go."""
+    if place.gate is not None:
+        place.gate.abort()
+    return f"{type(error).__name__}: {error}"
+
+
+def _sample(bench: Bench, block: int, steps: int, place: Place, seconds: float) -> Sample:
+    if not bench.steady:
+        bench.start()
+    # Of workers only the first tries the machine, while the others wait: together they would try each other.
+    canary = _canary() if place.first else 0.0
+    if place.gate is not None:
+        place.gate.wait(seconds)
+    switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw
+    cpu, wall = bench.clock(steps)
+    switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw - switches
+    if not bench.steady:
+        bench.stop()
+    return Sample(process=0, block=block, steps=steps, units=bench.units, cpu=cpu, wall=wall, canary=canary, switches=switches)
+
+
+@dataclass(slots=True)
+class Clocked:
+    """The parent's end of one child.
+
+    Terms: server: it came off. watch: of its memory. alone: is its server its engine's alone? trouble: what it died of; it
+    serves nobody then. forsaken: it ended with a server of several engines, and nobody knows whose fault that is.
+    """
+
+    process: BaseProcess
+    server: Server
+    watch: MemoryWatch
+    inbox: Inbox
+    alone: bool = False
+    trouble: str = ""
+    forsaken: bool = False
+
+    def ask(self, number: int, block: int, steps: int) -> None:
+        """Ask for a sample of so many steps; that a child has died while it waited is for `answer` to say."""
+        with contextlib.suppress(BrokenPipeError, ConnectionError):
+            self.inbox.pipe.send((number, block, steps))
+
+    def answer(self, seconds: float) -> int | Sample | str | None:
+        """The next message, a text where something went wrong, None where it is forsaken.
+
+        `trouble` is set after death or the deadline.
+        """
+        try:
+            if (told := self.inbox.next(seconds)) is not None:
+                return _read(*told)
+            self.trouble = f"no answer within {seconds:g} s"
+            self.process.kill()
+        except EOFError:
+            self.trouble = self._death(exit_code(self.process))
+        except BrokenMessage as error:
+            self.trouble = f"broken contract: {error}"
+            self.process.kill()
+        return None if self.forsaken else self.trouble
+
+    def _death(self, code: int | None) -> str:
+        if self.watch.taken:
+            return f"took {self.watch.taken:.0f} MB of memory, more than its trials may together"
+        if code and self.server.took_along(self.process):
+            self.forsaken = not self.alone
+            return "its fork server died with it"
+        return f"process ended with exit code {code}"
+
+    def stop(self) -> None:
+        """End the child, by force after a second; may be called twice."""
+        pipe = self.inbox.pipe
+        self.watch.stop()
+        if pipe.closed:
+            return
+        if not self.trouble:
+            with contextlib.suppress(BrokenPipeError, ConnectionError):
+                pipe.send(None)
+            self.process.join(1.0)
+        end(self.process)
+        pipe.close()
+
+
+def _read(kind: str, value: object) -> int | Sample | str:
+    """What a child told: the steps of a sample, a sample, or what went wrong. Raises: BrokenMessage."""
+    if kind == "sample":
+        return read_sample(value)
+    if kind == "steps" and type(value) is int and value > 0:
+        return value
+    if kind == "trouble" and isinstance(value, str):
+        return readable(value)
+    raise BrokenMessage(f"{readable(kind, 80)}: got {readable(repr(value), 80)}, expected 'steps', a 'sample' or 'trouble'")
+
+
+def joined(samples: Sequence[Sample]) -> Sample:
+    """The sample of workers that stepped at once: CPU time and units of all, the wall time of the slowest."""
+    return replace(
+        samples[0],
+        units=sum(s.units for s in samples),
+        cpu=sum(s.cpu for s in samples),
+        wall=max(s.wall for s in samples),
+        canary=max(s.canary for s in samples),
+        switches=sum(s.switches for s in samples),
+    )
+
+
+@dataclass(slots=True)
+class Team:
+    """The children of one trial, one a worker, that give a sample together.
+
+    Terms:
+        number: of the trial among those that its children serve. gate: where workers wait for each other; kept for as long as
+        they live. steps: of each in a sample; those of the first, so that all have the same to do. trouble: of this trial.
+    """
+
+    trial: Trial
+    children: Sequence[Clocked]
+    number: int = 0
+    gate: Barrier | None = None
+    steps: int = 0
+    trouble: str = ""
+
+    @property
+    def lost(self) -> bool:
+        """Did a child die of another trial, or with its server?"""
+        return not self.trouble and any(child.trouble for child in self.children)
+
+    @property
+    def forsaken(self) -> bool:
+        """Did a child end with its server?"""
+        return any(child.forsaken for child in self.children)
+
+    def calibrated(self, seconds: float) -> None:
+        """Wait until every child is ready for this trial."""
+        answers = [child.answer(seconds) for child in self.children]
+        self._note(answers)
+        self.steps = answers[0] if isinstance(answers[0], int) else 0
+
+    def sample(self, block: int, seconds: float) -> Sample | None:
+        """What all did in this block, or None, with `trouble` set or lost."""
+        for child in self.children:
+            child.ask(self.number, block, self.steps)
+        answers = [child.answer(seconds) for child in self.children]
+        self._note(answers)
+        samples = [answer for answer in answers if isinstance(answer, Sample)]
+        return joined(samples) if len(samples) == len(answers) else None
+
+    def _note(self, answers: Iterable[int | Sample | str | None]) -> None:
+        self.trouble = "; ".join(dict.fromkeys(answer for answer in answers if isinstance(answer, str)))
+
+    def stop(self) -> None:
+        """End all children, those of its mates with them."""
+        for child in self.children:
+            child.stop()
+
+
+def _cores() -> list[int | None]:
+    """The cores to pin children to, one after the other; the last first, since systems load the first ones."""
+    if not hasattr(os, "sched_getaffinity"):
+        return [None]
+    return [*sorted(os.sched_getaffinity(0), reverse=True)]
+
+
+def _start(trials: Sequence[Trial], folder: Path, server: int, apart: bool) -> Iterator[Team]:
+    """The teams of these trials: one child for all of an engine's with one worker, own children for each of the others.
+
+    Args: apart: each with a server of its own.
+    """
+    forkserver, cores = context(), _cores()
+    alone = [[trial] for trial in trials if trial.workers > 1]
+    engines = dict.fromkeys(trial.engine for trial in trials if trial.workers == 1)
+    together = [[trial for trial in trials if trial.workers == 1 and trial.engine == engine] for engine in engines]
+    for served in (*together, *alone):
+        workers = served[0].workers
+        gate = forkserver.Barrier(workers) if workers > 1 else None
+        log = folder / f".timing-{served[0].trial}.log"
+        children = []
+        for worker in range(workers):
+            ours, theirs = forkserver.Pipe()
+            place = Place(cores[worker % len(cores)], worker == 0, gate)
+            process = forkserver.Process(target=_child, args=(theirs, served, place, log), daemon=True)
+            origin = start_apart(process, server, only=served[0].trial if apart else "")
+            theirs.close()
+            watch = MemoryWatch(process.pid or 0, sum(trial.experiment.memory for trial in served), _LOOKS)
+            children.append(Clocked(process, origin, watch, Inbox(ours), alone=apart))
+        yield from (Team(trial, children, number, gate) for number, trial in enumerate(served))
+
+
+def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0, apart: bool = False) -> dict[str, Team]:
+    """A team for each trial, by the trial's name, ready or in trouble; whose process died of another trial got a new one.
+
+    Terms: server: the number of the fork server that all come from; where that dies, each gets a server of its own of that
+    number. apart: they have them from the beginning.
+    """
+    ready: dict[str, Team] = {}
+    waiting = list(trials)
+    while waiting:
+        started = list(_start(waiting, folder, server, apart))
+        for team in started:
+            if not team.lost:
+                team.calibrated(team.trial.experiment.deadline)
+        for team in started:
+            if team.lost:
+                team.stop()
+            else:
+                ready[team.trial.trial] = team
+        waiting = [team.trial for team in started if team.lost]
+        apart = apart or any(team.forsaken for team in started)
+    return ready

@@ -1,0 +1,110 @@
+"""The timing run: what a simulated second costs, in fresh processes and randomised interleaved blocks.
+
+Protocol: each engine of a group gets a process, with one thread, that serves all of its trials; it warms up, calibrates for
+each how many runs of the scene make one sample, and then waits, pinned to one core and without a garbage collector. Block by
+block, in a new random order each time, every trial takes one sample; then all begins anew in fresh processes, off another fork
+server and so laid out otherwise in memory. A trial of several workers has that many processes for itself, each pinned to a
+core of its own while there are enough: in its block all take the same number of steps, let go at once. What is clocked, and
+what is not, stands in `harness.trial.bench`; the processes in `harness.run.timed_processes`.
+"""
+
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.case import Unit
+from harness.run.interrupt import stop_if_asked
+from harness.run.timed_processes import Team, ready_teams
+from harness.store.record import Sample, Timing
+from harness.study import plugins
+from harness.study.study import Trial
+from harness.trajectory import Floats
+
+__all__ = ["clock_group", "summarise"]
+
+_NOISY = 0.1
+"""Half width of the interval, or spread of the canary, relative to its middle, from which a timing counts as unstable."""
+
+
+def _interval(values: Floats) -> tuple[float, float]:
+    """95 % bootstrap interval of the median."""
+    from scipy.stats import bootstrap
+
+    if len(values) > 1 and np.ptp(values) > 0:
+        found = bootstrap((values,), np.median, method="percentile", n_resamples=2000, rng=0).confidence_interval
+        return float(found.low), float(found.high)
+    return float(values.min()), float(values.max())
+
+
+def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Unit = "step") -> Timing:
+    """Median and 95 % bootstrap interval of CPU seconds per unit of work.
+
+    Per simulated second too, wherever the work is that of stepping and nothing stood beside it.
+    """
+    if not samples:
+        return Timing(trial=trial.trial, note=note or "no sample was taken")
+    cpu = np.array([s.cpu / (s.steps * s.units) for s in samples])
+    wall = np.array([s.wall / (s.steps * s.units) for s in samples])
+    canary = np.array([s.canary for s in samples])
+    middle, (low, high) = float(np.median(cpu)), _interval(cpu)
+    wide = (high - low) / 2 > _NOISY * middle
+    noisy = float(np.percentile(canary, 75) - np.percentile(canary, 25)) > _NOISY * float(np.median(canary))
+    timing = Timing(
+        trial=trial.trial,
+        unit=unit,
+        cpu_per_unit=middle,
+        cpu_per_unit_low=low,
+        cpu_per_unit_high=high,
+        unstable_timing=bool(wide or noisy or len(samples) < 3),
+        note=note,
+        samples=tuple(samples),
+    )
+    if unit not in ("step", "world-step") or trial.workers > 1:
+        return timing
+    dt = trial.settings.dt
+    return replace(
+        timing,
+        cpu_per_sim_s=middle / dt,
+        cpu_low=low / dt,
+        cpu_high=high / dt,
+        wall_per_sim_s=float(np.median(wall)) / dt,
+        realtime_factor=dt / float(np.median(wall)),
+    )
+
+
+def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -> Iterator[Timing]:
+    """Time the trials of one group, interleaved; one `Timing` each, also for those that gave trouble."""
+    experiment = trials[0].experiment
+    samples: dict[str, list[Sample]] = {trial.trial: [] for trial in trials}
+    notes: dict[str, str] = {}
+    for number in range(experiment.processes):
+        teams: dict[str, Team] = {}
+        try:
+            teams = ready_teams([trial for trial in trials if trial.trial not in notes], folder, number)
+            for block in range(experiment.samples):
+                stop_if_asked()
+                for name in shuffle.sample(sorted(teams), len(teams)):
+                    sample = None
+                    while sample is None and not teams[name].trouble:
+                        if teams[name].lost:
+                            lost = [team for team in teams.values() if team.lost]
+                            apart = any(team.forsaken for team in lost)
+                            teams |= ready_teams([team.trial for team in lost], folder, number, apart)
+                            for team in lost:
+                                team.stop()
+                        if not teams[name].trouble:
+                            sample = teams[name].sample(block, experiment.deadline)
+                    if sample is not None:
+                        samples[name].append(replace(sample, process=number))
+        finally:
+            for name, team in teams.items():
+                notes |= {name: team.trouble} if team.trouble else {}
+                team.stop()
+            for trial in trials:
+                (folder / f".timing-{trial.trial}.log").unlink(missing_ok=True)
+    for trial in trials:
+        unit = plugins.case(trial.case).unit(trial.parameters, trial.clocks)
+        yield summarise(trial, samples[trial.trial], notes.get(trial.trial, ""), unit)

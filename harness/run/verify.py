@@ -1,0 +1,184 @@
+"""Is a run folder still what was written? Every file that the store keeps, against its checksum, its name and the journal."""
+
+import hashlib
+import io
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from harness.findings.summary import summaries
+from harness.run.resume import merged
+from harness.store import disk
+from harness.store.arrays import read_arrays
+from harness.store.journal import StoreError, Written, read_written
+from harness.store.machine_fingerprint import circumstances
+from harness.store.seal import Damaged, check_seal
+from harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
+from harness.store.trajectory_file import kept_hash
+
+__all__ = ["Problem", "problems"]
+
+_ANEW = "--resume makes it anew"
+_DELETE = "nothing needs it; delete it"
+_TRUTH = re.compile(r"[0-9a-f]{16}\.(npz|json)")
+_KEPT = ("study.toml", "catalogue.json", "machine.json")
+_SHOWN = ("report", "recordings")
+"""Folders that hold what people look at: made from the others alone, and not checked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A file that is not as it should be. Terms: cure: what to do."""
+
+    path: Path
+    what: str
+    cure: str
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.what}; {self.cure}"
+
+
+def problems(folder: Path) -> Iterator[Problem]:
+    """All that is wrong with a run folder, file by file; it is only read. Raises: StoreError, where it is no run folder."""
+    store = Store(folder)
+    journal = store.folder / "journal.jsonl"
+    if not journal.is_file():
+        yield Problem(journal, "missing", "restore it; the tables beside it can still be read, and not be checked")
+        return
+    try:
+        written = read_written(journal)
+    except StoreError as error:
+        what, _, cure = str(error).removeprefix(f"{journal}: ").partition("; ")
+        yield Problem(journal, what, cure)
+        return
+    if written.torn:
+        yield Problem(journal, f"its last line is torn: {written.torn} bytes", "--resume drops them and runs that trial anew")
+    yield from _plain_files(store.folder, written)
+    yield from _tables(store.folder, written)
+    yield from _trajectories(store.folder, written)
+    yield from _truths(store.folder)
+    yield from _summaries(store, written)
+    yield from _strangers(store.folder, written)
+
+
+def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
+    found: dict[str, Mapping[str, Any]] = {}
+    for name in _KEPT:
+        path = folder / name
+        if not path.is_file():
+            yield Problem(path, "missing", _ANEW)
+            continue
+        try:
+            if not check_seal(path, disk.read(path)) and written.sessions:
+                raise Damaged("it has no checksum")
+            found[name] = read_plain(path)
+        except (Damaged, StoreError) as error:
+            yield Problem(path, str(error).removeprefix(f"{path}: ").partition(";")[0], _ANEW)
+    for sentence in ends_early(written, found.get("machine.json", {})):
+        yield Problem(written.path, sentence.partition(": ")[2], "restore it, or --resume runs their trials anew")
+    if not written.sessions:
+        return
+    last = written.sessions[-1]
+    if "study.toml" in found and found["study.toml"] != merged([session["study"] for session in written.sessions]):
+        yield Problem(folder / "study.toml", "is not the study of this run", _ANEW)
+    if "catalogue.json" in found and hashlib.sha256(disk.read(folder / "catalogue.json")).hexdigest() != last["catalogue"]:
+        yield Problem(folder / "catalogue.json", "is not the catalogue of this run", _ANEW)
+    machine = found.get("machine.json")
+    if machine is not None:
+        if circumstances(machine) != last["machine"]:
+            yield Problem(folder / "machine.json", "is not the machine of this run", _ANEW)
+        if not machine.get("complete"):
+            yield Problem(folder / "machine.json", "the run did not come to its end", "--resume goes on with it")
+    missing = sum(trial not in written.records for trial in last["trials"])
+    if missing:
+        what = f"{missing} of {len(last['trials'])} trials have no record"
+        yield Problem(written.path, what, "--resume runs them")
+
+
+def _tables(folder: Path, written: Written) -> Iterator[Problem]:
+    try:
+        known = read_plain(folder / "machine.json").get("tables", {})
+    except StoreError:
+        known = {}
+    for name, frame in tables_of(written.records).items():
+        path = folder / f"{name}.parquet"
+        if not path.is_file():
+            yield Problem(path, "missing", _ANEW)
+            continue
+        content = disk.read(path)
+        # Another version of Parquet's library writes other bytes: then the file has to be the one that was written.
+        same = content == parquet(frame) or (
+            known.get(name, "") in ("", hashlib.sha256(content).hexdigest()) and _equal(content, frame)
+        )
+        if not same:
+            yield Problem(path, "differs from the journal", _ANEW)
+
+
+def _equal(content: bytes, frame: pd.DataFrame) -> bool:
+    try:
+        kept = pd.read_parquet(io.BytesIO(content))
+    except Exception:  # damage may break the reader anywhere
+        return False
+    names = [name for name in frame.columns if name in kept.columns]
+    return set(kept.columns) <= set(frame.columns) and bool(kept[names].equals(frame[names].astype(kept[names].dtypes)))
+
+
+def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
+    place = folder / "trajectories"
+    named = {record.trajectory_hash for record in written.records.values()} - {None}
+    idle = {record.trajectory_hash for record in written.lost.values()}
+    for name in sorted(str(one) for one in named):
+        if not (place / f"{name}.npz").is_file():
+            yield Problem(place / f"{name}.npz", "missing", _ANEW)
+    for path in sorted(place.glob("*")):
+        if path.suffix != ".npz" or path.stem not in named | idle or not path.is_file():
+            yield Problem(path, "belongs to no trial", _DELETE)
+            continue
+        try:
+            if not check_seal(path, disk.read(path)) and written.chained:
+                raise Damaged("it has no checksum")
+            if kept_hash(read_arrays(path)) != path.stem:
+                raise Damaged("its answer is not the one that its name says")
+        except (Damaged, KeyError) as error:
+            yield Problem(path, str(error), _ANEW)
+
+
+def _truths(folder: Path) -> Iterator[Problem]:
+    for path in sorted((folder / "truths").glob("*")):
+        if not _TRUTH.fullmatch(path.name):
+            yield Problem(path, "is no truth", _DELETE)
+            continue
+        try:
+            if not check_seal(path, disk.read(path)):
+                raise Damaged("it has no checksum")
+        except Damaged as error:
+            yield Problem(path, str(error), "--resume removes it, and it is made again when it is wanted")
+
+
+def _summaries(store: Store, written: Written) -> Iterator[Problem]:
+    if not written.sessions:
+        return
+    try:
+        due = summaries(store)
+    except StoreError:  # of the catalogue, which is named already
+        return
+    for name, content in due.items():
+        path = store.folder / name
+        if not path.is_file():
+            yield Problem(path, "missing", _ANEW)
+        elif disk.read(path) != content:
+            yield Problem(path, "differs from the journal", _ANEW)
+
+
+def _strangers(folder: Path, written: Written) -> Iterator[Problem]:
+    known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in TABLES)}
+    known |= {*_SHOWN, "trajectories", "truths", "logs"}
+    trials = {*written.records, *written.lost, *(trial for session in written.sessions for trial in session["trials"])}
+    logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
+    drafts = (folder / "recordings").glob(".*")
+    for path in sorted({*(path for path in folder.iterdir() if path.name not in known), *logs, *drafts}):
+        yield Problem(path, "is not of this run", _DELETE)

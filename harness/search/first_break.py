@@ -1,0 +1,187 @@
+"""Where a case breaks: values ever harder are tried until one does, then the bracket around that place is halved.
+
+Along an axis from easy to extreme the first values are spread evenly (by their logarithms, where both ends are positive) and
+tried in this order, so that what is found is the first place that breaks and not some later one. A limit is a bracket: the
+hardest value that held with all members of the ensemble before the first that did not, and that one. A value that an engine
+crashed at is one that broke; where it ran out of time or memory, the search ends without a verdict beyond what had held.
+
+Where a case breaks, what is said to help is tried at the value that broke (`harness.search.remedies`), and, where it does help, on
+from there towards the extreme, in fewer values.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from harness.adapter import Adapter
+from harness.case import Axis, Case
+from harness.search.remedies import remedied
+from harness.store.record import Record
+from harness.study.study import Limit, Trial, axis_of
+
+__all__ = ["BROKE", "Bracket", "Ruler", "bracket", "next_trials", "ruler", "value_of"]
+
+REMEDY_VALUES = 3
+"""Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""
+BROKE = ("failed", "crashed", "diverged")
+ENDED = ("timeout", "oom", "unsupported", "unavailable", "interrupted")
+
+
+@dataclass(frozen=True, slots=True)
+class Bracket:
+    """What is known along an axis. Terms: held, broke: the ends; None where none was found. stopped: a trial without answer."""
+
+    held: float | None
+    broke: float | None
+    stopped: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Ruler:
+    """An axis with a measure: places from 0 at the easy end to 1 at the extreme.
+
+    Terms: whole: only whole numbers are values. within: the ratio of a bracket's ends at which it is close enough.
+    """
+
+    axis: Axis
+    whole: bool
+    within: float
+
+    @classmethod
+    def of(cls, axis: Axis, parameters: Mapping[str, Any], limit: Limit | None) -> "Ruler":
+        """The ruler of a search along the axis of a case with these parameters."""
+        whole = isinstance(parameters.get(axis.parameter), int)
+        return cls(axis, whole, math.inf if limit is None else limit.within)
+
+    @property
+    def _logarithmic(self) -> bool:
+        return self.axis.easy > 0 and self.axis.extreme > 0
+
+    def value(self, place: float) -> float:
+        """The value at a place."""
+        easy, extreme = self.axis.easy, self.axis.extreme
+        value = easy * (extreme / easy) ** place if self._logarithmic else easy + (extreme - easy) * place
+        if place in (0.0, 1.0):
+            value = extreme if place else easy
+        return float(round(value)) if self.whole else value
+
+    def place(self, value: float) -> float:
+        """The place of a value."""
+        easy, extreme = self.axis.easy, self.axis.extreme
+        if self._logarithmic:
+            return math.log(value / easy) / math.log(extreme / easy)
+        return (value - easy) / (extreme - easy)
+
+    def close(self, held: float, broke: float) -> bool:
+        """Is a bracket close enough?"""
+        if self.whole and abs(held - broke) <= 1:
+            return True
+        if self._logarithmic:
+            return max(held / broke, broke / held) <= self.within * (1 + 1e-12)
+        return abs(held - broke) <= (self.within - 1) * abs(self.axis.extreme - self.axis.easy) * (1 + 1e-12)
+
+    def scan(self, count: int) -> list[float]:
+        """So many values from easy to extreme, each once."""
+        return list(dict.fromkeys(self.value(k / (count - 1)) for k in range(count)))
+
+    def between(self, held: float, broke: float) -> float:
+        """The value half-way."""
+        return self.value((self.place(held) + self.place(broke)) / 2)
+
+
+def ruler(trial: Trial, case: Case) -> Ruler:
+    """The ruler of the search that a trial belongs to."""
+    return Ruler.of(axis_of(trial.experiment, case), case.parameters, trial.experiment.limit)
+
+
+def value_of(trial: Trial, axis: Axis) -> float:
+    """Where on the axis a trial stands."""
+    return trial.settings.dt if axis.parameter == "dt" else float(trial.parameters[axis.parameter])
+
+
+def bracket(known: Mapping[float, str], by: Ruler) -> Bracket:
+    """What statuses by value say: the first value that broke, and the hardest before it that held."""
+    ordered = sorted(known, key=by.place)
+    broke = next((value for value in ordered if known[value] in BROKE), None)
+    held = [value for value in ordered if known[value] == "passed" and (broke is None or by.place(value) < by.place(broke))]
+    stopped = any(known[value] in ENDED for value in ordered)
+    return Bracket(held[-1] if held else None, broke, stopped)
+
+
+def next_value(known: Mapping[float, str], by: Ruler, scan: int) -> float | None:
+    """Which value to try next; None where the bracket is close enough, or nothing is left to try."""
+    found = bracket(known, by)
+    if found.stopped:
+        return None
+    if found.broke is None:
+        return next((value for value in by.scan(scan) if value not in known), None)
+    if found.held is None or by.close(found.held, found.broke):
+        return None
+    middle = by.between(found.held, found.broke)
+    return None if middle in known else middle
+
+
+def next_trials(
+    trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> list[Trial]:
+    """The next round over all searches; empty when every bracket is close enough."""
+    groups: dict[str, list[Trial]] = {}
+    for trial in trials:
+        if trial.experiment.limit is not None:
+            groups.setdefault(_search(trial, cases[trial.case]), []).append(trial)
+    found: list[Trial] = []
+    for group in groups.values():
+        found += _next_of(group, records, cases[group[0].case], adapters[group[0].engine], trials)
+    return found
+
+
+def _search(trial: Trial, case: Case) -> str:
+    """What the trials of one search have in common: all but the value and what follows from it."""
+    axis = axis_of(trial.experiment, case)
+    others = {name: value for name, value in trial.parameters.items() if name != axis.parameter}
+    settings = replace(trial.settings, source="").plain()
+    if axis.parameter == "dt":
+        settings.pop("dt")
+    side = (trial.engine, trial.track, trial.parts, trial.remedy, trial.remedied)
+    return repr((trial.experiment.name, trial.case, others, side, settings))
+
+
+def _next_of(
+    group: Sequence[Trial], records: Mapping[str, Record], case: Case, adapter: Adapter, trials: Sequence[Trial]
+) -> list[Trial]:
+    first, by = group[0], ruler(group[0], case)
+    limit = first.experiment.limit
+    known = {value_of(trial, by.axis): records[trial.trial].status for trial in group if trial.trial in records}
+    number = max(trial.round for trial in group) + 1
+    scan = limit.scan if limit is not None else 2
+    value = _beyond(known, by) if first.remedied else next_value(known, by, scan)
+    if value is not None:
+        return [_at(first, value, by.axis, case, number)]
+    broke = bracket(known, by).broke
+    if first.remedied or limit is None or first.track not in limit.remedies or broke is None:
+        return []
+    sick = next(trial for trial in group if value_of(trial, by.axis) == broke)
+    if any(trial.remedied == sick.trial for trial in trials):
+        return []
+    return list(remedied(sick, case, adapter, number))
+
+
+def _at(trial: Trial, value: float, axis: Axis, case: Case, number: int) -> Trial:
+    if axis.parameter == "dt":
+        return trial.probing(case, settings=trial.settings.with_dt(value), round=number)
+    told = round(value) if isinstance(case.parameters[axis.parameter], int) else value
+    return trial.probing(case, parameters={**trial.parameters, axis.parameter: told}, round=number)
+
+
+def _beyond(known: Mapping[float, str], by: Ruler) -> float | None:
+    """Where to try next a remedy that holds where the case broke without it."""
+    found = bracket(known, by)
+    if found.stopped or found.held is None or len(known) > REMEDY_VALUES:
+        return None
+    if found.broke is None:
+        return None if by.axis.extreme in known else by.axis.extreme
+    if by.close(found.held, found.broke):
+        return None
+    middle = by.between(found.held, found.broke)
+    return None if middle in known else middle

@@ -1,0 +1,372 @@
+"""Which settings to try for work-precision: a coarse design, then steps along the Pareto front, as many for every engine.
+
+For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares for
+such a scene is turned once; one that leaves the error as it was is turned once more where the engine errs least, since a slop
+or a tolerance may be felt there alone. One that leaves the trajectory as it was, bit for bit, or that the adapter refuses, at
+both, means nothing here and is left alone. From then on each point of the front tries its neighbours: twice and half its time
+step, and the next value to both sides of every knob that matters, those first that moved the error most. Where a round brings
+nothing to the front, exact answers on it are tried at twice their step, then the neighbours of what lies next behind it: an
+engine whose front stays early is given as many points as one whose front goes on. That ends when the experiment's number of
+points is spent, or nothing is left to try; knobs that mean nothing here are not counted.
+
+Costs are rough: each is clocked beside its accuracy run, in turns with a yardstick, the default track at the case's own step,
+and what is compared are the ratios. They say nothing about differences of a few per cent; what they leave near the front is
+clocked properly afterwards.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from harness.adapter import Adapter, Settings
+from harness.case import Case
+from harness.statistics.pareto import near_front
+from harness.store.record import Record
+from harness.study.study import Trial
+
+__all__ = ["RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
+
+SMALLEST = 1e-8
+"""Share of a case's scale below which a smaller error counts as no better."""
+TELLING = 1.2
+"""Rough costs tell two points apart where one is larger than the other by more than this; otherwise the earlier one counts.
+
+Each was off by some 5 % between two runs, one of them under load, so the ratio of two by 7 %: nearly three times that."""
+PER_ROUND = 4
+"""New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
+SCREENING = 2
+"""The rounds in which knobs are turned once, at the case's own step and where the engine errs least; the points that a study
+gives come after them, so that an engine with many knobs has as many left."""
+RUNS = 2
+"""Runs that a search may take for each of its points: some settings give the answer of others."""
+LONGEST = 4.0
+"""A run that is foreseen to take more CPU seconds than this is not tried; one whose knob is turned is foreseen to take as long
+as before."""
+BEYOND = 4.0
+"""How far beyond both ends of a case's ladder the time step may go."""
+MARGIN = 1.5
+"""A point is clocked unless another that errs no more seems cheaper by more than this."""
+CLOCKED = 12
+"""Points of an engine that are chosen for the clock at most; those of the front come first, spread over its errors."""
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A trial with its error as a share of the scale and its rough cost, in CPU seconds per simulated second or unit.
+
+    Costs of a group are multiples of the same yardstick, wherever one could be clocked: of its middle cost.
+    """
+
+    trial: Trial
+    record: Record
+    error: float
+    cost: float
+
+
+Group = Sequence[Trial]
+"""The trials of one case, at one set of parameters, on one engine."""
+
+
+def turned(settings: Settings, knob: str, value: Any) -> Settings:
+    """The settings with one knob ('iterations', 'options.cone', ...) at another value."""
+    source = f"'{knob}' turned by a sweep"
+    if knob.startswith("options."):
+        return replace(settings, options={**settings.options, knob.removeprefix("options."): value}, source=source)
+    return replace(settings, **{knob: value}, source=source)
+
+
+def position(settings: Settings, knob: str) -> Any:
+    """The value at which a knob stands; None where that is left to the engine."""
+    if knob.startswith("options."):
+        return settings.options.get(knob.removeprefix("options."))
+    return getattr(settings, knob)
+
+
+def groups(trials: Sequence[Trial]) -> Iterator[list[Trial]]:
+    """The trials of sweeping experiments, one list a case and engine."""
+
+    def key(trial: Trial) -> tuple[str, ...]:
+        return trial.experiment.name, trial.case, repr(trial.parameters), trial.engine
+
+    for _, group in groupby(sorted((t for t in trials if t.experiment.sweep), key=key), key=key):
+        yield list(group)
+
+
+def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Point]:
+    """What of a group has a finite error and a cost."""
+    found: list[Point] = []
+    told = [r.rough_cost / r.rough_ratio for t in group if (r := records.get(t.trial)) and r.rough_cost and r.rough_ratio]
+    yardstick = median(told) if told else 1.0
+    if any(metric.better == "higher" for metric in case.metrics if metric.name == case.headline):
+        return found
+    for trial in group:
+        record = records.get(trial.trial)
+        if record is None or record.status not in ("passed", "failed") or not record.rough_cost:
+            continue
+        error = next((abs(m.value) for m in record.measurements if m.metric == case.headline), float("nan")) / case.scale
+        if error < float("inf"):
+            cost = record.rough_cost if record.rough_ratio is None else record.rough_ratio * yardstick
+            found.append(Point(trial, record, max(error, SMALLEST), cost))
+    return _smoothed(found) if case.unit(group[0].parameters) == "step" else found
+
+
+def _smoothed(found: Sequence[Point]) -> list[Point]:
+    """The points, coarser steps first, with costs that fall as the step of the same settings grows.
+
+    A rough cost is a few milliseconds' work. That a coarser step costs no more for a second
+    of simulated time is known beforehand; what contradicts it is levelled.
+
+    Source: R. E. Barlow, D. J. Bartholomew, J. M. Bremner, H. D. Brunk, Statistical Inference under Order Restrictions (1972).
+    """
+    from scipy.optimize import isotonic_regression  # late: a listing must not pay for it
+
+    families: dict[str, list[Point]] = {}
+    for point in sorted(found, key=lambda point: -point.trial.settings.dt):
+        families.setdefault(_family(point), []).append(point)
+    level: list[Point] = []
+    for family in families.values():
+        costs = np.exp(isotonic_regression(np.log([point.cost for point in family])).x)
+        level += [replace(point, cost=float(cost)) for point, cost in zip(family, costs, strict=True)]
+    return sorted(level, key=lambda point: -point.trial.settings.dt)
+
+
+def next_trials(
+    trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> list[Trial]:
+    """The next round over all cases and engines; empty when all points are spent, or nothing is left to try."""
+    found: list[Trial] = []
+    for group in groups(trials):
+        found += _next_of_group(group, records, cases[group[0].case], adapters[group[0].engine])
+    return found
+
+
+def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adapter: Adapter) -> list[Trial]:
+    here = points(group, records, case)
+    if not here:
+        return []
+    last = max(trial.round for trial in group)
+    base = _base(here, case)
+    room = group[0].experiment.sweep - _others(group, records)
+    if room <= 0 or sum(trial.round > SCREENING for trial in group) >= RUNS * group[0].experiment.sweep:
+        return []
+    knobs = adapter.knobs_in(group[0].scene(case))
+    live = _live(group, records, here, knobs)
+    tried = [_key(trial.settings) for trial in group]
+    wanted = list(_screening(base, knobs, adapter)) if last == 0 else []
+    if last == 1 and (best := _most_accurate(here, case)) is not None:
+        wanted = list(_screening(best, [knob for knob in knobs if live.get(knob, 1.0) < TELLING], adapter))
+    screens = any(_key(settings) not in tried for _, settings in wanted)
+    if not screens:
+        stays = last > SCREENING and not _moved(here, last)
+        wanted = list(_coarser_still(here, case)) if stays else []
+        foremost = sorted(live, key=lambda knob: -live[knob])
+        for layer in _layers(_apart(here)):
+            wanted += _neighbours(layer, foremost, case, adapter)
+    found: list[Trial] = []
+    limit = len(wanted) if screens else min(room, PER_ROUND)
+    number = last + 1 if screens else max(last, SCREENING) + 1
+    for origin, settings in wanted:
+        if _key(settings) not in tried and len(found) < limit:
+            tried.append(_key(settings))
+            track = _label(origin, settings, adapter)
+            found.append(origin.probing(case, track=track, settings=settings, round=number))
+    return found
+
+
+def _base(here: Sequence[Point], case: Case) -> Point:
+    """The point that knobs are first turned at: 'tuned' where it stands, at the step next to the case's own."""
+    first = [point for point in here if point.trial.round == 0]
+    tuned = [point for point in first if point.trial.track == "tuned"]
+    return min(tuned or first or here, key=lambda point: abs(point.trial.settings.dt / case.dt - 1))
+
+
+def _most_accurate(here: Sequence[Point], case: Case) -> Point | None:
+    """The point that errs least of those that may be tried again in time."""
+    return min((p for p in here if p.cost * case.duration < LONGEST), key=lambda p: (p.error, p.cost), default=None)
+
+
+def _key(settings: Settings) -> str:
+    return repr(replace(settings, source="").plain())
+
+
+def _family(point: Point) -> str:
+    """What points share that differ in the time step alone."""
+    return _key(point.trial.settings.with_dt(1.0))
+
+
+def _label(origin: Trial, settings: Settings, adapter: Adapter) -> str:
+    """The track that a point descends from, and all knobs that stand elsewhere now."""
+    track = origin.track.split(",")[0]
+    own = adapter.tracks[track]
+    changed = [knob for knob in adapter.knobs if position(settings, knob) != position(own, knob)]
+    words = (f"{knob.removeprefix('options.')} {position(settings, knob)}" for knob in changed)
+    return ", ".join((track, *words))
+
+
+def _screening(base: Point, knobs: Iterable[str], adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+    """Each of these knobs, turned once."""
+    for knob in knobs:
+        for value in _beside(base, knob, adapter)[:1]:
+            yield base.trial, turned(base.trial.settings, knob, value)
+
+
+def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
+    """The values next to where a knob stands; the ends of its range where it stands at none of them."""
+    values = adapter.knobs[knob]
+    now = position(point.trial.settings, knob)
+    if now is None:
+        now = position(Settings(**point.record.resolved), knob) if point.record.resolved else None
+    if now in values:
+        place = values.index(now)
+        return [values[k] for k in (place + 1, place - 1) if 0 <= k < len(values)]
+    return [value for value in dict.fromkeys((values[0], values[-1])) if value != now]
+
+
+def _live(group: Group, records: Mapping[str, Record], here: Sequence[Point], knobs: Iterable[str]) -> dict[str, float]:
+    """The knobs that changed a trajectory: two runs whose settings differ in the knob alone gave two answers.
+
+    Returns: by knob, the largest ratio of the errors of two such runs; 1 where no two of them have an error.
+    """
+    errors = {point.trial.trial: point.error for point in here}
+    live = {}
+    for knob in knobs:
+        answers: dict[str, dict[str, str]] = {}
+        for trial in group:
+            record = records.get(trial.trial)
+            if record is not None and record.trajectory_hash is not None:
+                answers.setdefault(_key(_without(trial.settings, knob)), {})[record.trajectory_hash] = trial.trial
+        unlike = [found.values() for found in answers.values() if len(found) > 1]
+        if unlike:
+            told = [[errors[name] for name in names if name in errors] for names in unlike]
+            live[knob] = max((max(some) / min(some) for some in told if some), default=1.0)
+    return live
+
+
+def _without(settings: Settings, knob: str) -> Settings:
+    """The settings, this knob left to the engine."""
+    if knob.startswith("options."):
+        kept = {name: value for name, value in settings.options.items() if name != knob.removeprefix("options.")}
+        return replace(settings, options=kept)
+    unset: dict[str, Any] = {knob: None}
+    return replace(settings, **unset)
+
+
+def _moved(here: Sequence[Point], last: int) -> bool:
+    """Did the last round bring anything to the front?"""
+    return any(point.trial.round == last for point in _front(here))
+
+
+def _front(here: Sequence[Point]) -> list[Point]:
+    """The points of the front, the cheapest first, so found that noise in rough costs leads the search as little as may be.
+
+    Of the same settings a coarser step costs less, whatever the rough costs say. Otherwise a point counts where it errs less
+    than every one before it that is not dearer by more than rough costs tell.
+    """
+    least: dict[str, float] = {}
+    found: list[Point] = []
+    for point in sorted(here, key=lambda point: -point.trial.settings.dt):
+        family = _family(point)
+        if point.error < least.get(family, math.inf):
+            least[family] = point.error
+            found.append(point)
+    front: list[Point] = []
+    for point in sorted(found, key=lambda point: point.trial.round):
+        if not any(old.error <= point.error and old.cost < TELLING * point.cost for old in front):
+            front = [old for old in front if old.error < point.error or old.cost * TELLING < point.cost] + [point]
+    return sorted(front, key=lambda point: (point.cost, -point.error))
+
+
+def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, Settings]]:
+    """Twice the step of what has no error to speak of: that costs less without being worse, however little less."""
+    for point in _front(here):
+        dt = 2 * point.trial.settings.dt
+        if point.error <= SMALLEST and dt <= BEYOND * max(case.ladder) * (1 + 1e-9):
+            yield point.trial, point.trial.settings.with_dt(dt)
+
+
+def _others(group: Group, records: Mapping[str, Record]) -> int:
+    """How many answers were found beyond those of design and screening: what leaves every bit as it was is no other answer."""
+    answers = [(trial.round, records[trial.trial].trajectory_hash) for trial in group if trial.trial in records]
+    first = {answer for number, answer in answers if number <= SCREENING}
+    return len({answer for number, answer in answers if number > SCREENING} - first - {None})
+
+
+def _apart(here: Sequence[Point]) -> list[Point]:
+    """Of points with one and the same answer the earliest alone."""
+    found: dict[object, Point] = {}
+    for point in sorted(here, key=lambda point: point.trial.round):
+        found.setdefault(point.record.trajectory_hash or point.trial.trial, point)
+    return list(found.values())
+
+
+def _layers(here: Sequence[Point]) -> Iterator[list[Point]]:
+    """The front, then that of what is left without it, and so on."""
+    left = list(here)
+    while left:
+        front = _front(left)
+        yield front
+        left = [point for point in left if point not in front]
+
+
+def _neighbours(front: Sequence[Point], live: Sequence[str], case: Case, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+    """Around each point of a front, in turn: the time step first, then knob after knob."""
+    coarsest, finest = BEYOND * max(case.ladder), min(case.ladder) / BEYOND
+    moves: list[list[tuple[Trial, Settings]]] = []
+    for point in front:
+        settings, taken = point.trial.settings, point.cost * case.duration
+        near: list[tuple[Trial, Settings]] = []
+        for dt in (settings.dt * 2, settings.dt / 2):
+            if finest * (1 - 1e-9) <= dt <= coarsest * (1 + 1e-9) and taken * settings.dt / dt < LONGEST:
+                near.append((point.trial, settings.with_dt(dt)))
+        if taken < LONGEST:
+            near += [(point.trial, turned(settings, knob, value)) for knob in live for value in _beside(point, knob, adapter)]
+        moves.append(near)
+    for turn in range(max((len(near) for near in moves), default=0)):
+        yield from (near[turn] for near in moves if turn < len(near))
+
+
+def due_for_clock(trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case]) -> set[str]:
+    """The swept trials that are clocked: those near the front, with the coarser step that a price is interpolated towards, and
+    both tracks at the case's own time step."""
+    due: set[str] = set()
+    for group in groups(trials):
+        case = cases[group[0].case]
+        here = points(group, records, case)
+        near = near_front([p.error for p in here], [p.cost for p in here], MARGIN)
+        ranked = spread(_front(here))
+        # What moves every body alike is no other answer, but where it is clearly cheaper: on the front then.
+        known = {point.record.trajectory_hash for point in ranked}
+        for point in sorted((p for p, close in zip(here, near, strict=True) if close), key=lambda p: p.trial.round):
+            if point.record.trajectory_hash not in known:
+                known.add(point.record.trajectory_hash)
+                ranked.append(point)
+        chosen = ranked[:CLOCKED]
+        chosen += [coarser for point in chosen if (coarser := _coarser(point, here)) is not None]
+        due |= {point.trial.trial for point in chosen}
+        due |= {p.trial.trial for p in here if p.trial.round == 0 and p.trial.settings.dt == case.dt}
+    return due
+
+
+def spread(front: Sequence[Point]) -> list[Point]:
+    """The points of a front, its ends first and then always the one farthest from those before, by the error's logarithm.
+
+    Source: T. F. Gonzalez, Clustering to minimize the maximum intercluster distance, Theor. Comput. Sci. 38 (1985) 293.
+    """
+    left = sorted(front, key=lambda point: point.error)
+    found = [left.pop(place) for place in (0, -1) if left]
+    while left:
+        gaps = [min(abs(math.log(point.error / one.error)) for one in found) for point in left]
+        found.append(left.pop(gaps.index(max(gaps))))
+    return found
+
+
+def _coarser(point: Point, here: Sequence[Point]) -> Point | None:
+    """The same settings at the next coarser time step."""
+    own = point.trial.settings
+    same = (p for p in here if p.trial.track == point.trial.track and p.trial.settings.dt > own.dt)
+    return min(same, key=lambda p: p.trial.settings.dt, default=None)

@@ -1,0 +1,281 @@
+"""What a scene calls for, asked of the scene: each effect is left out once, and what that does to the motion is measured.
+
+For each case on an engine there are the scene as it is; everything on, that is with every other effect of the engine present
+so faintly that it changes nothing but the work; the scene without each of the effects that it declares; the scene with what it
+declares to be off although its content has it, and with continuous collision where it has contacts but does not ask for it; and
+the scene as it is at half the time step and at half of that.
+
+An effect matters where leaving it out (or taking it in) moves some body, at some sample, further than halving the time step
+has moved any up to then, twice over and by more than `FLOOR`: what is smaller is lost in the error that the run has anyway. In
+a chaotic scene both grow until neither says anything, which is why they are compared sample by sample and not at the end. An
+effect also matters where a check that held breaks without it.
+
+An engine that is itself wrong says nothing of what a scene needs. Its answer counts at the samples at which it has converged:
+up to then halving the step again has moved bodies by less than halving it once did, and neither by more than `SMALL` of what
+the scene's effects move them by. That an effect matters takes one such sample; that it does not takes the last one. Elsewhere
+nothing is said.
+
+Declared effects that do not matter are a surplus, undeclared ones that do are missing: in both cases the scene fails its
+audit, which is judged on the reference engine, the one that can switch everything off. A case may insist on an effect that its
+own motion does not show, and says why.
+
+Where several effects do not matter one by one, they are left out together, one more each time, as long as it makes no
+difference: what remains is the minimal set, which is what is proposed for a scene of the user's own.
+"""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.case.alteration import EVERYTHING, FINER, FINEST, REFINED, Alteration
+from harness.scene import Effect
+from harness.store.record import Record
+from harness.store.store import Store
+from harness.study.study import Trial
+from harness.trajectory import Floats
+from harness.trajectory.kinematics import angle_between
+
+__all__ = [
+    "FLOOR",
+    "Consequence",
+    "Scale",
+    "compared",
+    "matters",
+    "next_trials",
+    "scale_in",
+    "scale_of",
+    "told_apart",
+    "weighed",
+]
+
+FLOOR = 1e-9
+"""Metres and radians: what rounding makes of metres within some ten thousand steps."""
+TWICE = 2.0
+SHRUNK = 0.75
+"""Of what halving the step does, the share that halving it again may do: half in the first order, and half as much again for a
+contact that falls elsewhere within its step."""
+SMALL = 0.1
+"""Of what the scene's effects do, the share that halving the step may do: an error as large as an effect hides it."""
+ANSWERED = ("passed", "failed")
+
+
+@dataclass(frozen=True, slots=True)
+class Consequence:
+    """What a departure does.
+
+    Terms:
+        moved: how far it moves a body [m, rad], at the sample that says most. own: what halving the time step has done up to
+        there. matters: is that more than the run's own error, or does a check break that held? None where the engine has not
+        converged enough to say so.
+    """
+
+    moved: float
+    own: float
+    matters: bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """What the motion of a scene on an engine is measured by, at each sample of the scene as it is, (t,).
+
+    Terms:
+        own: the farthest [m, rad] that halving the time step has moved a body up to there; again: that halving it once more
+        has; both NaN without such a run. effects: that leaving out or taking in any one effect has.
+    """
+
+    own: Floats
+    again: Floats
+    effects: Floats
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """Where the engine's own error shrinks with the step and is small beside what effects do."""
+        shrinks = (self.again <= SHRUNK * self.own) & (self.own <= SMALL * self.effects)
+        return np.asarray((np.fmax(self.own, self.again) <= FLOOR) & ~np.isnan(self.own + self.again) | shrinks)
+
+    @property
+    def doubt(self) -> str:
+        """Why the engine is not believed at the end of the run; nothing where it is."""
+        known = np.flatnonzero(~np.isnan(self.own + self.again))
+        if len(known) == 0:
+            return "no answer at half and at a quarter of the step"
+        last = known[-1]
+        if self.converged[last]:
+            return ""
+        return (
+            f"has not converged: halving the step moves a body by {self.own[last]:.2g} m or rad, halving it again by "
+            f"{self.again[last]:.2g}, any effect by {self.effects[last]:.2g} at most"
+        )
+
+
+def scale_of(
+    plain: Mapping[str, Any],
+    finer: Mapping[str, Any] | None,
+    finest: Mapping[str, Any] | None,
+    others: Iterable[Mapping[str, Any]],
+) -> Scale:
+    """The scale of a scene, from trajectories as a run folder keeps them: as it is, at half and a quarter of the step, and
+    under single departures."""
+    blank = np.full(len(plain["time"]), np.nan)
+    own = blank if finer is None else np.fmax.accumulate(apart(plain, finer))
+    again = blank if finer is None or finest is None else np.fmax.accumulate(_at(finer, apart(finer, finest), plain))
+    effects = np.zeros(len(blank))
+    for other in others:
+        moved = apart(plain, other)
+        effects = np.fmax(effects, np.where(np.isfinite(moved), moved, 0.0))
+    return Scale(own, again, np.maximum.accumulate(effects))
+
+
+def _at(run: Mapping[str, Any], values: Floats, other: Mapping[str, Any]) -> Floats:
+    """Values at the samples of a run, as values at those of another one; NaN where the run has none."""
+    found = np.full(len(other["time"]), np.nan)
+    _, here, there = np.intersect1d(np.round(other["time"], 9), np.round(run["time"], 9), return_indices=True)
+    found[here] = values[there]
+    return found
+
+
+def compared(plain: Mapping[str, Any], other: Mapping[str, Any], scale: Scale) -> Consequence:
+    """The consequence of a departure, from trajectories as a run folder keeps them."""
+    moved = apart(plain, other)
+    known = np.flatnonzero(~np.isnan(moved) & ~np.isnan(scale.own))
+    if len(known) == 0:
+        return Consequence(float(np.fmax.reduce(moved, initial=0.0)), float("nan"), matters=None)
+    beyond = known[moved[known] > np.maximum(TWICE * scale.own[known], FLOOR)]
+    believed = beyond[scale.converged[beyond]]
+    shown = believed if len(believed) else beyond if len(beyond) else known
+    place = shown[np.argmax(moved[shown])]
+    matters = True if len(believed) else None if len(beyond) or not scale.converged[known[-1]] else False
+    return Consequence(float(moved[place]), float(scale.own[place]), matters=matters)
+
+
+def apart(one: Mapping[str, Any], other: Mapping[str, Any]) -> Floats:
+    """The greatest distance [m] or angle [rad] of any body between two runs at each sample of the first, (t,).
+
+    NaN where the other has no sample; a run that ended early is infinitely far off from there on.
+    """
+    found = np.full(len(one["time"]), np.nan)
+    _, here, there = np.intersect1d(np.round(one["time"], 9), np.round(other["time"], 9), return_indices=True)
+    way = np.linalg.norm(one["p_WB"][here] - other["p_WB"][there], axis=2).max(axis=1, initial=0.0)
+    turn = angle_between(one["q_WB"][here], other["q_WB"][there]).max(axis=1, initial=0.0)
+    found[here] = np.where(np.isfinite(way) & np.isfinite(turn), np.maximum(way, turn), np.inf)
+    if len(other["time"]):
+        found[one["time"] > other["time"][-1] + 1e-9] = np.inf
+    return found
+
+
+NAMES = ("time", "p_WB", "q_WB")
+
+
+def scale_in(store: Store, runs: Mapping[str, Any]) -> Scale | None:
+    """The scale of a scene from its runs by the name of their departure, as records or rows of the table of trials; None where
+    the scene as it is has no answer."""
+    plain = runs.get("")
+    if plain is None or plain.status not in ANSWERED:
+        return None
+
+    def read(run: Any) -> Mapping[str, Any] | None:
+        return store.trajectory(run.trajectory_hash, NAMES) if run is not None and run.status in ANSWERED else None
+
+    single = (read(run) for name, run in runs.items() if len(told_apart(name)) == 1)
+    here = read(plain)
+    assert here is not None
+    return scale_of(here, read(runs.get(FINER)), read(runs.get(FINEST)), (one for one in single if one is not None))
+
+
+def matters(store: Store, plain: Any, other: Any, scale: Scale | None) -> Consequence | None:
+    """The consequence of a departure, of records or rows of the table of trials; None where a run gave no answer to compare."""
+    if plain is None or other is None or plain.status not in ANSWERED or scale is None:
+        return None
+    if other.status not in (*ANSWERED, "diverged"):
+        return None
+    if other.status == "diverged":
+        return Consequence(float("inf"), 0.0, matters=True if scale.converged.any() else None)
+    here, there = (store.trajectory(run.trajectory_hash, NAMES) for run in (plain, other))
+    found = compared(here, there, scale)
+    flips = plain.status == "passed" and other.status == "failed"
+    return replace(found, matters=True) if flips else found
+
+
+def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared: Collection[str]) -> Consequence | None:
+    """The consequence of the departure `name` from a scene that declares these effects, where motion is not what counts.
+
+    Gravity that presses bodies together shows in forces. Continuous collision is a means to an end: it is missing where it
+    mends a check, since where within a step a contact is found moves everything a little. What is off, and changes nothing
+    where it is on, is no gap, whoever says so: nothing is proposed by that.
+    """
+    if found is None:
+        return None
+    if name == "without gravity" and "contact" in declared:
+        return replace(found, matters=True)
+    if name == "with continuous_collision":
+        return replace(found, matters=plain.status == "failed" and run.status == "passed")
+    if name.startswith("with ") and found.matters is None and found.moved <= FLOOR:
+        return replace(found, matters=False)
+    return found
+
+
+def next_trials(
+    trials: Sequence[Trial],
+    records: Mapping[str, Record],
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],  # noqa: ARG001 -- all searches are called alike
+    *,
+    store: Store,
+) -> list[Trial]:
+    """The next round of leaving out together what does not matter one by one; empty where every minimal set is known."""
+    groups: dict[str, list[Trial]] = {}
+    for trial in trials:
+        if trial.experiment.effects:
+            name = (trial.experiment.name, trial.case, dict(trial.parameters), trial.engine, trial.track, trial.seed)
+            groups.setdefault(repr(name), []).append(trial)
+    found = []
+    for group in groups.values():
+        # Groups of several time steps are told apart by the step of what is as it is.
+        for plain in (trial for trial in group if not trial.alteration.name):
+            more = _dropping(plain, group, records, cases[plain.case], store)
+            found += [] if more is None else [more]
+    return found
+
+
+def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record], case: Case, store: Store) -> Trial | None:
+    # Of several time steps, what stands at this one, and at the parts of it.
+    known = {
+        trial.alteration.name: records.get(trial.trial)
+        for trial in group
+        if trial.settings.dt == plain.settings.dt / REFINED.get(trial.alteration.name, 1)
+    }
+    here, scale = known.get(""), scale_in(store, known)
+
+    def idle(*effects: str) -> bool | None:
+        name = f"without {', '.join(effects)}"
+        if name not in known:
+            return None
+        found = weighed(name, matters(store, here, known[name], scale), here, known[name], declared)
+        return found is not None and found.matters is False
+
+    declared = case.scene(**plain.parameters).effects.names
+    single = [one for one in declared if one not in case.insists and idle(one)]
+    dropped = single[:1]
+    for one in single[1:]:
+        verdict = idle(*dropped, one)
+        if verdict is None:
+            narrow = Effect.NONE
+            for name in (*dropped, one):
+                narrow |= Effect[name.upper()]
+            told = Alteration(name=f"without {', '.join((*dropped, one))}", narrow=narrow)
+            return plain.probing(case, alteration=told, round=max(trial.round for trial in group) + 1)
+        if verdict:
+            dropped.append(one)
+    return None
+
+
+def told_apart(name: str) -> tuple[str, ...]:
+    """The effects that an alteration's name leaves out or takes in; none for the scene as it is and for everything on."""
+    if name in ("", EVERYTHING, *REFINED):
+        return ()
+    return tuple(name.partition(" ")[2].split(", "))

@@ -1,0 +1,1 @@
+"""Numbers only: fronts, orders of convergence, ratios and proportions, each with its bounds."""

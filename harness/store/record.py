@@ -1,0 +1,194 @@
+"""A record: all that is kept of one trial, with the names of the table columns."""
+
+import dataclasses
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+__all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "Timing", "digest"]
+
+SCHEMA_VERSION = 2
+"""Raised when a column changes its meaning; a store with a higher number is refused."""
+
+Status = Literal["passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted"]
+
+
+def digest(value: Any) -> str:
+    """Sixteen hexadecimal digits that name a JSON-ready value."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _worded(value: Any) -> Any:
+    """The same value with non-finite numbers as words, which strict JSON lacks."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, Mapping):
+        return {str(key): _worded(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_worded(part) for part in value]
+    return value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """A metric's value in one trial; `at_most` and `passed` are None where it is only observed.
+
+    Where a higher value is better, `at_most` holds the bound that the value must reach and `because` says so.
+    truth_error: how far off the truth itself may be, in the metric's unit.
+    """
+
+    metric: str
+    value: float
+    unit: str
+    at_most: float | None = None
+    passed: bool | None = None
+    because: str = ""
+    truth_error: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """One timing sample: `steps` steps or casts took `cpu` and `wall` [s] in process number `process`, block number `block`.
+
+    Terms:
+        units: rays of one cast, worlds of one step; 1 where one scene is stepped; that many times more where several processes
+        step side by side: `cpu` is then that of all of them, `wall` that of the slowest.
+    """
+
+    process: int
+    block: int
+    steps: int
+    cpu: float
+    wall: float
+    canary: float
+    switches: int
+    units: int = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timing:
+    """What the timing run of a trial gave: the timing columns of the table `trials`, and the samples behind them.
+
+    Terms: clocked_on: the digest of the machine, '' where it was not said.
+    """
+
+    trial: str
+    cpu_per_sim_s: float | None = None
+    cpu_low: float | None = None
+    cpu_high: float | None = None
+    wall_per_sim_s: float | None = None
+    realtime_factor: float | None = None
+    unstable_timing: bool | None = None
+    unit: str | None = None
+    cpu_per_unit: float | None = None
+    cpu_per_unit_low: float | None = None
+    cpu_per_unit_high: float | None = None
+    note: str = ""
+    clocked_on: str = ""
+    samples: tuple[Sample, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """A JSON-ready mapping; `from_plain` reads it back."""
+        return dataclasses.asdict(self)
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Timing":
+        """Read back what `plain` wrote."""
+        known = {f.name for f in dataclasses.fields(cls)}
+        fields = {name: value for name, value in plain.items() if name in known}
+        return cls(**{**fields, "samples": tuple(Sample(**s) for s in plain.get("samples", ()))})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """One trial's outcome; the fields up to `trajectory_hash` are the columns of the table `trials`.
+
+    Terms:
+        parameters, settings, resolved: JSON. sim_seconds [s] simulated, steps taken. cpu_per_sim_s [s/s]: median with the 95 %
+        bootstrap interval cpu_low..cpu_high, None without a timing run. wall_per_sim_s likewise. realtime_factor:
+        simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
+        track: 'default', 'tuned', or the name of a variant of the study.
+        warnings: what the engine said. detail: trace or tail of standard error, for people.
+        rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
+        of a sweep, or of an ensemble, which tables of limits show as rough. rough_ratio: the same over that of the engine's
+        default track (tuned, where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
+        unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
+        substep [s]: the step that the engine really took, dt over the sub-steps that it says it used; None without an answer.
+        clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.
+        sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`. answered_on, clocked_on:
+        the digests of the machines of the accuracy run, and rough cost, and of the timing run; see `harness.store.machine_fingerprint`.
+    """
+
+    trial: str
+    study: str
+    experiment: str
+    case: str
+    parameters: Mapping[str, Any]
+    engine: str
+    engine_version: str
+    track: str
+    dt: float
+    settings: Mapping[str, Any]
+    resolved: Mapping[str, Any] = field(default_factory=dict)
+    seed: int = 0
+    status: Status
+    reason: str
+    sim_seconds: float = 0.0
+    steps: int = 0
+    cpu_per_sim_s: float | None = None
+    cpu_low: float | None = None
+    cpu_high: float | None = None
+    wall_per_sim_s: float | None = None
+    realtime_factor: float | None = None
+    unstable_timing: bool | None = None
+    trajectory_hash: str | None = None
+    warnings: tuple[str, ...] = ()
+    detail: str = ""
+    unit: str | None = None
+    cpu_per_unit: float | None = None
+    cpu_per_unit_low: float | None = None
+    cpu_per_unit_high: float | None = None
+    rough_cost: float | None = None
+    rough_ratio: float | None = None
+    clocks: str = "work"
+    workers: int = 1
+    round: int = 0
+    alteration: Mapping[str, Any] = field(default_factory=dict)
+    members: int = 1
+    remedy: str = ""
+    remedied: str = ""
+    substep: float | None = None
+    parts: int = 0
+    sources: Mapping[str, str] = field(default_factory=dict)
+    answered_on: str = ""
+    clocked_on: str = ""
+    measurements: tuple[Measurement, ...] = ()
+    samples: tuple[Sample, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """A JSON-ready mapping, non-finite numbers as the words 'nan', 'inf', '-inf'; `from_plain` reads it back."""
+        plain: dict[str, Any] = _worded(dataclasses.asdict(self))
+        return plain
+
+    def timed(self, timing: Timing) -> "Record":
+        """The same record with the outcome of its timing run."""
+        kept = {f.name: getattr(timing, f.name) for f in dataclasses.fields(timing) if f.name not in {"trial", "note"}}
+        notes = (*self.warnings, f"timing: {timing.note}") if timing.note else self.warnings
+        return dataclasses.replace(self, warnings=notes, **kept)
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
+        """Read back what `plain` wrote."""
+        known = {f.name for f in dataclasses.fields(cls)}
+        fields = {name: value for name, value in plain.items() if name in known}
+        fields["warnings"] = tuple(fields.get("warnings", ()))
+        fields["measurements"] = tuple(
+            Measurement(**{**m, "value": float(m["value"]), "at_most": None if m["at_most"] is None else float(m["at_most"])})
+            for m in fields.get("measurements", ())
+        )
+        fields["samples"] = tuple(Sample(**s) for s in fields.get("samples", ()))
+        return cls(**fields)

@@ -1,0 +1,192 @@
+"""A run folder read back as tables, trajectories and catalogue; and its Parquet tables made from the journal."""
+
+import dataclasses
+import hashlib
+import json
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from numpy.typing import NDArray
+
+from harness.store import disk
+from harness.store.arrays import read_arrays
+from harness.store.journal import NoRun, StoreError, Written, read_journal, read_written
+from harness.store.record import Measurement, Record, Sample
+from harness.store.seal import Damaged, check_seal, sealed_json
+from harness.store.stored_tables import read_tables
+
+__all__ = [
+    "TABLES", "TRIAL_COLUMNS", "NoRun", "Store", "StoreError", "parquet", "read_plain", "tables_of", "write_json",
+    "write_tables",
+]  # fmt: skip
+
+_JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
+TABLES = ("trials", "measurements", "samples")
+TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
+_MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
+_SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
+_SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0} | {
+    "sources": "{}",
+    "answered_on": "",
+    "clocked_on": "",
+}
+"""What the trials of a store from before there were these columns mean by their absence."""
+_NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
+_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep")
+
+
+def tables_of(records: Mapping[str, Record]) -> dict[str, pd.DataFrame]:
+    """The tables `TABLES` by name."""
+    trials, measurements, samples = [], [], []
+    for record in sorted(
+        records.values(), key=lambda r: (r.study, r.experiment, r.case, -r.dt, r.seed, r.track, r.engine, r.trial)
+    ):
+        row = {name: getattr(record, name) for name in TRIAL_COLUMNS}
+        row |= {name: json.dumps(row[name], sort_keys=True) for name in _JSON_COLUMNS}
+        trials.append(row)
+        measurements += [{"trial": record.trial, **dataclasses.asdict(m)} for m in record.measurements]
+        samples += [{"trial": record.trial, **dataclasses.asdict(s)} for s in record.samples]
+    frame = pd.DataFrame(trials, columns=list(TRIAL_COLUMNS))
+    numbers = dict.fromkeys((*_NUMBERS, *_PRICES), "float64")
+    frame = frame.astype(numbers | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
+    table = pd.DataFrame(measurements, columns=list(_MEASUREMENT_COLUMNS))
+    table = table.astype({"value": "float64", "at_most": "float64", "passed": "boolean"})
+    return {"trials": frame, "measurements": table, "samples": pd.DataFrame(samples, columns=list(_SAMPLE_COLUMNS))}
+
+
+def parquet(frame: pd.DataFrame) -> bytes:
+    """The bytes of a table's file; equal tables have equal bytes."""
+    made: bytes = disk.calls.filled(lambda: frame.to_parquet(index=False))
+    return made
+
+
+def write_tables(folder: Path) -> dict[str, str]:
+    """Make the Parquet tables from the journal, and give the digest of each file's bytes. Raises: StoreError, OSError."""
+    digests = {}
+    for name, frame in tables_of(read_journal(folder / "journal.jsonl")).items():
+        content = parquet(frame)
+        disk.write_atomically(folder / f"{name}.parquet", content)
+        digests[name] = hashlib.sha256(content).hexdigest()
+    return digests
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON object with its seal. Raises: OSError."""
+    disk.write_atomically(path, disk.calls.filled(lambda: sealed_json(path.name, content)))
+
+
+def read_plain(path: Path) -> dict[str, Any]:
+    """What a JSON or TOML file of the store says, without its seal; nothing of one that is not there. Raises: StoreError."""
+    if not path.is_file():
+        return {}
+    content = disk.read(path)
+    try:
+        check_seal(path, content)
+        text = content.decode()
+        found: dict[str, Any] = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+    except (Damaged, ValueError) as error:
+        raise StoreError(f"{path}: {error}; restore it, or --resume writes it anew") from error
+    found.pop("checksum", None)
+    return found
+
+
+def ends_early(written: Written, machine: Mapping[str, Any]) -> tuple[str, ...]:
+    """Whether a journal ends before the place that it had reached when its folder's machine.json was written."""
+    known = machine.get("journal", {"lines": 0, "checksum": ""})
+    lines, checksum = known["lines"], known["checksum"]
+    if lines == 0 or (lines <= len(written.checksums) and written.checksums[lines - 1] == checksum):
+        return ()
+    if lines > len(written.checksums):
+        return (f"{written.path}: ends at line {len(written.checksums)}, and had {lines}: what the others held is missing",)
+    return (f"{written.path}: line {lines} is another than was there when a run last ended: the file was exchanged",)
+
+
+class Store:
+    """A run folder, read only. Tables come from the journal where there is one, so a killed run reads as well as a whole one.
+
+    Terms:
+        trials, measurements, samples: tables with the columns of `harness.store.record`; parameters, settings, resolved and warnings
+        hold JSON. catalogue: the questions and engines as they stood when the run was made. machine, study: provenance.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = Path(folder)
+        if not (self.folder / "journal.jsonl").is_file() and not (self.folder / "trials.parquet").is_file():
+            raise NoRun(f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run")
+
+    @cached_property
+    def _written(self) -> Written:
+        return read_written(self.folder / "journal.jsonl")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader has to know of how the folder came down: what was dropped, what is missing. Raises: StoreError."""
+        written = self._written
+        return (*written.notes, *ends_early(written, self.machine))
+
+    @cached_property
+    def _read(self) -> dict[str, pd.DataFrame]:
+        journal = self.folder / "journal.jsonl"
+        if journal.is_file():
+            return tables_of(self._written.records)
+        trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
+        needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
+        return read_tables(self.folder, needed, _JSON_COLUMNS)
+
+    @property
+    def trials(self) -> pd.DataFrame:
+        """One row a trial."""
+        trials = self._read["trials"]
+        for name, value in _SINCE.items():
+            if name not in trials:
+                trials[name] = value
+        return trials
+
+    @cached_property
+    def asked(self) -> pd.DataFrame:
+        """The trials that put a case as it is: no ensemble of starts, no scene that departs from the case's."""
+        trials = self.trials
+        return trials[(trials["members"] == 1) & ~trials["alteration"].str.contains('"name"', regex=False)]
+
+    @property
+    def measurements(self) -> pd.DataFrame:
+        """One row a metric of a trial."""
+        return self._read["measurements"]
+
+    @property
+    def samples(self) -> pd.DataFrame:
+        """One row a timing sample."""
+        return self._read["samples"]
+
+    @cached_property
+    def catalogue(self) -> dict[str, Any]:
+        """Cases and engines: what was asked, of whom."""
+        return read_plain(self.folder / "catalogue.json")
+
+    @cached_property
+    def machine(self) -> dict[str, Any]:
+        """The machine, the versions, the command and the dates."""
+        return read_plain(self.folder / "machine.json")
+
+    @cached_property
+    def study(self) -> dict[str, Any]:
+        """The study file of the run."""
+        return read_plain(self.folder / "study.toml")
+
+    def trajectory(self, trajectory_hash: str, only: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
+        """The arrays of one trajectory: time, p_WB, ..., truth_p_WB, ..., contacts_..., stream:..., scene (JSON).
+
+        only: the names of those that are wanted, which are read in less time than all.
+        """
+        path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
+        try:
+            return read_arrays(path, only)
+        except FileNotFoundError as error:
+            raise StoreError(f"{path}: missing; --resume makes it anew") from error
+        except (Damaged, OSError) as error:
+            raise StoreError(f"{path}: not readable: {error}; --resume makes it anew") from error

@@ -1,0 +1,64 @@
+"""A trajectory on disk: one npz of float64 arrays with its scene and its truth, named by the hash of what the engine said."""
+
+import hashlib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.scene import Scene
+from harness.scene.file import dump_json
+from harness.store.arrays import write_arrays
+from harness.trajectory import Contacts, Trajectory
+
+__all__ = ["kept_hash", "save_trajectory", "trajectory_hash"]
+
+_STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
+_CONTACTS = ("body_A", "body_B", "point_W", "normal_W", "gap", "force_W")
+
+
+def _ragged(contacts: tuple[Contacts, ...]) -> dict[str, NDArray[Any]]:
+    """Contacts of all instants behind each other, with their number at each instant under 'contacts_count'."""
+    arrays: dict[str, NDArray[Any]] = {"contacts_count": np.array([len(c) for c in contacts], dtype=np.int64)}
+    for name in _CONTACTS:
+        arrays[f"contacts_{name}"] = np.concatenate([getattr(c, name) for c in contacts])
+    return arrays
+
+
+def _arrays(trajectory: Trajectory) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {name: getattr(trajectory, name) for name in _STATES}
+    if trajectory.contacts:
+        arrays |= _ragged(trajectory.contacts)
+    return arrays | {f"stream:{name}": signal for name, signal in trajectory.streams.items()}
+
+
+def trajectory_hash(scene: Scene, trajectory: Trajectory) -> str:
+    """Sixteen hexadecimal digits of the scene and every bit of the answer; equal hashes are bit-identical runs."""
+    return _hash(dump_json(scene), _arrays(trajectory))
+
+
+def kept_hash(arrays: Mapping[str, NDArray[Any]]) -> str:
+    """The same of the arrays of a file. Raises: KeyError, where it has no scene."""
+    said = {name: array for name, array in arrays.items() if name not in ("scene", "dt") and not name.startswith("truth_")}
+    return _hash(str(arrays["scene"]), said)
+
+
+def _hash(scene: str, arrays: Mapping[str, NDArray[Any]]) -> str:
+    sha = hashlib.sha256(scene.encode())
+    for name, array in sorted(arrays.items()):
+        sha.update(f"{name}{array.dtype}{array.shape}".encode())
+        sha.update(np.ascontiguousarray(array).tobytes())
+    return sha.hexdigest()[:16]
+
+
+def save_trajectory(folder: Path, scene: Scene, actual: Trajectory, expected: Trajectory | None) -> str:
+    """Write <folder>/trajectories/<hash>.npz and return the hash. Raises: OSError."""
+    name = trajectory_hash(scene, actual)
+    arrays = _arrays(actual) | {"scene": np.array(dump_json(scene)), "dt": np.array(actual.dt)}
+    if expected is not None:
+        arrays |= {f"truth_{key}": value for key, value in _arrays(expected).items() if math.prod(value.shape)}
+    write_arrays(folder / "trajectories" / f"{name}.npz", arrays)
+    return name

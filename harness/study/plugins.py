@@ -1,0 +1,185 @@
+"""Finding plug-ins: adapters, cases and metrics, by walking a folder and by entry points; nothing is listed by hand.
+
+A name found twice, or a file that does not end in its constant, is an error; an import error is raised, never hidden. A third
+party's plug-in that cannot be loaded is named with the reason, and costs no other one: an engine is unavailable then, a case or
+a metric is left out.
+"""
+
+import importlib
+import pkgutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
+from harness.case import Case
+from harness.metric import Metric
+from harness.scene import Scene
+from harness.study.strangers import points, trouble
+
+__all__ = [
+    "SCENE_PREFIX",
+    "PluginError",
+    "adapter",
+    "adapters",
+    "case",
+    "cases",
+    "left_out",
+    "metrics",
+    "module_of",
+    "names",
+    "version_of",
+]
+
+_LONGEST_VERSION = 100
+SCENE_PREFIX = "scene:"
+"""How the name of a case says that it lies in a file."""
+
+
+class PluginError(Exception):
+    """A plug-in that breaks its contract; the message names it and what was expected."""
+
+
+def _folder(package: str) -> dict[str, str]:
+    """File names of a package to module paths, in the order of the listing."""
+    paths = importlib.import_module(package).__path__
+    return {m.name: f"{package}.{m.name}" for m in pkgutil.iter_modules(paths) if not m.name.startswith("_")}
+
+
+def names(kind: str) -> tuple[str, ...]:
+    """The names of all plug-ins of a kind ('adapters' or 'cases'), without importing one.
+
+    Raises:
+        PluginError: where a third party's plug-in takes a built-in name.
+    """
+    inside, outside = _folder(kind), points(f"plumbline.{kind}")
+    for name in inside.keys() & outside.keys():
+        raise PluginError(
+            f"entry point plumbline.{kind} '{name}' ({outside[name].value}): the name is built in; choose another"
+        )
+    return (*inside, *outside)
+
+
+def module_of(kind: str, name: str) -> str | None:
+    """The module of a plug-in of a kind ('adapters' or 'cases'), which is not imported; None where there is none."""
+    point = points(f"plumbline.{kind}").get(name)
+    return _folder(kind).get(name, None if point is None else point.module)
+
+
+def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | type[Case]) -> Any:
+    inside = _folder(kind)
+    if name in inside:
+        found = getattr(importlib.import_module(inside[name]), constant, None)
+        where = inside[name]
+    else:
+        point = points(f"plumbline.{kind}").get(name)
+        if point is None:
+            raise PluginError(f"{kind[:-1]} '{name}': not found, expected one of {', '.join(names(kind))}")
+        if said := trouble(point):
+            raise PluginError(f"{kind[:-1]} '{name}': {said}")
+        found, where = point.load(), point.value
+    if not isinstance(found, expected):
+        raise PluginError(f"{where}: {constant} is {type(found).__name__}, expected {expected.__name__}")
+    if found.name != name:
+        raise PluginError(f"{where}: {constant}.name is '{found.name}', expected '{name}' like its file")
+    return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Lost(Adapter):
+    """In the place of a third party's adapter that cannot be loaded. Terms: reason: why."""
+
+    reason: str
+
+    def version(self) -> str:
+        raise Unavailable(self.reason)
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:  # noqa: ARG002  # none can be built
+        raise Unavailable(self.reason)
+
+
+def adapter(name: str) -> Adapter:
+    """The adapter of that name; a third party's that cannot be loaded is unavailable. Raises: PluginError."""
+    point = None if name in _folder("adapters") else points("plumbline.adapters").get(name)
+    if point is None:
+        built_in: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
+        return built_in
+    said = trouble(point)
+    if not said:
+        try:
+            found: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
+            said = _wrong(found)
+        except PluginError as error:
+            said = str(error)
+    if not said:
+        return found
+    tracks = {"default": Settings(), "tuned": Settings()}
+    return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=said)
+
+
+def _wrong(found: Adapter) -> str:
+    """What a listing or a study would break on in a third party's adapter; '' where there is nothing."""
+    for field in ("title", "distribution"):
+        if type(getattr(found, field)) is not str:
+            return f"adapter '{found.name}': {field} is {type(getattr(found, field)).__name__}, expected text"
+    if not isinstance(found.features, Feature):
+        return f"adapter '{found.name}': features is {type(found.features).__name__}, expected Feature"
+    tracks = found.tracks
+    if not isinstance(tracks, Mapping) or not all(isinstance(tracks.get(one), Settings) for one in ("default", "tuned")):
+        return f"adapter '{found.name}': tracks, expected Settings for 'default' and 'tuned'"
+    return ""
+
+
+def case(name: str) -> Case:
+    """The case of that name, or the one made of a scene file for a name 'scene:<path>'. Raises: PluginError, SceneError."""
+    if name.startswith(SCENE_PREFIX):
+        from harness.case.scene_file import own_case  # late: only a scene of the user's own needs its metrics
+
+        return own_case(Path(name.removeprefix(SCENE_PREFIX)), SCENE_PREFIX)
+    found: Case = _constant("cases", name, "CASE", Case)
+    return found
+
+
+def adapters() -> dict[str, Adapter]:
+    """All adapters by name."""
+    return {name: adapter(name) for name in names("adapters")}
+
+
+def cases(wanted: Callable[[str], bool] = lambda _name: True) -> dict[str, Case]:
+    """The cases whose name is wanted, by name, but for those that are left out; no other is imported."""
+    lost = left_out("cases")
+    return {name: case(name) for name in names("cases") if wanted(name) and name not in lost}
+
+
+def left_out(kind: str) -> dict[str, str]:
+    """Third parties' plug-ins of a kind ('cases', 'metrics', 'pages') that cannot be loaded, each with the reason."""
+    return {name: said for name, point in points(f"plumbline.{kind}").items() if (said := trouble(point))}
+
+
+def metrics() -> dict[str, Metric]:
+    """All metrics by name, of every file in harness/metrics and of entry points. Raises: PluginError."""
+    found: dict[str, Metric] = {}
+    modules = [getattr(importlib.import_module(path), "METRIC", None) for path in _folder("harness.metrics").values()]
+    outside = [point.load() for point in points("plumbline.metrics").values() if not trouble(point)]
+    for group in (*modules, *outside):
+        for metric in group if isinstance(group, tuple) else (group,):
+            if not isinstance(metric, Metric):
+                raise PluginError(f"METRIC is {type(metric).__name__}, expected Metric")
+            if metric.name in found:
+                raise PluginError(f"metric '{metric.name}': two files define it, expected one")
+            found[metric.name] = metric
+    return found
+
+
+def version_of(engine: Adapter) -> tuple[str, str | None]:
+    """The installed version and None, or 'none' and the reason why the engine is unavailable."""
+    try:
+        version = engine.version()
+        if type(version) is not str or not version.isprintable() or not 0 < len(version) <= _LONGEST_VERSION:
+            return "none", f"version() gave {repr(version)[:80]}, expected up to {_LONGEST_VERSION} printable characters"
+        return version, None
+    except Unavailable as error:
+        return "none", str(error)
+    except Exception as error:
+        return "none", f"{type(error).__name__}: {error}"

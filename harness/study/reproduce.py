@@ -1,0 +1,48 @@
+"""A trial read back from a run folder, so that it can be run again."""
+
+import json
+
+from harness.adapter import Settings
+from harness.case.alteration import Alteration
+from harness.store.journal import NoRun
+from harness.store.store import Store
+from harness.study.stored_study import experiments_of
+from harness.study.study import Experiment, Trial
+
+__all__ = ["trial_of"]
+
+
+def trial_of(store: Store, name: str) -> Trial:
+    """The trial whose name starts with `name`, with the settings that were requested and the limits that were set then.
+
+    Raises:
+        NoRun: where no trial, or more than one, has that name. StoreError: where the folder's study is not readable.
+    """
+    found = store.trials[store.trials["trial"].str.startswith(name)]
+    if len(found) != 1:
+        raise NoRun(f"{store.folder}: trial '{name}' names {len(found)} trials, expected one; see plumbline show")
+    row = found.iloc[0]
+    return Trial(
+        trial=row["trial"],
+        study=row["study"],
+        experiment=_limited(store, row["experiment"], row["case"]),
+        case=row["case"],
+        parameters=json.loads(row["parameters"]),
+        engine=row["engine"],
+        engine_version=row["engine_version"],
+        track=row["track"],
+        settings=Settings(**json.loads(row["settings"])),
+        seed=int(row["seed"]),
+        alteration=Alteration.from_plain(json.loads(row["alteration"])),
+        members=int(row["members"]),
+    )
+
+
+def _limited(store: Store, name: str, case: str) -> Experiment:
+    """An experiment that allows as much time and memory as the study of a store did, and clocks nothing.
+
+    A store that does not hold its study, or another one, leaves the limits as they are where nobody sets them.
+    """
+    asked = [one for one in experiments_of(store) if one.name == name]
+    told = next((one for one in asked if one.asks(case)), Experiment(name=name))
+    return Experiment(name=name, timing=False, deadline=told.deadline, memory=told.memory)

@@ -1,0 +1,144 @@
+"""How far bodies reach where a scene puts them, and which of them touch there, along which normals.
+
+Two convex shapes touch where the greatest of their separations along the axes of the separating axis theorem is nought: the
+normals of their faces, the products of their edges, and the line of their centres for what is round.
+Source: Ericson, Real-Time Collision Detection (2005), section 5.2.1; Gottschalk, Separating Axis Theorem (1996).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product as pairs_of
+
+import numpy as np
+
+from harness.scene import Body, Box, Capsule, ConvexHull, Cylinder, Plane, Scene, Sphere, TriangleMesh, width
+from harness.scene.shape import Shape
+from harness.trajectory import Floats
+from harness.trajectory.kinematics import product, rotate
+
+__all__ = ["Touch", "reach", "touches"]
+
+CLOSE = 1e-9
+"""Of the thinner body's width: separations below are rounding of a scene that means to touch."""
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """Two bodies that touch.
+
+    Terms: first, second: their places. normal: unit (3,) in W, from the first to the second. width [m]: of the thinner.
+    """
+
+    first: int
+    second: int
+    normal: Floats
+    width: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Solid:
+    """A shape in W. Terms: centre: (3,) m. axes: of its frame, as rows (3, 3). normals, edges: unit, (k, 3)."""
+
+    shape: Shape
+    centre: Floats
+    axes: Floats
+    normals: Floats
+    edges: Floats
+
+    def reach(self, way: Floats) -> float:
+        """How far [m] the shape reaches along a unit vector (3,)."""
+        along = self.axes @ way
+        match self.shape:
+            case Sphere(radius=radius):
+                beyond = radius
+            case Box(half_extents=half):
+                beyond = float(np.abs(along) @ np.array(half))
+            case Capsule(radius=radius, half_length=length):
+                beyond = radius + length * abs(along[2])
+            case Cylinder(radius=radius, half_length=length):
+                beyond = radius * float(np.hypot(along[0], along[1])) + length * abs(along[2])
+            case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
+                beyond = float(np.max(np.array(vertices) @ along))
+            case Plane():
+                beyond = 0.0 if way @ self.normals[0] > 1 - 1e-12 else np.inf
+        return float(self.centre @ way) + beyond
+
+
+def _solids(body: Body) -> Iterator[_Solid]:
+    q_WB, none = np.array(body.q_WB), np.zeros((0, 3))
+    for placed in body.collision:
+        q_WS = product(q_WB, np.array(placed.q_BS))
+        axes = np.array([rotate(q_WS, axis) for axis in np.eye(3)])
+        normals = edges = none
+        match placed.shape:
+            case Box():
+                normals = edges = axes
+            case Capsule():
+                edges = axes[2:]
+            case Cylinder():
+                normals = edges = axes[2:]
+            case Plane(normal=normal):
+                normals = rotate(q_WS, np.array(normal))[None]
+            case ConvexHull(vertices=vertices):
+                from scipy.spatial import ConvexHull as Hull  # late: a listing must not pay for it
+
+                normals = np.unique(Hull(np.array(vertices)).equations[:, :3].round(12), axis=0) @ axes
+            case _:
+                pass
+        yield _Solid(placed.shape, np.array(body.p_WB) + rotate(q_WB, np.array(placed.p_BS)), axes, normals, edges)
+
+
+def reach(body: Body, way: Floats) -> float:
+    """How far [m], from the origin of W, a body reaches along a unit vector (3,) where it stands at the start."""
+    return max(solid.reach(way) for solid in _solids(body))
+
+
+def _met(a: _Solid, b: _Solid, close: float) -> Iterator[Floats]:
+    """Normals from a to b along which the two touch; none where they are apart or overlap by more than `close` [m]."""
+    ways = [*a.normals, *b.normals, *(np.cross(one, other) for one, other in pairs_of(a.edges, b.edges)), b.centre - a.centre]
+    lengths = [float(np.linalg.norm(way)) for way in ways]
+    units = [side * way / length for way, length in zip(ways, lengths, strict=True) if length > CLOSE for side in (1.0, -1.0)]
+    apart = np.array([-a.reach(unit) - b.reach(-unit) for unit in units])
+    if len(apart) and abs(float(apart.max())) <= close:
+        met = np.array([unit for unit, gap in zip(units, apart, strict=True) if gap >= -close])
+        # Faces and edges of bodies that stand square to each other name one way several times.
+        yield from (unit for k, unit in enumerate(met) if not np.any(met[:k] @ unit > 1 - CLOSE))
+
+
+def _radius(shape: Shape) -> float:
+    """Radius [m] of a ball about the origin of S that holds the shape; infinite for a half space."""
+    match shape:
+        case Sphere(radius=radius):
+            return radius
+        case Box(half_extents=half):
+            return float(np.linalg.norm(half))
+        case Capsule(radius=radius, half_length=length):
+            return radius + length
+        case Cylinder(radius=radius, half_length=length):
+            return float(np.hypot(radius, length))
+        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
+            return float(np.max(np.linalg.norm(np.array(vertices), axis=1)))
+        case Plane():
+            return float(np.inf)
+
+
+def touches(scene: Scene) -> list[Touch]:
+    """All touches of bodies that can collide, at least one of which can move; meshes touch as their convex hulls do."""
+    solid = [(place, body) for place, body in enumerate(scene.bodies) if body.collision]
+    solids = {place: tuple(_solids(body)) for place, body in solid}
+    reaches = {
+        place: max(float(np.linalg.norm(placed.p_BS)) + _radius(placed.shape) for placed in body.collision)
+        for place, body in solid
+    }
+    thin = {place: min(width(placed.shape) for placed in body.collision) for place, body in solid}
+    found = []
+    for i, (first, a) in enumerate(solid):
+        here = np.array(a.p_WB)
+        for second, b in solid[i + 1 :]:
+            thinner = min(thin[first], thin[second])
+            close = CLOSE * thinner
+            near = float(np.linalg.norm(np.array(b.p_WB) - here)) <= reaches[first] + reaches[second] + close
+            if near and (a.movable or b.movable) and scene.collides(a, b):
+                for one, other in pairs_of(solids[first], solids[second]):
+                    found += [Touch(first, second, normal, thinner) for normal in _met(one, other, close)]
+    return found

@@ -1,0 +1,1 @@
+"""One trial in this process: its accuracy run, its ensemble, its truth, and what the clock runs of it."""

@@ -1,0 +1,250 @@
+"""The accuracy run: one trial in this process, from scene to record; nothing is clocked here."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
+from harness.adapter.many_worlds import WorldOf, spread
+from harness.adapter.what_comes_out import Answering
+from harness.case import Case, Converged, Rays
+from harness.case.forces import Controlled
+from harness.case.symmetries import Retelling
+from harness.metric import Metric, NotMeasurable
+from harness.scene import Scene
+from harness.store.record import Measurement, Record, Status
+from harness.store.trajectory_file import save_trajectory
+from harness.study.study import Trial
+from harness.trajectory import Floats, Trajectory
+from harness.trial.retold import retell, told_run
+from harness.trial.simulate import simulate
+from harness.trial.truth_cache import bounded, truth_of
+
+__all__ = ["Answer", "answer_of", "judge", "outcome", "refusal", "run_trial"]
+
+
+def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:
+    """The record of a trial that gave no trajectory."""
+    return Record(
+        trial=trial.trial,
+        study=trial.study,
+        experiment=trial.experiment.name,
+        case=trial.case,
+        parameters=trial.parameters,
+        engine=trial.engine,
+        engine_version=trial.engine_version,
+        track=trial.track,
+        dt=trial.settings.dt,
+        settings=trial.settings.plain(),
+        seed=trial.seed,
+        clocks=trial.clocks,
+        workers=trial.workers,
+        round=trial.round,
+        alteration=trial.alteration.plain(),
+        members=trial.members,
+        remedy=trial.remedy,
+        remedied=trial.remedied,
+        parts=trial.parts,
+        sources=trial.sources,
+        status=status,
+        reason=reason,
+        detail=detail,
+    )
+
+
+def cast_once(simulation: Simulation, rays: Rays) -> dict[str, Floats]:
+    """Streams 'rays/range_ideal' and 'rays/body' of the rays of a case, cast at the start."""
+    hits = simulation.cast(rays.origins, rays.directions, rays.max_range)
+    bodies = hits.body[None].astype(np.float64)
+    return {"rays/time": np.zeros(1), "rays/range_ideal": hits.distance[None], "rays/body": bodies}
+
+
+def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) -> tuple[Measurement, ...]:
+    """All checks and observations of a case on one trajectory.
+
+    The bound of a distance [m] or speed [m/s] to the truth grows by the truth's own error.
+    """
+    expected = None if made is None else made.trajectory
+    own = {} if made is None else {"m": made.position_error, "m/s": made.velocity_error}
+    found = []
+    for check in case.checks:
+        end = math.inf if check.end is None else check.end
+        part = actual.between(check.start, end) if check.start > 0 or check.end is not None else actual
+        truth = None if expected is None else (expected.between(check.start, end) if part is not actual else expected)
+        bound = check.bound(actual.dt)
+        because = check.because if check.metric.better == "lower" else f"at least this: {check.because}"
+        try:
+            value = check.metric(scene, part, truth)
+            passed: bool | None = check.passes(value, actual.dt)
+            off = _off(check.metric, own, scene, part)
+            if off > 0.0 and check.metric.better == "lower":
+                bound += off
+                passed = bool(np.isfinite(value)) and value <= bound
+                because = f"{because}; and {off:.2g} {check.metric.unit} that the truth itself may be off"
+        except NotMeasurable as error:
+            value, passed, because, off = math.nan, None, f"not measurable: {error}", 0.0
+        found.append(
+            Measurement(
+                metric=check.metric.name,
+                value=value,
+                unit=check.metric.unit,
+                at_most=bound,
+                passed=passed,
+                because=because,
+                truth_error=off,
+            )
+        )
+    checked = {check.metric.name for check in case.checks}
+    for metric in case.observe:
+        if metric.name not in checked:
+            try:
+                value, because, off = metric(scene, actual, expected), "", _off(metric, own, scene, actual)
+            except NotMeasurable as error:
+                value, because, off = math.nan, f"not measurable: {error}", 0.0
+            found.append(Measurement(metric=metric.name, value=value, unit=metric.unit, because=because, truth_error=off))
+    return tuple(found)
+
+
+def _off(metric: Metric, own: Mapping[str, float], scene: Scene, actual: Trajectory) -> float:
+    """How far off the truth may be in what a metric measures; 0 where it needs no truth: without one it can be measured too."""
+    if metric.unit not in own:
+        return 0.0
+    try:
+        metric(scene, actual, None)
+    except NotMeasurable:
+        return own[metric.unit]
+    return 0.0
+
+
+def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
+    broken = [m for m in measurements if m.passed is False]
+    if broken:
+        units = {m.metric: "" if m.unit == "1" else f" {m.unit}" for m in broken}
+        return "failed", "; ".join(f"{m.metric} = {m.value:.4g}{units[m.metric]}, bound {m.at_most:.4g}" for m in broken)
+    if not any(m.passed for m in measurements):
+        return "unsupported", "; ".join(m.because for m in measurements) or "no check could be measured"
+    blind = [m.metric for m in measurements if m.at_most is not None and m.passed is None]
+    return "passed", f"every check holds{'; not measurable: ' + ', '.join(blind) if blind else ''}"
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What an engine made of a scene. Terms: broke: when and how it diverged, None where it did not."""
+
+    actual: Trajectory
+    broke: str | None
+    resolved: Mapping[str, Any]
+    warnings: tuple[str, ...]
+
+    @property
+    def steps(self) -> int:
+        """Whole steps taken."""
+        return round(float(self.actual.time[-1]) / self.actual.dt) if len(self.actual) else 0
+
+    def substep(self, asked: Settings) -> float:
+        """The step that the engine really took [s]: by what it says it used; by what was asked where it said nothing."""
+        return asked.dt / (self.resolved.get("substeps") or asked.substeps or 1)
+
+
+def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answer:
+    """Build and step: what the engine of a trial makes of a scene that belongs to the trial's case.
+
+    Raises: Unsupported, Unavailable, SettingsError.
+    """
+    sample_interval = 0.0 if trial.alteration.every_step else case.sample_interval
+    told = trial.alteration.retelling(scene, case.duration)
+    if told is not None:
+        return _told(trial, told, adapter, case.duration, sample_interval)
+    try:
+        return _stepped(trial, case, adapter, scene, sample_interval)
+    except Diverged as error:
+        return Answer(Trajectory.of(np.zeros(0), len(scene.bodies)), str(error), {}, ())
+
+
+def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_interval: float) -> Answer:
+    """Raises: Diverged, outside its steps; otherwise as `answer_of`."""
+    worlds, batch, dt = case.count_of_worlds(trial.parameters), None, trial.settings.dt
+    simulation: Simulation
+    if worlds > 1:
+        batch = adapter.build_batch(scene, trial.settings, worlds)
+        simulation = cast(Simulation, Answering(cast(Simulation, WorldOf(batch, worlds - 1)), scene))
+    else:
+        simulation = cast(Simulation, Answering(adapter.build(scene, trial.settings), scene))
+        if case.control is not None:
+            acting = case.control(**trial.parameters)
+            simulation = cast(Simulation, Controlled(simulation, acting, dt, len(scene.bodies)))
+    try:
+        with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features and batch is None
+        seen = {} if case.rays is None else cast_once(simulation, case.rays(**trial.parameters))
+        actual, broke = simulate(
+            simulation,
+            scene,
+            dt=dt,
+            duration=case.duration,
+            sample_interval=sample_interval,
+            with_contacts=with_contacts,
+            seed=trial.seed,
+        )
+        if case.worlds and broke is None:
+            apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
+            seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
+        resolved, warnings = simulation.resolved.plain(), simulation.warnings()
+    finally:
+        simulation.close()
+    if case.retellings is not None and broke is None and not trial.alteration.every_step:
+        for told in case.retellings(**trial.parameters):
+            other = replace(told, scene=trial.alteration.of(told.scene))
+            streams, remarks = retell(other, adapter, trial.settings, case.duration, case.sample_interval)
+            seen, warnings = seen | streams, (*warnings, *remarks)
+    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings)
+
+
+def _told(trial: Trial, told: Retelling, adapter: Adapter, duration: float, sample_interval: float) -> Answer:
+    try:
+        actual, broke = told_run(told, adapter, trial.settings, duration, sample_interval)
+    except Diverged as error:
+        actual, broke = Trajectory.of(np.zeros(0), len(told.scene.bodies)), str(error)
+    return Answer(actual, broke, {}, ())
+
+
+def refusal(trial: Trial, error: Unsupported | Unavailable | SettingsError) -> Record:
+    """The record of a trial whose scene or settings the engine does not take."""
+    if isinstance(error, Unsupported):
+        return outcome(trial, "unsupported", str(error))
+    if isinstance(error, Unavailable):
+        return outcome(trial, "unavailable", str(error))
+    return outcome(trial, "failed", f"settings refused: {error}")
+
+
+def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
+    """Build, step, measure: the record of one accuracy run; its trajectory is kept under `folder` if one is given."""
+    scene = trial.scene(case)
+    try:
+        answer = answer_of(trial, case, adapter, scene)
+    except (Unsupported, Unavailable, SettingsError) as error:
+        return refusal(trial, error)
+    actual, broke, warnings = answer.actual, answer.broke, answer.warnings
+    try:
+        truth = truth_of(case, scene, actual.time, trial.parameters, folder, trial.sources)
+    except (NotMeasurable, Unsupported) as error:
+        truth, warnings = None, (*warnings, f"no truth: {error}")
+    expected = None if truth is None else truth.trajectory
+    measurements: tuple[Measurement, ...] = ()
+    if broke is None:
+        told = bounded(case, trial.settings.dt, answer.substep(trial.settings), trial.parameters, folder, trial.sources)
+        measurements = judge(told, scene, actual, truth)
+    status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
+    return replace(
+        outcome(trial, status, reason),
+        resolved=answer.resolved,
+        substep=answer.substep(trial.settings),
+        warnings=warnings,
+        measurements=measurements,
+        sim_seconds=answer.steps * trial.settings.dt,
+        steps=answer.steps,
+        trajectory_hash=None if folder is None else save_trajectory(folder, scene, actual, expected),
+    )

@@ -1,0 +1,171 @@
+"""How many of an ensemble of starts an engine carries to the end without breaking, and by what the others break.
+
+An axis breaks by its case's own question:
+
+* where the axis says how far the headline may go, a headline beyond that, and beyond what the case itself grants at that step;
+* where the scene should stand, a sign of a collapse (`harness.metrics.collapse`): 'energy', 'penetration', 'height', 'drive';
+* where neither is so, a check of the case that does not hold: of its own start, which bounds are derived for;
+
+and by a run that diverges or is not finite ('finite'). So where a start passes the case's checks, it holds; the converse is not
+asked, since checks hold an engine to what a step allows, and a limit is where its answer is lost.
+
+The signs of a collapse that show in scenes which are not meant to stand break nothing. They are recorded beside, as 'sign_...'.
+"""
+
+from collections import Counter
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.adapter import Adapter, Diverged, SettingsError, Unavailable, Unsupported
+from harness.case import Case
+from harness.case.starts import Member, member
+from harness.metric import NotMeasurable
+from harness.metrics.collapse import COLLAPSE_TIME, SIGNS, first_break
+from harness.metrics.stack import STANDING_HEIGHT
+from harness.scene import Scene
+from harness.store.record import Measurement, Record
+from harness.store.trajectory_file import save_trajectory
+from harness.study.study import Trial
+from harness.trajectory import Trajectory
+from harness.trial.accuracy import Answer, answer_of, judge, outcome, refusal
+from harness.trial.bench import Bench, rough_cost
+from harness.trial.truth_cache import bounded, truth_of
+
+__all__ = ["BROKE_BY", "HELD", "OWN_CHECKS", "SIGN", "STARTS", "endure"]
+
+HELD, STARTS = "held_share", "starts"
+"""The share of the starts that held, and how many there were: one, of a scene that cannot start otherwise."""
+BROKE_BY, SIGN = "broke_", "sign_"
+"""Before a name: the share of the starts that broke by it, and that of those which showed it beside their question."""
+OWN_CHECKS = "own_checks_hold"
+"""Do the checks of the case hold at its own start? 1 or 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fate:
+    """What became of a member.
+
+    Terms: by: the metric, sign or 'finite' by which it broke, '' where it held. time [s]: when. beside: a sign that shows in a
+    scene which is not meant to stand, '' for none. scene, answer: what ran. checked: do the checks of the case hold?
+    """
+
+    by: str
+    time: float
+    beside: str
+    scene: Scene
+    answer: Answer
+    checked: bool
+
+
+def _stands(case: Case) -> bool:
+    """Is the scene one that should stand?"""
+    return any(check.metric in (STANDING_HEIGHT, COLLAPSE_TIME) for check in case.checks)
+
+
+def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path | None) -> Fate:
+    """Raises: NotMeasurable, Unsupported, Unavailable, SettingsError."""
+    plain = replace(trial, parameters=_seeded(trial, number), seed=number)
+    scene = plain.scene(case)
+    start = member(scene, number, trial.settings.dt, turn=not scene.sensors) if _varies(case) else Member(scene, None)
+    answer = answer_of(plain, case, adapter, start.scene)
+    actual = answer.actual
+    end = float(actual.time[-1]) if len(actual) else 0.0
+    if answer.broke is not None or not actual.finite:
+        return Fate("finite", end, "", start.scene, answer, False)
+    # Height means nothing in a scene that may fall.
+    shown, sign = first_break(start.scene, actual, SIGNS if _stands(case) else [sign for sign in SIGNS if sign != "height"])
+    told = start.back(actual)
+    truth = truth_of(case, scene, actual.time, plain.parameters, folder, trial.sources)
+    asked = bounded(case, trial.settings.dt, answer.substep(trial.settings), plain.parameters, folder, trial.sources)
+    measured = judge(asked, scene, told, truth) if number == 0 or not (_stands(case) or _limited(case)) else ()
+    failed = [one.metric for one in measured if one.passed is False]
+    by, time = "", end
+    if _limited(case) and _lost(asked, scene, told, None if truth is None else truth.trajectory):
+        by = case.headline
+    elif _stands(case):
+        by, time = sign, shown
+    elif not _limited(case) and failed:
+        by = failed[0]
+    return Fate(by, time, "" if _stands(case) else sign, start.scene, answer, bool(measured) and not failed)
+
+
+def _limited(case: Case) -> bool:
+    """Does the axis say how far the headline may go?"""
+    return case.hard is not None and case.hard.lost is not None
+
+
+def _varies(case: Case) -> bool:
+    """May the scene start otherwise? What acts on it from outside, what it is told again as, and bounds would not follow."""
+    return case.retellings is None and case.control is None and case.rays is None and (_limited(case) or _stands(case))
+
+
+def _seeded(trial: Trial, number: int) -> dict[str, object]:
+    return {name: number if name == "seed" else value for name, value in trial.parameters.items()}
+
+
+def _lost(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | None) -> bool:
+    """Is the headline beyond what the axis allows, and beyond what the case grants at this step? Raises: NotMeasurable."""
+    assert case.hard is not None
+    assert case.hard.lost is not None
+    metric = next(metric for metric in case.metrics if metric.name == case.headline)
+    granted = (check for check in case.checks if check.metric is metric and check.start == 0 and check.end is None)
+    value, bounds = metric(scene, actual, truth), [case.hard.lost * case.scale, *(check.bound(actual.dt) for check in granted)]
+    within = value >= min(bounds) if metric.better == "higher" else abs(value) <= max(bounds)
+    return not (np.isfinite(value) and within)
+
+
+def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
+    """The record of an ensemble: passed where all members hold. The trajectory kept is that of the first that broke."""
+    fates: list[Fate] = []
+    try:
+        for number in range(trial.members if _varies(case) or "seed" in trial.parameters else 1):
+            fates.append(_fate(trial, case, adapter, number, folder))
+    except (Unsupported, Unavailable, SettingsError) as error:
+        return refusal(trial, error)
+    except NotMeasurable as error:
+        return outcome(trial, "unsupported", f"the case's own question cannot be measured: {error}")
+    broken = [fate for fate in fates if fate.by]
+    counts = Counter(fate.by for fate in broken)
+    beside = Counter(fate.beside for fate in fates if fate.beside)
+    shown = min(broken, key=lambda fate: fate.time, default=fates[0])
+    reason = f"{len(broken)} of {len(fates)} broke: {_listed(counts)}" if broken else f"all {len(fates)} held"
+    if beside:
+        reason += f"; beside the question, in a scene not meant to stand: {_listed(beside)}"
+    made = [Measurement(metric=HELD, value=1 - len(broken) / len(fates), unit="1", at_most=1.0, passed=not broken)]
+    for before, counted in ((BROKE_BY, counts), (SIGN, beside)):
+        made += [Measurement(metric=before + name, value=count / len(fates), unit="1") for name, count in counted.items()]
+    made.append(Measurement(metric=OWN_CHECKS, value=float(fates[0].checked), unit="1"))
+    made.append(Measurement(metric=STARTS, value=float(len(fates)), unit="1"))
+    if broken:
+        made.append(Measurement(metric="first_break_time", value=shown.time, unit="s"))
+    return replace(
+        outcome(trial, "failed" if broken else "passed", reason),
+        resolved=shown.answer.resolved,
+        substep=shown.answer.substep(trial.settings),
+        warnings=shown.answer.warnings,
+        measurements=tuple(made),
+        sim_seconds=shown.answer.steps * trial.settings.dt,
+        steps=shown.answer.steps,
+        trajectory_hash=None if folder is None else save_trajectory(folder, shown.scene, shown.answer.actual, None),
+        rough_cost=None if broken and not _compared(trial) else _cost(trial, case, adapter),
+    )
+
+
+def _listed(counts: Counter[str]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in counts.most_common())
+
+
+def _compared(trial: Trial) -> bool:
+    """Is the cost of what broke to be compared with that of a remedy?"""
+    limit = trial.experiment.limit
+    return limit is not None and trial.track in limit.remedies
+
+
+def _cost(trial: Trial, case: Case, adapter: Adapter) -> float | None:
+    """CPU seconds per simulated second, roughly; None where nothing but a diverging run could be clocked."""
+    with suppress(Diverged):
+        return rough_cost(Bench(case, adapter, trial))
+    return None

@@ -1,0 +1,94 @@
+"""A simulation stepped to its end: its states at the samples, its contacts and what its sensors said."""
+
+import numpy as np
+
+from harness.adapter import Diverged, Simulation
+from harness.adapter.what_comes_out import BrokenContract
+from harness.scene import Scene
+from harness.sensors.recorder import SensorRecorder
+from harness.trajectory import Contacts, Floats, State, Trajectory
+
+__all__ = ["simulate", "steps_between_samples"]
+
+UNIT = 1e-6
+"""How far the norm of a quaternion may be off 1: ten times what one that is normalised in single precision leaves."""
+
+
+def steps_between_samples(interval: float, dt: float) -> int:
+    """Whole steps of dt [s] between two samples `interval` [s] apart, at least one."""
+    return max(1, round(interval / dt))
+
+
+class _Log:
+    """Room for a trajectory, filled sample by sample."""
+
+    def __init__(self, steps: int, every: int, dt: float, bodies: int, with_contacts: bool) -> None:
+        places = [*range(0, steps, every), steps]
+        self.trajectory = Trajectory.of(np.array(places, dtype=np.float64) * dt, bodies)
+        self.contacts: list[Contacts] | None = [] if with_contacts else None
+        self.filled = 0
+
+    def take(self, simulation: Simulation) -> State:
+        """Read the next sample; raises Diverged where it is not finite."""
+        state = self.trajectory.state(self.filled)
+        simulation.state(state)
+        if not state.finite:
+            raise Diverged("the state is not finite")
+        if self.contacts is not None:
+            self.contacts.append(simulation.contacts())
+        self.filled += 1
+        return state
+
+    def result(self, dt: float, streams: dict[str, Floats]) -> Trajectory:
+        """The trajectory as far as it was filled."""
+        n, t = self.filled, self.trajectory
+        contacts = None if self.contacts is None else tuple(self.contacts)
+        return Trajectory(t.time[:n], t.p_WB[:n], t.q_WB[:n], t.v_WB[:n], t.w_WB[:n], dt=dt, contacts=contacts, streams=streams)
+
+
+def _promised(trajectory: Trajectory, scene: Scene) -> Trajectory:
+    """The trajectory, whose quaternions are turns. Raises: BrokenContract."""
+    off = np.abs(np.linalg.norm(trajectory.q_WB, axis=2) - 1)
+    if off.max(initial=0.0) > UNIT:
+        sample, place = np.unravel_index(np.argmax(off > UNIT), off.shape)
+        norm, body = np.linalg.norm(trajectory.q_WB[sample, place]), scene.bodies[place].name
+        raise BrokenContract(f"q_WB of body '{body}' at t = {trajectory.time[sample]:.6g} s: got norm {norm:.6g}, expected 1")
+    return trajectory
+
+
+def simulate(
+    simulation: Simulation,
+    scene: Scene,
+    *,
+    dt: float,
+    duration: float,
+    sample_interval: float,
+    with_contacts: bool,
+    seed: int,
+) -> tuple[Trajectory, str | None]:
+    """Step a simulation to its end; the trajectory and, where it diverged, when and how. Raises: BrokenContract."""
+    steps = max(1, round(duration / dt))
+    every = steps_between_samples(sample_interval, dt)
+    log = _Log(steps, every, dt, len(scene.bodies), with_contacts)
+    sensors = SensorRecorder(scene, simulation, seed, dt) if scene.sensors else None
+    here, reading = 0, State.empty(len(scene.bodies))
+    try:
+        log.take(simulation)
+        if sensors is not None:
+            simulation.state(reading)
+            sensors.read(0.0, reading)
+        while here < steps:
+            next_sample = min((here // every + 1) * every, steps)
+            until = next_sample
+            if sensors is not None:
+                until = min(until, (here // sensors.interval_steps + 1) * sensors.interval_steps)
+            simulation.step(until - here)
+            here = until
+            if here == next_sample:
+                log.take(simulation)
+            if sensors is not None and here % sensors.interval_steps == 0:
+                simulation.state(reading)
+                sensors.read(here * dt, reading)
+    except Diverged as error:
+        return _promised(log.result(dt, {}), scene), f"by step {here + 1} of {steps} (t = {here * dt:.6g} s): {error}"
+    return _promised(log.result(dt, {} if sensors is None else sensors.streams()), scene), None

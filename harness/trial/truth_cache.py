@@ -1,0 +1,144 @@
+"""What a trial is measured by: the truth, of the case or made by the reference engine, and bounds; what takes long is kept."""
+
+import json
+import sys
+import time as clock
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.case import Case, Converged
+from harness.scene import Scene
+from harness.scene.file import dump_json
+from harness.store import disk
+from harness.store.arrays import read_arrays, write_arrays
+from harness.store.journal import StoreError
+from harness.store.record import digest
+from harness.store.seal import Damaged, check_seal, sealed_json
+from harness.study.plugins import adapter
+from harness.trajectory import Floats, Trajectory
+from harness.trial.converged_truth import converged
+
+__all__ = ["bounded", "truth_of"]
+
+LONG = 0.1
+"""Seconds from which on a closed form or a bound is kept: reading it back takes a few milliseconds."""
+
+
+def truth_of(
+    case: Case,
+    scene: Scene,
+    time: Floats,
+    parameters: Mapping[str, Any],
+    folder: Path | None,
+    sources: Mapping[str, str] | None = None,
+) -> Converged | None:
+    """What the answer at the times (t,) s is measured by: a closed form has errors of zero.
+
+    A truth that takes long to make is kept under `folder`, named by all that it depends on; one that was damaged is made again.
+
+    Args: sources: of the trial that is measured.
+    Raises: NotMeasurable, Unsupported: the reference cannot make it.
+    """
+    laws = _laws(sources)
+    if case.coarsest is not None:
+        reference = adapter("reference")
+        asked = {"scene": dump_json(scene), "time": time.tolist(), "step": case.coarsest, "engine": reference.version()}
+        kept = _place(folder, asked | {"laws": laws})
+        if (found := _read(kept)) is not None:
+            return found
+        made = converged(scene, time, reference, case.coarsest)
+        if kept is not None:
+            _write(kept, made)
+        return made
+    kept = _place(folder, {"case": case.name, "parameters": dict(parameters), "time": time.tolist(), "laws": laws})
+    if (found := _read(kept)) is not None:
+        return found
+    start = clock.monotonic()
+    truth = case.truth_at(time, parameters)
+    if isinstance(truth, Trajectory):
+        truth = Converged(trajectory=truth, position_error=0.0, velocity_error=0.0)
+    plain = truth is not None and not truth.trajectory.streams and truth.trajectory.contacts is None
+    if truth is not None and kept is not None and plain and clock.monotonic() - start > LONG:
+        _write(kept, truth)
+    return truth
+
+
+def bounded(
+    case: Case,
+    dt: float,
+    substep: float,
+    parameters: Mapping[str, Any],
+    folder: Path | None,
+    sources: Mapping[str, str] | None = None,
+) -> Case:
+    """The case with its bounds as they are at these parameters and a time step dt [s] that the engine takes in steps of
+    `substep` [s]; kept under `folder` where they take long."""
+    if not any(callable(check.at_most) for check in case.checks):
+        return case
+    kept = _place(
+        folder, {"case": case.name, "bounds at": [dt, substep], "parameters": dict(parameters), "laws": _laws(sources)}, "json"
+    )
+    bounds = _read_bounds(kept)
+    if bounds is None:
+        start = clock.monotonic()
+        bounds = [check.bound(dt, parameters, substep) for check in case.checks]
+        if kept is not None and clock.monotonic() - start > LONG:
+            _write_bounds(kept, bounds)
+    return replace(case, checks=tuple(replace(check, at_most=b) for check, b in zip(case.checks, bounds, strict=True)))
+
+
+def _place(folder: Path | None, depends: Mapping[str, Any], kind: str = "npz") -> Path | None:
+    return None if folder is None else folder / "truths" / f"{digest(depends)}.{kind}"
+
+
+def _laws(sources: Mapping[str, str] | None) -> list[str]:
+    """The texts that closed forms, bounds and references are made by: of the case, the harness, the reference engine."""
+    return [] if sources is None else [sources.get(part, "") for part in ("case", "truth", "harness", "libraries")]
+
+
+def _damaged(kept: Path, error: Damaged) -> None:
+    print(f"{kept}: {error}; it is made again", file=sys.stderr)
+
+
+def _read_bounds(kept: Path | None) -> list[float] | None:
+    if kept is None or not kept.is_file():
+        return None
+    try:
+        content = disk.read(kept)
+        if not check_seal(kept, content):
+            raise Damaged("it has no checksum")
+        bounds: list[float] = json.loads(content)["bounds"]
+    except Damaged as error:
+        _damaged(kept, error)
+        return None
+    return bounds
+
+
+def _write_bounds(kept: Path, bounds: list[float]) -> None:
+    try:
+        disk.make_folder(kept.parent)
+        disk.write_atomically(kept, sealed_json(kept.name, {"bounds": bounds}))
+    except OSError as error:
+        raise StoreError(f"{kept}: not written: {error.strerror or error}; mend that, and --resume goes on") from error
+
+
+def _read(kept: Path | None) -> Converged | None:
+    if kept is None or not kept.is_file():
+        return None
+    try:
+        arrays: dict[str, Any] = read_arrays(kept)
+        states = (arrays[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
+        position, velocity = arrays["errors"].tolist()
+    except Damaged as error:
+        _damaged(kept, error)
+        return None
+    return Converged(trajectory=Trajectory(*states), position_error=position, velocity_error=velocity)
+
+
+def _write(kept: Path, made: Converged) -> None:
+    t, errors = made.trajectory, np.array([made.position_error, made.velocity_error])
+    write_arrays(kept, {"time": t.time, "p_WB": t.p_WB, "q_WB": t.q_WB, "v_WB": t.v_WB, "w_WB": t.w_WB, "errors": errors})

@@ -30,7 +30,7 @@ def plumbline(with_plugins: Mapping[str, str]) -> Command:
 
     def call(*arguments: object, plugins: bool = False, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [sys.executable, "-m", "harness", *map(str, arguments)],
+            [sys.executable, "-m", "harness.cli", *map(str, arguments)],
             env=with_plugins if plugins else None,
             cwd=cwd,
             capture_output=True,

@@ -22,9 +22,10 @@ The contract, proven by `harness.conformance`:
   a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
 * What comes back is checked too: quaternions have norm 1, `resolved` and `warnings()` hold text, Python's own numbers and lists
   and names of such; contacts, hits, pictures and inertial readings are arrays as `harness.trajectory` says (see
-  `harness.adapter.what_comes_out`). What breaks that is a crash with a reason, and costs its own cell. What `state` leaves out is not finite.
-* Arrays that are handed in are checked at one door, `harness.adapter.what_goes_in`: `wrench`, `cast`, `caster`, `command` and `state` raise
-  `ValueError` for a wrong shape, type or content before the engine sees them.
+  `harness.adapter.what_comes_out`). What breaks that is a crash with a reason, and costs its own cell. What `state` leaves out
+  is not finite.
+* Arrays that are handed in are checked at one door, `harness.adapter.what_goes_in`: `wrench`, `cast`, `caster`, `command` and
+  `state` raise `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
 * Four things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
   and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock:

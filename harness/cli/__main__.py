@@ -1,4 +1,4 @@
-"""`python -m harness`: the command line, where the script `plumbline` is not on the path."""
+"""`python -m harness.cli`: the command line, where the script `plumbline` is not on the path."""
 
 from harness.cli.main import main
 

@@ -1,7 +1,7 @@
 """Files that come from outside, read as a stranger's: what kind of file it is, its size, its depth and its counts come first.
 
-A parser sees a text only once it is known to be no longer, no deeper and no fuller than `harness.intake.allowance` says, so that no
-file costs more than what it is allowed to hold.
+A parser sees a text only once it is known to be no longer, no deeper and no fuller than `harness.intake.allowance` says, so
+that no file costs more than what it is allowed to hold.
 """
 
 import json

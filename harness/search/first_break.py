@@ -5,8 +5,8 @@ tried in this order, so that what is found is the first place that breaks and no
 hardest value that held with all members of the ensemble before the first that did not, and that one. A value that an engine
 crashed at is one that broke; where it ran out of time or memory, the search ends without a verdict beyond what had held.
 
-Where a case breaks, what is said to help is tried at the value that broke (`harness.search.remedies`), and, where it does help, on
-from there towards the extreme, in fewer values.
+Where a case breaks, what is said to help is tried at the value that broke (`harness.search.remedies`), and, where it does help,
+on from there towards the extreme, in fewer values.
 """
 
 import math

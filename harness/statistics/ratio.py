@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-
-from harness.trajectory import Floats
+from numpy.typing import NDArray
 
 __all__ = ["Ratio", "ratio"]
 
@@ -20,7 +19,7 @@ class Ratio:
     high: float
 
 
-def ratio(cost: Floats, base: Floats) -> Ratio:
+def ratio(cost: NDArray[np.float64], base: NDArray[np.float64]) -> Ratio:
     """Median of cost/base over blocks, and the interval of that median.
 
     Args:

@@ -119,8 +119,9 @@ class Record:
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
         substep [s]: the step that the engine really took, dt over the sub-steps that it says it used; None without an answer.
         clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.
-        sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`. answered_on, clocked_on:
-        the digests of the machines of the accuracy run, and rough cost, and of the timing run; see `harness.store.machine_fingerprint`.
+        sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`.
+        answered_on, clocked_on: the digests of the machines of the accuracy run, and rough cost, and of the timing run; see
+        `harness.store.machine_fingerprint`.
     """
 
     trial: str

@@ -110,8 +110,9 @@ class Store:
     """A run folder, read only. Tables come from the journal where there is one, so a killed run reads as well as a whole one.
 
     Terms:
-        trials, measurements, samples: tables with the columns of `harness.store.record`; parameters, settings, resolved and warnings
-        hold JSON. catalogue: the questions and engines as they stood when the run was made. machine, study: provenance.
+        trials, measurements, samples: tables with the columns of `harness.store.record`; parameters, settings, resolved
+        and warnings hold JSON. catalogue: the questions and engines as they stood when the run was made. machine, study:
+        provenance.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -20,22 +20,7 @@ __all__ = ["closure", "digest_of", "file_digests", "libraries", "short_name"]
 _OURS = ("adapters", "cases", "engine", "harness")
 _WHOLE = "engine"
 """A package that counts as one: its modules load each other on first use."""
-_KEEPING = frozenset(
-    f"harness.{name}"
-    for name in (
-        "arrays",
-        "discover",
-        "disk",
-        "journal",
-        "outside",
-        "record",
-        "seal",
-        "sources",
-        "store",
-        "study",
-        "trajectory_file",
-    )
-)
+_KEEPING = ("harness.store", "harness.study")
 """What finds, plans and keeps, and decides no answer; what of it enters one is in a trial's name by value."""
 _LIBRARIES = ("numpy", "scipy", "numba")
 _STATEMENT = re.compile(r"^[ \t]*(?:from|import)\b[^\n(;]*(?:\([^)]*\))?", re.MULTILINE)
@@ -44,7 +29,7 @@ _STATEMENT = re.compile(r"^[ \t]*(?:from|import)\b[^\n(;]*(?:\([^)]*\))?", re.MU
 
 @cache
 def _roots() -> dict[str, Path]:
-    return {name: Path(__file__).parents[1] / name for name in _OURS}
+    return {name: Path(__file__).parents[2] / name for name in _OURS}
 
 
 @cache
@@ -109,7 +94,11 @@ def imported(module: str) -> frozenset[str]:
             whole = [*package[: len(package) - level + 1], *name.split(".")] if level else name.split(".")
             if whole[0] == top or whole[0] in _OURS:
                 found.update(".".join(whole[:count]) for count in range(1, len(whole) + 1))
-    return frozenset(one for one in found if one not in _KEEPING and _file(one) is not None)
+    return frozenset(one for one in found if not _keeps(one) and _file(one) is not None)
+
+
+def _keeps(module: str) -> bool:
+    return any(f"{module}.".startswith(f"{room}.") for room in _KEEPING)
 
 
 def closure(modules: Iterable[str]) -> frozenset[str]:

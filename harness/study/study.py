@@ -525,7 +525,7 @@ def load_study(name: str) -> Study:
     Raises:
         StudyError: naming file, element, field, value and expectation.
     """
-    built_in = {path.stem: path for path in sorted((Path(__file__).parent / "studies").glob("*.toml"))}
+    built_in = {path.stem: path for path in sorted((Path(__file__).parent / "built_in").glob("*.toml"))}
     if name.endswith(".toml"):
         path = Path(name)
     elif name in built_in:

@@ -23,6 +23,20 @@ def test_every_import_contract_holds() -> None:
     assert done.returncode == 0, done.stdout
 
 
+def test_the_page_of_the_architecture_names_the_layers_of_the_contract() -> None:
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (layers,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
+    page = (ROOT / "docs" / "architecture.md").read_text().partition("| layer |")[2].partition("| `engine` |")[0]
+    rows = [line.split("|")[1].strip() for line in page.splitlines()[2:]]
+    assert rows == [", ".join(f"`{package}`" for package in layer.split(" | ")) for layer in layers]
+
+
+@pytest.mark.parametrize("package", ["harness"])
+def test_the_listing_of_a_root_is_short(package: str) -> None:
+    entries = {path.name for path in (ROOT / package).iterdir()} - {"__pycache__"}
+    assert len(entries) <= 20, sorted(entries)
+
+
 def imported_by(code: str) -> set[str]:
     """The top-level packages that are loaded once some code has run in a fresh interpreter."""
     script = f"import sys, json\n{code}\nprint(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))"

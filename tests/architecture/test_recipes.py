@@ -42,7 +42,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def call(installed: Path, *arguments: object) -> str:
-    command = [sys.executable, "-m", "harness", *map(str, arguments)]
+    command = [sys.executable, "-m", "harness.cli", *map(str, arguments)]
     environment = os.environ | {"PYTHONPATH": str(installed)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=200)
     assert done.returncode == 0, done.stderr
@@ -71,7 +71,7 @@ def test_the_new_engine_keeps_the_contract(installed: Path) -> None:
 
 
 def test_the_new_metric_is_found(installed: Path) -> None:
-    script = "from harness import discover; print(discover.metrics()['way'].unit)"
+    script = "from harness.study import plugins; print(plugins.metrics()['way'].unit)"
     environment = os.environ | {"PYTHONPATH": str(installed)}
     done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "m"

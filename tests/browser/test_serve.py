@@ -51,7 +51,7 @@ class Served:
     """A server in a process of its own, as a person starts it."""
 
     def __init__(self, folder: Path, first: Sequence[str] = ()) -> None:
-        command = [*first, sys.executable, "-m", "harness", "serve", str(folder), "--port", "0"]
+        command = [*first, sys.executable, "-m", "harness.cli", "serve", str(folder), "--port", "0"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()

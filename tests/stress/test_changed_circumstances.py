@@ -24,6 +24,8 @@ from tests.stress.test_interruption import write_study
 FAMILY = "resume under changed circumstances"
 OTHER_MACHINE = {"processor": "another", "cores": 3}
 
+HARNESS = Path(sources.__file__).parents[1]
+
 
 def clear() -> None:
     for module in (sources, provenance):
@@ -65,11 +67,11 @@ def edit(monkeypatch: pytest.MonkeyPatch, file: Path) -> None:
     [
         (PLUGINS / "faulty.py", "runs anew 2: the adapter's source changed: faulty.py; the case's source changed: faulty.py"),
         (
-            Path(sources.__file__).with_name("simulate.py"),
+            HARNESS / "trial" / "simulate.py",
             "the harness that steps and measures changed: harness/trial/simulate.py",
         ),
         (
-            Path(sources.__file__).parent / "metrics" / "position.py",
+            HARNESS / "metrics" / "position.py",
             "runs anew 2: the adapter's source changed: harness/metrics/position.py",
         ),
     ],
@@ -235,7 +237,7 @@ def test_the_command_line_says_what_it_keeps_and_what_it_runs_anew(
     paths = os.pathsep.join((str(tmp_path / "plugins"), with_plugins.get("PYTHONPATH", "")))
 
     def run(*more: str) -> "subprocess.CompletedProcess[str]":
-        command = [sys.executable, "-m", "harness", "run", study, "--engine", "sound", "--out", out, *more]
+        command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", "sound", "--out", out, *more]
         environment = dict(with_plugins) | {"PYTHONPATH": paths}
         return subprocess.run([*map(str, command)], env=environment, capture_output=True, text=True, timeout=280, check=False)
 

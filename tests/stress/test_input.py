@@ -380,7 +380,7 @@ def test_what_is_sound_is_read(tmp_path: Path) -> None:
 PEAK = """
 import resource, subprocess, sys, time
 start = time.monotonic()
-done = subprocess.run([sys.executable, "-m", "harness", "run", *sys.argv[1:]], capture_output=True, text=True)
+done = subprocess.run([sys.executable, "-m", "harness.cli", "run", *sys.argv[1:]], capture_output=True, text=True)
 print(done.returncode, time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024)
 """
 
@@ -404,7 +404,7 @@ def test_a_bomb_costs_no_memory(what: str, tmp_path: Path, ledger: Page) -> None
 
 @pytest.mark.parametrize("told", ["/dev/null", str(Path(__file__) / "y")])
 def test_a_folder_for_compiled_code_that_can_be_none_is_no_crash_of_the_engine(told: str, ledger: Page) -> None:
-    command = [sys.executable, "-m", "harness", "engines", "--json"]
+    command = [sys.executable, "-m", "harness.cli", "engines", "--json"]
     environment = os.environ | {"PLUMBLINE_KERNEL_CACHE": told}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=280, check=True)
     (row,) = [row for row in json.loads(done.stdout) if row["name"] == "reference"]

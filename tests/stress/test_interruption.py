@@ -40,7 +40,7 @@ def write_study(folder: Path, timing: str = "false") -> Path:
 
 
 def start(study: Path, out: Path, environment: Mapping[str, str], *more: str, engine: str = "sound") -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "harness", "run", study, "--engine", engine, "--out", out, *more]
+    command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", engine, "--out", out, *more]
     return subprocess.Popen(
         list(map(str, command)),
         env=dict(environment),

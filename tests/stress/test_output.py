@@ -248,7 +248,7 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("form", ["text", "csv"])
 def test_a_terminal_that_knows_no_letter_beyond_ascii_shows_a_hostile_run(form: str, hostile: Path, ledger: Page) -> None:
     done = subprocess.run(
-        [sys.executable, "-X", "utf8=0", "-m", "harness", "show", str(hostile), "--format", form],
+        [sys.executable, "-X", "utf8=0", "-m", "harness.cli", "show", str(hostile), "--format", form],
         env={"PATH": "/usr/bin", "PYTHONIOENCODING": "ascii", "PYTHONPATH": ":".join(sys.path)},
         capture_output=True,
         check=False,

@@ -32,7 +32,7 @@ def call(tmp_path_factory: pytest.TempPathFactory) -> Call:
     environment = os.environ | {"PYTHONPATH": str(PLUGINS), "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache"))}
 
     def called(*arguments: object) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "harness", *map(str, arguments)]
+        command = [sys.executable, "-m", "harness.cli", *map(str, arguments)]
         return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=280, check=False)
 
     return called
@@ -137,7 +137,7 @@ def test_a_plug_in_is_tried_once_until_its_file_changes(tmp_path: Path) -> None:
     environment = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
 
     def ask() -> None:
-        command = [sys.executable, "-c", "from harness import discover; assert not discover.left_out('cases')"]
+        command = [sys.executable, "-c", "from harness.study import plugins; assert not plugins.left_out('cases')"]
         subprocess.run(command, env=environment, check=True)
 
     for _ in range(3):

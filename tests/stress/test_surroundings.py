@@ -56,7 +56,7 @@ def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
 ) -> None:
     """No file may grow beyond so many bytes, which a full disk looks like to the one that writes."""
     study, out = write_study(tmp_path), tmp_path / "out"
-    command = [sys.executable, "-m", "harness", "run", str(study), "--engine", "sound", "--out", str(out)]
+    command = [sys.executable, "-m", "harness.cli", "run", str(study), "--engine", "sound", "--out", str(out)]
     done = subprocess.run(
         command,
         env=dict(with_plugins),

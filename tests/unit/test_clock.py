@@ -162,7 +162,7 @@ class Idle:
 @pytest.fixture
 def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
     """Two children of one trial that wait for each other, as threads of this process."""
-    monkeypatch.setattr(clockwork, "discover", SimpleNamespace(case=str, adapter=str))
+    monkeypatch.setattr(clockwork, "plugins", SimpleNamespace(case=str, adapter=str))
     monkeypatch.setattr(clockwork, "Bench", Idle)
     monkeypatch.setattr(clockwork, "confine", lambda *_: None)
     monkeypatch.setattr(clockwork, "end_started", lambda: None)
@@ -294,7 +294,7 @@ def test_a_death_in_a_sample_costs_its_own_trial_alone(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(clockwork, "_start", start)
     monkeypatch.setattr(
-        "harness.run.timing_blocks.discover", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
+        "harness.run.timing_blocks.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
     )
     experiment = Experiment(name="e", samples=4, processes=2)
     trials = [dataclasses.replace(trial, experiment=experiment) for trial in named("a", "bad", "c")]

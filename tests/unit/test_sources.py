@@ -9,7 +9,7 @@ import pytest
 
 from harness.study import plugins, provenance, sources
 
-ROOT = Path(sources.__file__).parents[1]
+ROOT = Path(sources.__file__).parents[2]
 
 
 def clear() -> None:

@@ -13,7 +13,7 @@ from harness.trial.accuracy import outcome
 
 
 def test_every_built_in_study_is_readable() -> None:
-    for path in (Path(plugins.__file__).parent / "studies").glob("*.toml"):
+    for path in (Path(plugins.__file__).parent / "built_in").glob("*.toml"):
         assert load_study(path.stem).name == path.stem
 
 
@@ -162,5 +162,5 @@ def test_every_variant_of_a_study_is_one_that_its_engine_builds(given: str, scen
 
 
 def test_every_built_in_study_calls_whom_there_is() -> None:
-    for path in (Path(plugins.__file__).parent / "studies").glob("*.toml"):
+    for path in (Path(plugins.__file__).parent / "built_in").glob("*.toml"):
         call_roll(load_study(path.stem), plugins.names("cases"), plugins.names("adapters"))

@@ -15,7 +15,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from textwrap import dedent
 
-__all__ = ["closure", "digest_of", "file_digests", "libraries", "short_name"]
+__all__ = ["closure", "digest_of", "file_digests", "keeps", "libraries", "short_name"]
 
 _OURS = ("adapters", "cases", "engine", "harness")
 _WHOLE = "engine"
@@ -94,10 +94,11 @@ def imported(module: str) -> frozenset[str]:
             whole = [*package[: len(package) - level + 1], *name.split(".")] if level else name.split(".")
             if whole[0] == top or whole[0] in _OURS:
                 found.update(".".join(whole[:count]) for count in range(1, len(whole) + 1))
-    return frozenset(one for one in found if not _keeps(one) and _file(one) is not None)
+    return frozenset(one for one in found if not keeps(one) and _file(one) is not None)
 
 
-def _keeps(module: str) -> bool:
+def keeps(module: str) -> bool:
+    """Does a module of the harness only find, plan or keep?"""
     return any(f"{module}.".startswith(f"{room}.") for room in _KEEPING)
 
 

@@ -591,7 +591,7 @@ class _Reference(Adapter):
     def version(self) -> str:
         _check_cache()
         import engine
-        from engine.sources import source_digest
+        from engine.compile.sources import source_digest
 
         return f"{engine.__version__}+{source_digest()[:8]}"
 
@@ -837,5 +837,5 @@ ADAPTER = _Reference(
         "splitting_8": 8,
     },
     compile_allowance=900.0,
-    loads=("engine.steps_smooth", "engine.steps_contact", "engine.prepared"),
+    loads=("engine.steps.smooth", "engine.steps.contact", "engine.compile.prepared"),
 )  # fmt: skip

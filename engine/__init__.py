@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING, Any
 
-from engine.bodies import Body, Surface
-from engine.errors import Diverged, ManyImpacts, NotSupported
+from engine.describe.bodies import Body, Surface
+from engine.describe.errors import Diverged, ManyImpacts, NotSupported
+from engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
+from engine.describe.optics import Optics, Sun
+from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh
 from engine.images.eye import Eye, Lens, Picture
-from engine.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
-from engine.optics import Optics, Sun
 from engine.options import Options
-from engine.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh
 
 if TYPE_CHECKING:
     from engine.batch import Batch

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine import arena as at
-from engine.assembly import grow
-from engine.batch_steps import (
+from engine.build.assembly import grow
+from engine.describe.check import finite
+from engine.describe.errors import Diverged, NotSupported
+from engine.memory import arena as at
+from engine.steps.many_worlds import (
     address_of_collide,
     address_of_search,
     address_of_step,
     advance_worlds,
     advance_worlds_parallel,
 )
-from engine.check import finite
-from engine.errors import Diverged, NotSupported
 from engine.world import Kernels, World
 
 __all__ = ["Batch"]
@@ -87,7 +87,7 @@ class Batch:
             while self._advance(kernels, which):
                 states = self._status[which]
                 if (states == 3).any() and self._collide == 0:
-                    from engine.collide_convex import collide_convex
+                    from engine.contact.collide_convex import collide_convex
 
                     self._collide = address_of_collide(collide_convex)
                 self._grow([int(k) for k in which[states == 2]])

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from engine.check import not_negative, positive, whole
+from engine.describe.check import not_negative, positive, whole
 
 __all__ = [
     "ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options",
@@ -10,12 +10,12 @@ __all__ = [
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
-    "explicit_euler": "engine.explicit_euler",
-    "velocity_verlet": "engine.velocity_verlet",
-    "implicit_midpoint": "engine.implicit_midpoint",
-    "splitting_4": "engine.splitting",
-    "splitting_8": "engine.splitting",
-    ADAPTIVE: "engine.dormand_prince",
+    "explicit_euler": "engine.integrate.explicit_euler",
+    "velocity_verlet": "engine.integrate.velocity_verlet",
+    "implicit_midpoint": "engine.integrate.implicit_midpoint",
+    "splitting_4": "engine.integrate.splitting",
+    "splitting_8": "engine.integrate.splitting",
+    ADAPTIVE: "engine.integrate.dormand_prince",
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)

@@ -10,25 +10,25 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from engine import arena as at
-from engine.arena import float_table, int_table
-from engine.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
-from engine.bodies import Body, Surface
 from engine.broad.choice import DropApart, FindPairs, choose_broad_phase, load_search, load_volume, search_pairs
-from engine.check import finite, number, whole
-from engine.errors import Diverged, NotSupported
-from engine.initial_rates import check_initial_rates
-from engine.joint_order import elimination_order
-from engine.joints import Joint
-from engine.optics import Sun
+from engine.build.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
+from engine.build.initial_rates import check_initial_rates
+from engine.build.joint_order import elimination_order
+from engine.describe.bodies import Body, Surface
+from engine.describe.check import finite, number, whole
+from engine.describe.errors import Diverged, NotSupported
+from engine.describe.joints import Joint
+from engine.describe.optics import Sun
+from engine.describe.shapes import Placed
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
 from engine.options import FREE_INTEGRATORS, Options
-from engine.shapes import Placed
 
 if TYPE_CHECKING:
-    from engine.exact.steps import Certificate
     from engine.images.eye import Eye, Picture
     from engine.images.paths import Paths
-    from engine.ray_tree import RayTree
+    from engine.rays.tree import RayTree
+    from engine.respond.exact.steps import Certificate
     from engine.swept.steps import Impacts
 
 __all__ = ["Contacts", "Hits", "Kernels", "World"]
@@ -125,7 +125,7 @@ class World:
             raise NotSupported("sleep", "islands are known to the soft solver alone, without swept collision")
         self._exact = None
         if self.touching and self.options.solver == "exact":
-            from engine.exact.steps import ExactSteps
+            from engine.respond.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
         self._step = self._exact or _choose_step(self.touching, self.jointed, self.options, self.spheres, islands)
@@ -188,7 +188,7 @@ class World:
                 raise Diverged(self.steps, self.open_joint(status))
             count -= done
             if status == 3:
-                from engine.collide_convex import collide_convex
+                from engine.contact.collide_convex import collide_convex
 
                 collide_convex(self._floats, self._ints)
             if status == 2:
@@ -206,7 +206,7 @@ class World:
         if self._swept is not None:
             self._swept.compile(self._floats, self._ints)
         if self.touching and self._polyhedral:
-            from engine.collide_convex import collide_convex
+            from engine.contact.collide_convex import collide_convex
 
             collide_convex(self._floats, self._ints)
 
@@ -354,7 +354,7 @@ class World:
         hits = _room(len(d))
         answers = (hits.distance, hits.body, hits.shape, hits.normal)
         if method == "brute_force":
-            from engine.rays import cast_rays
+            from engine.rays.one_by_one import cast_rays
 
             _check_rays(o, d)
             d = d / np.linalg.norm(d, axis=1, keepdims=True)
@@ -362,8 +362,8 @@ class World:
         elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), *answers):
             _check_rays(o, d)
         if self._polyhedral:
-            from engine.ray_tree import ray_tree
-            from engine.rays_polyhedra import cast_on_polyhedra
+            from engine.rays.polyhedra import cast_on_polyhedra
+            from engine.rays.tree import ray_tree
 
             self._tree = tree = self._tree or ray_tree(self._floats, self._ints)
             branches = (tree.root, tree.node, tree.link, tree.solid, tree.frame)
@@ -459,13 +459,13 @@ def _check_rays(origins: FloatArray, directions: FloatArray) -> None:
 def _choose_tiles(threads: int) -> Callable[..., bool]:
     """The compiled cast for so many threads."""
     if threads == 1:
-        from engine.ray_tiles import cast_tiles
+        from engine.rays.tiles import cast_tiles
 
         return cast_tiles
     import numba
 
-    from engine.compilers import most_threads
-    from engine.ray_tiles_parallel import cast_tiles_parallel
+    from engine.compile.compilers import most_threads
+    from engine.rays.tiles_parallel import cast_tiles_parallel
 
     numba.set_num_threads(min(threads, most_threads()))
     return cast_tiles_parallel
@@ -490,27 +490,27 @@ def _choose_step(touching: bool, jointed: bool, options: Options, spheres: bool,
     if touching and options.solver == "sequential_impulses":
         if jointed:
             raise NotSupported("joints beside contacts", "sequential impulses know contacts only")
-        from engine.steps_sequential import step_sequential_impulses
+        from engine.steps.sequential import step_sequential_impulses
 
         return step_sequential_impulses
     if spheres:
-        from engine.steps_spheres import step_spheres
+        from engine.steps.spheres import step_spheres
 
         return step_spheres
     if islands:
         name = f"islands{'_jointed' if jointed else ''}"
-        module = import_module(f"engine.steps_{name}")
+        module = import_module(f"engine.steps.{name}")
         return cast(Step, getattr(module, f"step_{name}{'_parallel' if options.threads > 1 else ''}"))
     if touching and jointed:
-        from engine.steps_contact_jointed import step_contact_jointed
+        from engine.steps.contact_jointed import step_contact_jointed
 
         return step_contact_jointed
     if touching:
-        from engine.steps_contact import step_contact
+        from engine.steps.contact import step_contact
 
         return step_contact
-    from engine import steps_smooth
+    from engine.steps import smooth
 
     if not jointed:
-        return steps_smooth.step_free
-    return steps_smooth.step_jointed_runge_kutta if integrator == "rk4" else steps_smooth.step_jointed_euler
+        return smooth.step_free
+    return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from engine.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.bounds import boxes_overlap
 from engine.broad.candidates import (
     add_unbounded,
     bounds_are_stale,
@@ -16,10 +16,10 @@ from engine.broad.candidates import (
     may_move,
     write_pairs,
 )  # fmt: skip
-from engine.broad_phase import boxes_overlap
-from engine.carve import floats_of, ints_of
-from engine.jit import entry, kernel
-from engine.vec import Floats, Ints
+from engine.compile.jit import entry, kernel
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.memory.carve import floats_of, ints_of
 
 __all__ = ["find_pairs"]
 

@@ -10,7 +10,10 @@ import math
 
 import numpy as np
 
-from engine.arena import (
+from engine.broad.bounds import kept_apart, overlap, pose_shapes, reaches_plane, write_bounds
+from engine.compile.jit import inlined, kernel
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import (
     BALL_RADIUS,
     BODY_KIND,
     BOUNDS,
@@ -38,10 +41,7 @@ from engine.arena import (
     SURFACE,
     TALLY,
 )  # fmt: skip
-from engine.broad_phase import kept_apart, overlap, pose_shapes, reaches_plane, write_bounds
-from engine.carve import floats_of, ints_of
-from engine.jit import inlined, kernel
-from engine.vec import Floats, Ints
+from engine.memory.carve import floats_of, ints_of
 
 __all__ = ["add_unbounded", "bounds_are_stale", "keep_candidates", "may_move", "compare_candidates", "write_pairs"]
 

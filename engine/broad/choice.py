@@ -50,7 +50,7 @@ def load_volume(name: str) -> DropApart | None:
     """The test of the pairs that the axis-aligned boxes leave, or None where these alone decide."""
     if name == "aabb":
         return None
-    tested: DropApart = import_module(f"engine.volumes.{name}").drop_apart
+    tested: DropApart = import_module(f"engine.broad.volumes.{name}").drop_apart
     return tested
 
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.errors import NotSupported
+from engine.describe.errors import NotSupported
 from engine.images.eye import Eye, Picture
 from engine.images.tables import optics_table, sun_row
 
 if TYPE_CHECKING:
-    from engine.bodies import Body
+    from engine.describe.bodies import Body
+    from engine.describe.optics import Sun
     from engine.images.waves import Cast
-    from engine.optics import Sun
     from engine.world import Hits
 
 __all__ = ["rasterised", "ray_traced"]

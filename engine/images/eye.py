@@ -6,7 +6,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.check import finite, not_negative, number, positive, unit_quaternion, whole
+from engine.describe.check import finite, not_negative, number, positive, unit_quaternion, whole
 
 __all__ = ["Eye", "Lens", "Picture"]
 
@@ -87,7 +87,7 @@ class Eye:
     @property
     def axes(self) -> FloatArray:
         """R_WE (3, 3): right, down and ahead as columns."""
-        from engine.solids import quat_mat  # late: it loads the compiler
+        from engine.build.solids import quat_mat  # late: it loads the compiler
 
         return quat_mat(unit_quaternion("eye", "q_WE", self.q_WE))
 

@@ -6,8 +6,8 @@ Introduction to Ray Tracing, 1989, section 2.5 (vectors).
 
 import math
 
-from engine.jit import kernel
-from engine.vec import Vec, axpy, dot, norm, scale
+from engine.compile.jit import kernel
+from engine.maths.vec import Vec, axpy, dot, norm, scale
 
 __all__ = ["reflect", "reflectance", "refract"]
 

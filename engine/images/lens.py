@@ -5,8 +5,8 @@ Source: Brown, Decentering Distortion of Lenses, Photogrammetric Engineering 32,
 
 import math
 
-from engine.jit import entry, kernel
-from engine.vec import Floats, load9, mat_vec, store3
+from engine.compile.jit import entry, kernel
+from engine.maths.vec import Floats, load9, mat_vec, store3
 
 __all__ = ["RESIDUAL", "distort", "look"]
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.describe.optics import Sun
 from engine.images.tables import optics_table, sun_row
-from engine.optics import Sun
 
 if TYPE_CHECKING:
-    from engine.bodies import Body
+    from engine.describe.bodies import Body
     from engine.images.waves import Cast
 
 __all__ = ["Paths", "traced_paths"]

@@ -9,9 +9,9 @@ rule for edges).
 
 import math
 
+from engine.compile.jit import kernel
 from engine.images.scanlines import flat_row
-from engine.jit import kernel
-from engine.vec import Floats, Ints, Vec, axpy, dot, load3, store3, sub
+from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, store3, sub
 
 __all__ = ["draw_polygon", "pixel_range"]
 

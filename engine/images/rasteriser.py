@@ -10,7 +10,28 @@ import math
 
 import numpy as np
 
-from engine.arena import (
+from engine.compile.jit import entry, kernel
+from engine.images.polygons import draw_polygon
+from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder
+from engine.images.scanlines import flat_row
+from engine.maths.vec import (
+    Floats,
+    Ints,
+    Mat,
+    Vec,
+    add,
+    dot,
+    load3,
+    load4,
+    load9,
+    mat_vec,
+    quat_mat,
+    quat_mul,
+    store3,
+    sub,
+    tmat_vec,
+)
+from engine.memory.arena import (
     BOX,
     CAPSULE,
     COUNT,
@@ -38,28 +59,7 @@ from engine.arena import (
     P,
     Q,
 )  # fmt: skip
-from engine.carve import floats_of, ints_of
-from engine.images.polygons import draw_polygon
-from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder
-from engine.images.scanlines import flat_row
-from engine.jit import entry, kernel
-from engine.vec import (
-    Floats,
-    Ints,
-    Mat,
-    Vec,
-    add,
-    dot,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    quat_mat,
-    quat_mul,
-    store3,
-    sub,
-    tmat_vec,
-)
+from engine.memory.carve import floats_of, ints_of
 
 __all__ = ["TAGS", "rasterise", "shape_pose"]
 

@@ -5,10 +5,10 @@ Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 
 
 import math
 
+from engine.compile.jit import kernel
 from engine.images.polygons import pixel_range
 from engine.images.scanlines import ball_end_row, ball_row, cap_row, side_row
-from engine.jit import kernel
-from engine.vec import Floats, Ints, Vec, axpy, dot, neg
+from engine.maths.vec import Floats, Ints, Vec, axpy, dot, neg
 
 __all__ = ["draw_ball", "draw_capsule", "draw_cylinder"]
 

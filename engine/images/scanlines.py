@@ -10,8 +10,8 @@ in homogeneous form); Heckbert, Moreton, Interpolation for Polygon Texture Mappi
 
 import math
 
-from engine.jit import kernel, stream
-from engine.vec import Floats, Ints, Vec, cross, dot
+from engine.compile.jit import kernel, stream
+from engine.maths.vec import Floats, Ints, Vec, cross, dot
 
 __all__ = ["ball_end_row", "ball_row", "cap_row", "flat_row", "side_row"]
 

@@ -11,9 +11,9 @@ Sequences, 2018 (the shifts).
 
 import math
 
+from engine.compile.jit import entry, kernel
 from engine.images.fresnel import reflect, reflectance, refract
-from engine.jit import entry, kernel
-from engine.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3
+from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3
 
 __all__ = ["AIR", "GIVEN", "LEAST", "MIRRORED", "REFLECTED", "REFRACTED", "SCATTERED", "add_unshaded", "scatter"]
 

@@ -10,27 +10,9 @@ import math
 
 import numpy as np
 
-from engine.arena import (
-    BOX,
-    COUNT,
-    CYLINDER,
-    FACE,
-    FIRST_FACE,
-    HULL,
-    OWNER,
-    PLANE,
-    POLYHEDRON,
-    SHAPE,
-    SHAPE_KIND,
-    SHAPES,
-    SIZE,
-    STATE,
-    TYPE,
-)  # fmt: skip
-from engine.carve import floats_of, ints_of
+from engine.compile.jit import entry, kernel
 from engine.images.rasteriser import TAGS, shape_pose
-from engine.jit import entry, kernel
-from engine.vec import (
+from engine.maths.vec import (
     Floats,
     Ints,
     Vec,
@@ -47,6 +29,24 @@ from engine.vec import (
     sub,
     tmat_vec,
 )
+from engine.memory.arena import (
+    BOX,
+    COUNT,
+    CYLINDER,
+    FACE,
+    FIRST_FACE,
+    HULL,
+    OWNER,
+    PLANE,
+    POLYHEDRON,
+    SHAPE,
+    SHAPE_KIND,
+    SHAPES,
+    SIZE,
+    STATE,
+    TYPE,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
 
 __all__ = ["name_bodies", "shade"]
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.bodies import Body
-from engine.optics import Sun
+from engine.describe.bodies import Body
+from engine.describe.optics import Sun
 
 __all__ = ["optics_table", "sun_row"]
 

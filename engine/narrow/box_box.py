@@ -6,9 +6,9 @@ and 8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test bet
 
 import math
 
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import put_point
-from engine.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
 
 __all__ = ["FACE_OF_B", "box_box"]
 

@@ -5,9 +5,9 @@ Source: Ericson, Real-Time Collision Detection, sections 5.1.3 (closest point of
 
 import math
 
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Mat, Vec, add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import put_point
-from engine.vec import Floats, Ints, Mat, Vec, add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 
 __all__ = ["box_plane", "capsule_box", "sphere_box"]
 

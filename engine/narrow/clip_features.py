@@ -6,10 +6,10 @@ Convex Polyhedra, GDC 2013.
 
 import math
 
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, perpendicular, sub
 from engine.narrow.box_box import keep_four
 from engine.narrow.point import put_point
-from engine.vec import Floats, Ints, Vec, axpy, cross, dot, load3, perpendicular, sub
 
 __all__ = ["clip_features", "crossing_lines"]
 

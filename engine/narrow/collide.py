@@ -1,12 +1,12 @@
 """Choose the narrow phase of a pair by the types of its shapes; the lower type is always shape A."""
 
-from engine.arena import BOX, CAPSULE, CYLINDER, HULL, PLANE, SIZE, SPHERE, TYPE
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, load3, load9
+from engine.memory.arena import BOX, CAPSULE, CYLINDER, HULL, PLANE, SIZE, SPHERE, TYPE
 from engine.narrow.box_box import box_box
 from engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
 from engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
 from engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
-from engine.vec import Floats, Ints, Vec, load3, load9
 
 __all__ = ["UNKNOWN", "collide", "is_convex_pair"]
 

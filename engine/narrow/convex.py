@@ -4,9 +4,10 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (preferring faces).
 """
 
-from engine.arena import BALL_RADIUS, CYLINDER, INNER, SPHERE, TRIANGLE, TYPE
-from engine.jit import kernel
-from engine.manifolds import CORNERS_OF_B
+from engine.compile.jit import kernel
+from engine.contact.manifolds import CORNERS_OF_B
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
+from engine.memory.arena import BALL_RADIUS, CYLINDER, INNER, SPHERE, TRIANGLE, TYPE
 from engine.narrow.clip_features import clip_features, crossing_lines
 from engine.narrow.epa import depth
 from engine.narrow.features import facing, is_line, write_feature
@@ -14,7 +15,6 @@ from engine.narrow.gjk import SHARE, distance
 from engine.narrow.point import put_point
 from engine.narrow.support import Solids, core_radius, separation_along
 from engine.narrow.triangle import leans_over
-from engine.vec import Floats, Ints, Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
 
 __all__ = ["convex_contact", "part_cores", "plane_contact"]
 

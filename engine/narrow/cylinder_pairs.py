@@ -6,9 +6,9 @@ contact cases).
 
 import math
 
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import put_point
-from engine.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 
 __all__ = ["cylinder_plane", "sphere_cylinder"]
 

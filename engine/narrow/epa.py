@@ -6,10 +6,10 @@ Detection in Interactive 3D Environments, 2003, section 4.3.8.
 
 import math
 
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3, sub
 from engine.narrow.gjk import corner, put_corner
 from engine.narrow.support import Solids
-from engine.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3, sub
 
 __all__ = ["CORNERS", "FACES", "depth"]
 

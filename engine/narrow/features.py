@@ -5,10 +5,10 @@ Source: Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (
 
 import math
 
-from engine.arena import CAPSULE, CYLINDER, FACES, FIRST_FACE, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
+from engine.memory.arena import CAPSULE, CYLINDER, FACES, FIRST_FACE, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
 from engine.narrow.support import Solids
-from engine.vec import Floats, Ints, Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
 
 __all__ = ["RIM", "UPRIGHT", "facing", "is_line", "write_feature"]
 

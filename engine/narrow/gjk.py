@@ -7,9 +7,9 @@ sub-simplices).
 
 import math
 
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Vec, add, axpy, cross, dot, load3, neg, norm, scale, store3, sub
 from engine.narrow.support import Solids, core_support
-from engine.vec import Floats, Vec, add, axpy, cross, dot, load3, neg, norm, scale, store3, sub
 
 __all__ = ["SHARE", "corner", "distance", "put_corner"]
 

@@ -1,8 +1,8 @@
 """Write one contact point of a manifold."""
 
-from engine.arena import FIRST_GAP, PLACE
-from engine.jit import kernel
-from engine.vec import Floats, Ints, Vec, store3
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, store3
+from engine.memory.arena import FIRST_GAP, PLACE
 
 __all__ = ["put_point"]
 

@@ -3,9 +3,9 @@
 Source: Ericson, Real-Time Collision Detection, sections 4.5 and 5.1.9 (closest points of two segments).
 """
 
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, along, axpy, cross, dot, norm, scale, sub
 from engine.narrow.point import put_point
-from engine.vec import Floats, Ints, Vec, along, axpy, cross, dot, norm, scale, sub
 
 __all__ = ["capsule_capsule", "capsule_plane", "closest_on_segment", "sphere_capsule", "sphere_plane", "sphere_sphere"]
 

@@ -8,9 +8,9 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 import math
 from typing import NamedTuple
 
-from engine.arena import BOX, CAPSULE, CYLINDER, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
-from engine.jit import kernel
-from engine.vec import Floats, Ints, Vec, dot, load3, load9, mat_vec, tmat_vec
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, dot, load3, load9, mat_vec, tmat_vec
+from engine.memory.arena import BOX, CAPSULE, CYLINDER, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
 
 __all__ = ["Solids", "core_radius", "core_support", "separation_along"]
 

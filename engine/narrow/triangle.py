@@ -4,10 +4,10 @@ Source: Ericson, Real-Time Collision Detection, section 5.1.5 (Voronoi regions o
 Interactive Simulation of Rigid Body Dynamics in Computer Graphics, 2014, section 4 (one-sided triangles).
 """
 
-from engine.arena import BALL_RADIUS, FIRST_VERTEX
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Vec, cross, dot, load3, load9, norm, sub, tmat_vec
+from engine.memory.arena import BALL_RADIUS, FIRST_VERTEX
 from engine.narrow.support import Solids
-from engine.vec import Vec, cross, dot, load3, load9, norm, sub, tmat_vec
 
 __all__ = ["leans_over"]
 

@@ -2,9 +2,9 @@
 
 import math
 
-from engine.arena import FIRST_GAP, MARGIN, PLACE, WHOLE_STEP, P, V, W
-from engine.jit import kernel
-from engine.vec import Floats, Vec, add, cross, dot, load3, sub
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Vec, add, cross, dot, load3, sub
+from engine.memory.arena import FIRST_GAP, MARGIN, PLACE, WHOLE_STEP, P, V, W
 
 __all__ = ["FAST", "begins", "touch_gap"]
 

@@ -7,7 +7,11 @@ Source: Ericson, Real-Time Collision Detection, sections 5.5.8 (interval of time
 
 import math
 
-from engine.arena import (
+from engine.compile.jit import entry, kernel
+from engine.contact.collide_convex import solids
+from engine.contact.manifolds import look_ahead, ordered
+from engine.maths.vec import Floats, Ints, axpy, load3, norm
+from engine.memory.arena import (
     APART,
     BALL_RADIUS,
     BODIES,
@@ -36,15 +40,11 @@ from engine.arena import (
     TYPE,
     W,
 )  # fmt: skip
-from engine.carve import floats_of, ints_of
-from engine.collide_convex import solids
-from engine.jit import entry, kernel
-from engine.manifolds import look_ahead, ordered
+from engine.memory.carve import floats_of, ints_of
 from engine.narrow.support import Solids, core_radius, core_support
 from engine.swept.begin import FAST, touch_gap
 from engine.swept.impact_time import impact_time
 from engine.swept.path import ACCELERATION, body_at, shape_at, write_path
-from engine.vec import Floats, Ints, axpy, load3, norm
 
 __all__ = ["earliest_impact"]
 

@@ -15,14 +15,14 @@ Collision, GDC 2013 (a root of the separating function; sinking targets of touch
 
 import math
 
-from engine.arena import BALL_RADIUS, INNER, OFFSET, OWNER, PLANE, TRIANGLE, TYPE, P, W
-from engine.jit import kernel
-from engine.manifolds import thinnest
+from engine.compile.jit import kernel
+from engine.contact.manifolds import thinnest
+from engine.maths.vec import Floats, Ints, Vec, add, cross, dot, load3, neg, norm, sub
+from engine.memory.arena import BALL_RADIUS, INNER, OFFSET, OWNER, PLANE, TRIANGLE, TYPE, P, W
 from engine.narrow.support import Solids, core_radius
 from engine.narrow.triangle import leans_over
 from engine.swept.path import body_at, shape_at, velocity_of
 from engine.swept.separation import separation
-from engine.vec import Floats, Ints, Vec, add, cross, dot, load3, neg, norm, sub
 
 __all__ = ["impact_time"]
 

@@ -10,9 +10,8 @@ Source: Redon, Kheddar, Coquillart, Fast Continuous Collision Detection between 
 
 import math
 
-from engine.arena import OFFSET, OWNER, TURN, P, Q, V, W
-from engine.jit import kernel
-from engine.vec import (
+from engine.compile.jit import kernel
+from engine.maths.vec import (
     Floats,
     Ints,
     Quat,
@@ -35,6 +34,7 @@ from engine.vec import (
     store9,
     sub,
 )  # fmt: skip
+from engine.memory.arena import OFFSET, OWNER, TURN, P, Q, V, W
 
 __all__ = ["ACCELERATION", "PATH_COLUMNS", "body_at", "shape_at", "velocity_of", "write_path"]
 

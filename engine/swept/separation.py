@@ -5,11 +5,11 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 
 import math
 
-from engine.arena import BALL_RADIUS, PLANE, TYPE
-from engine.jit import kernel
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, neg, sub
+from engine.memory.arena import BALL_RADIUS, PLANE, TYPE
 from engine.narrow.convex import part_cores
 from engine.narrow.support import Solids, core_radius, core_support
-from engine.vec import Floats, Ints, Vec, add, axpy, dot, load3, neg, sub
 
 __all__ = ["separation"]
 

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine import arena as at
-from engine.arena import float_table, int_table
-from engine.errors import ManyImpacts
+from engine.describe.errors import ManyImpacts
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
 from engine.options import Options
 from engine.swept.earliest import earliest_impact
 from engine.swept.path import PATH_COLUMNS
@@ -207,7 +207,7 @@ class SweptSteps:
 
 def _answer(floats: FloatArray, ints: IntArray) -> None:
     """Let the convex narrow phase answer the pairs that wait for it."""
-    from engine.collide_convex import collide_convex
+    from engine.contact.collide_convex import collide_convex
 
     collide_convex(floats, ints)
 

@@ -7,7 +7,11 @@ their last step do not act, and are kept for the next.
 Source: Moreau, Unilateral Contact and Dry Friction in Finite Freedom Dynamics, 1988 (one impact law for all contacts).
 """
 
-from engine.arena import (
+from engine.compile.jit import entry
+from engine.contact.find_contacts import find_contacts
+from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
+from engine.maths.vec import Floats, Ints, add, cross, dot, load3, load6, store3, store4, sub, sym_vec
+from engine.memory.arena import (
     APPROACH,
     ARM_A,
     ARM_B,
@@ -46,16 +50,12 @@ from engine.arena import (
     V,
     W,
 )  # fmt: skip
-from engine.carve import floats_of, ints_of
-from engine.contact_solver import bounce, end_step, end_substep
-from engine.find_contacts import find_contacts
-from engine.jit import entry
-from engine.motion import angular_momentum, turn_inertia
-from engine.sequential_impulses import sweep_velocities
-from engine.steps_contact import slow_approach
+from engine.memory.carve import floats_of, ints_of
+from engine.respond.sequential_impulses import sweep_velocities
+from engine.respond.soft import bounce, end_step, end_substep
+from engine.steps.contact import slow_approach
 from engine.swept.begin import touch_gap
 from engine.swept.path import body_at
-from engine.vec import Floats, Ints, add, cross, dot, load3, load6, store3, store4, sub, sym_vec
 
 __all__ = ["place_bodies", "strike"]
 

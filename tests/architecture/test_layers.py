@@ -31,7 +31,7 @@ def test_the_page_of_the_architecture_names_the_layers_of_the_contract() -> None
     assert rows == [", ".join(f"`{package}`" for package in layer.split(" | ")) for layer in layers]
 
 
-@pytest.mark.parametrize("package", ["harness"])
+@pytest.mark.parametrize("package", ["harness", "engine"])
 def test_the_listing_of_a_root_is_short(package: str) -> None:
     entries = {path.name for path in (ROOT / package).iterdir()} - {"__pycache__"}
     assert len(entries) <= 20, sorted(entries)

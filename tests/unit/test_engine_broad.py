@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import engine
-from engine import arena as at
-from engine.arena import float_table, int_table
-from engine.assembly import grow
 from engine.broad.choice import FEW, choose_broad_phase
+from engine.build.assembly import grow
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
 from engine.options import BROAD_PHASES
 
 Motion = Literal["dynamic", "static", "kinematic"]

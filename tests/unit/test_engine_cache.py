@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import engine
-from engine import compilers
+from engine.compile import compilers
 
 pytestmark = pytest.mark.compiler
 
@@ -93,7 +93,7 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     """
     assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
     assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
-    motion = copy / "engine" / "motion.py"
+    motion = copy / "engine" / "integrate" / "semi_implicit_euler.py"
     text = motion.read_text()
     assert text.count(KICK) == 1
     motion.write_text(text.replace(KICK, KICK.replace("load3", "scale(-1.0, load3") + ")"))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import engine
-from engine.exact.law import Problem
-from engine.exact.residual import project_coulomb, relative_residual
-from engine.exact.solver import Solution, solve
+from engine.respond.exact.law import Problem
+from engine.respond.exact.residual import project_coulomb, relative_residual
+from engine.respond.exact.solver import Solution, solve
 
 G, DT = 9.81, 1 / 240
 DEFAULT = ("default", "default")
@@ -208,7 +208,7 @@ def _watched(world: engine.World, steps: int, patch: pytest.MonkeyPatch) -> list
             seen.append((problem, solution))
         return solution
 
-    patch.setattr("engine.exact.steps.solve", watch)
+    patch.setattr("engine.respond.exact.steps.solve", watch)
     world.step(steps)
     return seen
 

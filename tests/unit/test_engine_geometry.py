@@ -13,8 +13,8 @@ from scipy.spatial import ConvexHull as Quickhull
 from scipy.spatial.transform import Rotation
 
 import engine
-from engine import arena as at
-from engine.arena import float_table
+from engine.memory import arena as at
+from engine.memory.arena import float_table
 
 Array = NDArray[np.float64]
 RNG = np.random.default_rng(11)
@@ -70,7 +70,7 @@ def _poses(seed: int, count: int, spread: float) -> tuple[Array, Array]:
 
 def _measure(one: engine.Shape, two: engine.Shape, a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
     """Gap, normal and closest points (k, 10) of two shapes at the poses a and b of their given frames."""
-    from engine.measure_convex import measure_convex
+    from engine.contact.measure_convex import measure_convex
 
     bodies = [engine.Body(name=str(k), shapes=[engine.Placed(shape)]) for k, shape in enumerate((one, two))]
     bodies.append(engine.Body(name="third", shapes=[engine.Placed(engine.Cylinder(1, 1))]))
@@ -304,7 +304,7 @@ def test_a_mesh_that_forces_would_move_is_refused_when_the_world_is_built() -> N
 @pytest.mark.parametrize(("cap", "faces"), [(4, 6), (24, 26)])
 def test_coplanar_facets_of_a_hull_become_one_face(cap: int, faces: int) -> None:
     """A prism of n sides has n + 2 faces, and Euler's V - E + F = 2 holds; its normals point outwards."""
-    from engine.polyhedra import hull_polyhedron
+    from engine.build.polyhedra import hull_polyhedron
 
     angle = 2 * math.pi * np.arange(cap) / cap
     ring = np.column_stack([np.cos(angle), np.sin(angle)])

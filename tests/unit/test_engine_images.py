@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import engine
-from engine.jit import jit_is_off
-from engine.level_of_detail import collision_shapes
+from engine.build.level_of_detail import collision_shapes
+from engine.compile.jit import jit_is_off
 from harness import scene as words
 from harness.sensors.rays import first_hits
 from harness.trajectory import State

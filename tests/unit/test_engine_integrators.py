@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 import engine
 from adapters.reference import ADAPTER
 from cases.spin_asymmetric_top import CASE
+from engine.build.principal_frame import principal_frame
+from engine.integrate.splitting import KAHAN_LI_8, SUZUKI_4
 from engine.options import FREE_INTEGRATORS, INTEGRATORS
-from engine.principal_frame import principal_frame
-from engine.splitting import KAHAN_LI_8, SUZUKI_4
 from harness.adapter import Settings, SettingsError, Unsupported
 from harness.scene import Ball, Body, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
 from harness.trajectory import Trajectory

@@ -12,7 +12,7 @@ from typing import Any
 import numba
 import pytest
 
-from engine import compilers
+from engine.compile import compilers
 
 pytestmark = pytest.mark.compiler
 
@@ -94,7 +94,7 @@ def test_this_version_of_numba_has_what_is_used_of_it(where: str, specimens: dic
     thing = found(where) if where.startswith("numba.") else specimens[where]
     known = thing if isinstance(thing, set) else None
     missing = [name for name in names if not (name in known if known is not None else hasattr(thing, name))]
-    assert not missing, f"{has} has no {', '.join(missing)}: mend engine/compilers.py, or keep numba below this version"
+    assert not missing, f"{has} has no {', '.join(missing)}: mend engine/compile/compilers.py, or keep numba below this version"
 
 
 def attributes(path: Path) -> set[str]:
@@ -108,7 +108,7 @@ def attributes(path: Path) -> set[str]:
 def test_the_list_is_whole() -> None:
     listed = {name for names in compilers.INTERNALS.values() for name in names}
     used = attributes(ONLY) - set(dir(builtins)) - PLAIN - OWN
-    assert sorted(used - listed) == [], "used in engine/compilers.py; to be listed in INTERNALS"
+    assert sorted(used - listed) == [], "used in engine/compile/compilers.py; to be listed in INTERNALS"
     text = ONLY.read_text(encoding="utf-8")
     head, _, rest = text.partition("All that is used here of Numba")
     assert head

@@ -11,10 +11,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components as scipy_components
 
 import engine
-from engine import arena as at
-from engine.assembly import wants_islands
-from engine.islands import connected_components
-from engine.steps_contact_jointed import step_contact_jointed
+from engine.build.assembly import wants_islands
+from engine.islands.islands import connected_components
+from engine.memory import arena as at
+from engine.steps.contact_jointed import step_contact_jointed
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 
@@ -138,7 +138,7 @@ def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restit
 
 def test_one_thread_compiles_nothing_parallel() -> None:
     """A world of one thread never loads the module of islands."""
-    code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('engine.steps_islands' in sys.modules)"
+    code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('engine.steps.islands' in sys.modules)"
     given = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}"]
     assert subprocess.run(given, check=True, capture_output=True, text=True).stdout.split() == ["False"]
 

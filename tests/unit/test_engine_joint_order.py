@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import engine
-from engine.joint_order import elimination_order, factor_cost
+from engine.build.joint_order import elimination_order, factor_cost
 
 Mechanism = tuple[list[engine.Body], list[engine.Joint]]
 
@@ -69,8 +69,8 @@ def test_what_the_factor_costs_hardly_depends_on_the_order_of_the_list(mechanism
 
 def test_four_bars_listed_feet_first_fill_as_little_as_loop_by_loop() -> None:
     """The envelope of the factor as the kernels wrote it: a loop has 20 rows, so no row reaches back further than that."""
-    from engine import arena as at
-    from engine.arena import float_table
+    from engine.memory import arena as at
+    from engine.memory.arena import float_table
 
     bodies, joints = _four_bars(12)
     fill = []

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import engine
-from engine.level_of_detail import LEVELS, bounding_box, bounding_sphere, collision_shapes
+from engine.build.level_of_detail import LEVELS, bounding_box, bounding_sphere, collision_shapes
 
 Array = NDArray[np.float64]
 NON_CONVEX = ("decomposition", "mesh")
@@ -41,7 +41,7 @@ ELL = _prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], [(0, 1, 2), (0, 2
 """Three cubes of 1 m in an L."""
 
 
-def _built(mesh: engine.TriangleMesh, level: str) -> engine.level_of_detail.Detail:  # type: ignore[name-defined]
+def _built(mesh: engine.TriangleMesh, level: str) -> engine.build.level_of_detail.Detail:  # type: ignore[name-defined]
     if level == "decomposition":
         pytest.importorskip("coacd")
     return collision_shapes(mesh, level)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-import engine.sources
-from engine.sources import source_digest
+import engine.compile.sources
+from engine.compile.sources import source_digest
 
 
 def test_another_byte_in_any_file_is_another_digest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -13,7 +13,7 @@ def test_another_byte_in_any_file_is_another_digest(tmp_path: Path, monkeypatch:
     inner.mkdir()
     for name in ("a.py", "narrow/a.py"):
         (tmp_path / name).write_text("x = 1\n")
-    monkeypatch.setattr(engine.sources, "__file__", str(tmp_path / "sources.py"))
+    monkeypatch.setattr(engine.compile.sources, "__file__", str(tmp_path / "compile" / "sources.py"))
     first = source_digest()
     assert source_digest() == first
     (inner / "a.py").write_text("x = 2\n")

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import engine
-from engine import arena as at
-from engine.arena import float_table
+from engine.memory import arena as at
+from engine.memory.arena import float_table
 
 Array = NDArray[np.float64]
 DT = 1 / 240
@@ -122,7 +122,7 @@ def test_every_pair_that_turns_touches_at_its_time_of_impact_and_not_before(one:
 
     The gap is measured apart from the search, and known to 2e-6 m for round shapes (the polytope of EPA), 1e-8 m otherwise.
     """
-    from engine.measure_convex import measure_convex
+    from engine.contact.measure_convex import measure_convex
 
     slack = 2e-6
     hits = 0

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import engine
-from engine import arena as at
-from engine.arena import float_table, int_table
+from engine.build.solids import quat_mat, quat_mul
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
 from engine.options import BOUNDING_VOLUMES
-from engine.solids import quat_mat, quat_mul
 
 DEFAULT = ("default", "default")
 FloatArray = NDArray[np.float64]
@@ -240,7 +240,7 @@ def test_only_the_chosen_volume_is_loaded() -> None:
         "bodies = [engine.Body(name=str(k), shapes=[ball], p_WB=(k, 0, 0)) for k in range(2)]\n"
         "for volume in ('aabb', 'sphere'):\n"
         "    engine.World(bodies, options=engine.Options(bounding_volume=volume))\n"
-        "    print([name for name in ('obb', 'sphere') if 'engine.volumes.' + name in sys.modules])\n"
+        "    print([name for name in ('obb', 'sphere') if 'engine.broad.volumes.' + name in sys.modules])\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split("\n")[:2] == ["[]", "['sphere']"]

@@ -205,7 +205,7 @@ def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> Non
     """Compile time follows the number of compiled functions, and `load3` alone meets some forty different columns."""
     import numba
 
-    from engine import vec
+    from engine.maths import vec
 
     def ends(a: vec.Floats) -> float:
         return float(vec.load3(a, 0, 0)[0] + vec.load3(a, 0, 3)[2])

@@ -2,12 +2,12 @@
 
 from numba import prange
 
-from engine.arena import CANDIDATES, COUNT, PAIR, PAIRS, PROGRESS, SEARCHED, TALLY
 from engine.broad.candidates import compare_candidates
 from engine.broad.parallel.shares import join, new_parts, share
-from engine.carve import ints_of
-from engine.jit import parallel_entry
-from engine.vec import Floats, Ints
+from engine.compile.jit import parallel_entry
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import CANDIDATES, COUNT, PAIR, PAIRS, PROGRESS, SEARCHED, TALLY
+from engine.memory.carve import ints_of
 
 __all__ = ["write_pairs"]
 

@@ -5,8 +5,8 @@ Each thread writes to rows of its own, and the shares follow one another, so the
 
 import numpy as np
 
-from engine.jit import kernel
-from engine.vec import Ints
+from engine.compile.jit import kernel
+from engine.maths.vec import Ints
 
 __all__ = ["join", "new_parts", "share"]
 

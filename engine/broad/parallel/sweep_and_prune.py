@@ -2,13 +2,13 @@
 
 from numba import prange
 
-from engine.arena import CANDIDATE, COUNT, SHAPES
 from engine.broad.candidates import add_unbounded, bounds_are_stale, keep_candidates
 from engine.broad.parallel.shares import join, new_parts, share
 from engine.broad.sweep_and_prune import search_range, sort_shapes
-from engine.carve import ints_of
-from engine.jit import parallel_entry
-from engine.vec import Floats, Ints
+from engine.compile.jit import parallel_entry
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import CANDIDATE, COUNT, SHAPES
+from engine.memory.carve import ints_of
 
 __all__ = ["find_candidates"]
 

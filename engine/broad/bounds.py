@@ -1,0 +1,158 @@
+"""The bounds of shapes, and the test of all pairs, which is the broad phase of a few shapes and the oracle of all others.
+
+Source: Ericson, Real-Time Collision Detection, sections 4.2 (axis-aligned boxes) and 7.1.
+"""
+
+import math
+
+from engine.compile.jit import inlined, kernel
+from engine.maths.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
+from engine.memory.arena import (
+    APART,
+    BALL_RADIUS,
+    BOX,
+    CAPSULE,
+    DYNAMIC,
+    GRAVITY,
+    HULL,
+    MARGIN,
+    MATERIAL,
+    MOTION,
+    OFFSET,
+    OWNER,
+    PLANE,
+    SIZE,
+    SPHERE,
+    TURN,
+    TYPE,
+    WHOLE_STEP,
+    P,
+    Q,
+    V,
+    W,
+)  # fmt: skip
+
+__all__ = ["boxes_overlap", "brute_force", "kept_apart", "overlap", "pose_shapes", "reaches_plane", "write_bounds"]
+
+
+@kernel
+def pose_shapes(state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pose: Floats) -> None:
+    """Write position and rotation matrix in W of every shape."""
+    for s in range(shapes):
+        b, offset = shape_kind[s, OWNER], load3(shape, s, OFFSET)
+        if shape_kind[s, TYPE] == SPHERE and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0:
+            # A ball about the centre of mass looks the same however it is turned: its matrix stays as it was at the start.
+            store3(pose, s, 0, load3(state, b, P))
+            continue
+        q = load4(state, b, Q)
+        store3(pose, s, 0, add(load3(state, b, P), mat_vec(quat_mat(q), offset)))
+        store9(pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, TURN))))
+
+
+@kernel
+def write_bounds(
+    state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pose: Floats, bounds: Floats, setting: Floats
+) -> None:
+    """Write the axis-aligned bounds [m] of every shape, widened by the margin and by its way in dt, and by how much.
+
+    Two shapes together are widened by no less than `manifolds.look_ahead`, so that no contact depends on the bounds.
+    """
+    dt = setting[0, WHOLE_STEP]
+    least = setting[0, MARGIN] + 0.5 * dt * dt * norm(load3(setting, 0, GRAVITY))
+    for s in range(shapes):
+        kind, b = shape_kind[s, TYPE], shape_kind[s, OWNER]
+        grow = least + dt * norm(load3(state, b, V))
+        if shape[s, BALL_RADIUS] < math.inf:
+            swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if kind != SPHERE else 0.0)
+            if swing > 0.0:
+                grow += dt * norm(load3(state, b, W)) * swing
+        m = load9(pose, s, 3)
+        for k in range(3):
+            if kind == PLANE:
+                half = math.inf
+            elif kind == SPHERE:
+                half = shape[s, SIZE]
+            elif kind == CAPSULE:
+                half = shape[s, SIZE] + shape[s, SIZE + 1] * abs(m[3 * k + 2])
+            elif kind == BOX or kind >= HULL:
+                half = (
+                    shape[s, SIZE] * abs(m[3 * k])
+                    + shape[s, SIZE + 1] * abs(m[3 * k + 1])
+                    + shape[s, SIZE + 2] * abs(m[3 * k + 2])
+                )
+            else:
+                half = shape[s, BALL_RADIUS]
+            bounds[s, k] = pose[s, k] - half - grow
+            bounds[s, k + 3] = pose[s, k] + half + grow
+        bounds[s, 6] = grow
+
+
+@inlined
+def boxes_overlap(bounds: Floats, i: int, j: int) -> bool:
+    """Whether the bounds of shapes i and j overlap."""
+    apart = False
+    for k in range(3):
+        apart = apart or bounds[i, k] > bounds[j, k + 3] or bounds[j, k] > bounds[i, k + 3]
+    return not apart
+
+
+@inlined
+def reaches_plane(bounds: Floats, pose: Floats, plane: int, other: int) -> bool:
+    """Whether the lowest corner of the bounds of a shape lies below a plane."""
+    height = 0.0
+    for k in range(3):
+        n = pose[plane, 5 + 3 * k]
+        height += n * ((bounds[other, k] if n > 0.0 else bounds[other, k + 3]) - pose[plane, k])
+    return height <= 0.0
+
+
+@inlined
+def kept_apart(
+    shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, i: int, j: int
+) -> bool:  # fmt: skip
+    """Whether shapes i and j never touch: neither can move, or they belong to one body, or a joint or material parts them."""
+    a, b = shape_kind[i, OWNER], shape_kind[j, OWNER]
+    if a == b or (kind[a, MOTION] != DYNAMIC and kind[b, MOTION] != DYNAMIC):
+        return True
+    if surface[shape_kind[i, MATERIAL] * materials + shape_kind[j, MATERIAL], APART] == 1.0:
+        return True
+    for e in range(exclusions):
+        if (excluded[e, 0] == a and excluded[e, 1] == b) or (excluded[e, 0] == b and excluded[e, 1] == a):
+            return True
+    return False
+
+
+@inlined
+def overlap(bounds: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> bool:
+    """Whether the bounds of shapes i and j overlap, or those of one reach the plane that the other is."""
+    if shape_kind[i, TYPE] == PLANE or shape_kind[j, TYPE] == PLANE:
+        if shape_kind[i, TYPE] == shape_kind[j, TYPE]:
+            return False
+        return reaches_plane(bounds, pose, i, j) if shape_kind[i, TYPE] == PLANE else reaches_plane(bounds, pose, j, i)
+    return boxes_overlap(bounds, i, j)
+
+
+@kernel
+def brute_force(
+    bounds: Floats,
+    shape_kind: Ints,
+    kind: Ints,
+    surface: Floats,
+    materials: int,
+    excluded: Ints,
+    exclusions: int,
+    pose: Floats,
+    shapes: int,
+    pair: Ints,
+) -> int:
+    """Write every overlapping pair, by i and then j > i. Returns: their number, perhaps beyond the room in `pair`."""
+    found = 0
+    for i in range(shapes):
+        for j in range(i + 1, shapes):
+            if kept_apart(shape_kind, kind, surface, materials, excluded, exclusions, i, j):
+                continue
+            if overlap(bounds, shape_kind, pose, i, j):
+                if found < pair.shape[0]:
+                    pair[found, 0], pair[found, 1] = i, j
+                found += 1
+    return found

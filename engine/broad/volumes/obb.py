@@ -1,0 +1,105 @@
+"""Oriented bounding boxes: two are disjoint if and only if a face normal of one, or a cross product of an edge of each, parts
+their projections: fifteen axes.
+
+Source: Gottschalk, Lin, Manocha, OBBTree: A Hierarchical Structure for Rapid Interference Detection, SIGGRAPH 1996, section 5;
+Ericson, Real-Time Collision Detection, section 4.4.1.
+"""
+
+from engine.broad.volumes.sphere import reaches_through
+from engine.compile.jit import entry, kernel
+from engine.maths.vec import Floats, Ints, Mat, Vec, cross, dot, load3, load9, norm, sub
+from engine.memory.arena import (
+    BOUNDS,
+    CAPSULE,
+    COUNT,
+    CYLINDER,
+    PAIR,
+    PAIRS,
+    PLANE,
+    POSE,
+    SHAPE,
+    SHAPE_KIND,
+    SIZE,
+    SPHERE,
+    TYPE,
+)
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["boxes_apart", "drop_apart", "half_extents"]
+
+PARALLEL = 1e-6
+"""Length of the cross product of two edges [1] below which it is left out: the face normals stand for parallel edges."""
+
+
+@kernel
+def half_extents(shape: Floats, shape_kind: Ints, s: int) -> Vec:
+    """Half extents [m] of the box about a bounded shape along the shape's own axes."""
+    h, kind = load3(shape, s, SIZE), shape_kind[s, TYPE]
+    if kind == SPHERE:
+        return h[0], h[0], h[0]
+    if kind == CAPSULE:
+        return h[0], h[0], h[0] + h[1]
+    if kind == CYLINDER:
+        return h[0], h[0], h[1]
+    return h
+
+
+@kernel
+def axis_of(m: Mat, k: int) -> Vec:
+    """Column k of a rotation matrix."""
+    if k == 0:
+        return m[0], m[3], m[6]
+    if k == 1:
+        return m[1], m[4], m[7]
+    return m[2], m[5], m[8]
+
+
+@kernel
+def reach_along(m: Mat, h: Vec, n: Vec) -> float:
+    """Half the width [m] of a box along n, times the length of n."""
+    return h[0] * abs(dot(axis_of(m, 0), n)) + h[1] * abs(dot(axis_of(m, 1), n)) + h[2] * abs(dot(axis_of(m, 2), n))
+
+
+@kernel
+def boxes_apart(d: Vec, ma: Mat, ha: Vec, mb: Mat, hb: Vec, grow: float) -> bool:
+    """Whether two boxes are farther apart than `grow` [m] along one of the fifteen axes.
+
+    Args: d: from the centre of A to that of B [m]; ma, mb: axes as columns; ha, hb: half extents [m].
+    """
+    for k in range(3):
+        n = axis_of(ma, k)
+        if abs(dot(d, n)) > reach_along(ma, ha, n) + reach_along(mb, hb, n) + grow:
+            return True
+        n = axis_of(mb, k)
+        if abs(dot(d, n)) > reach_along(ma, ha, n) + reach_along(mb, hb, n) + grow:
+            return True
+    for i in range(3):
+        for j in range(3):
+            n = cross(axis_of(ma, i), axis_of(mb, j))
+            length = norm(n)
+            if length > PARALLEL and abs(dot(d, n)) > reach_along(ma, ha, n) + reach_along(mb, hb, n) + grow * length:
+                return True
+    return False
+
+
+@entry
+def drop_apart(floats: Floats, ints: Ints) -> None:
+    """Keep the pairs of this step whose oriented boxes, widened as the bounds, overlap."""
+    shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
+    shape_kind, pair, count, kept = ints_of(ints, SHAPE_KIND), ints_of(ints, PAIR), ints_of(ints, COUNT), 0
+    for p in range(count[0, PAIRS]):
+        i, j = pair[p, 0], pair[p, 1]
+        grow, mi, mj = bounds[i, 6] + bounds[j, 6], load9(pose, i, 3), load9(pose, j, 3)
+        if shape_kind[i, TYPE] == PLANE:
+            reach = reach_along(mj, half_extents(shape, shape_kind, j), axis_of(mi, 2))
+            near = reaches_through(pose, i, j, reach + grow)
+        elif shape_kind[j, TYPE] == PLANE:
+            reach = reach_along(mi, half_extents(shape, shape_kind, i), axis_of(mj, 2))
+            near = reaches_through(pose, j, i, reach + grow)
+        else:
+            hi, hj = half_extents(shape, shape_kind, i), half_extents(shape, shape_kind, j)
+            near = not boxes_apart(sub(load3(pose, j, 0), load3(pose, i, 0)), mi, hi, mj, hj, grow)
+        if near:
+            pair[kept, 0], pair[kept, 1] = i, j
+            kept += 1
+    count[0, PAIRS] = kept

@@ -1,0 +1,343 @@
+"""Write bodies, shapes, joints and surfaces into a new arena."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.build.joint_order import ROWS
+from engine.build.polyhedra import Polyhedron
+from engine.build.principal_frame import principal_frame
+from engine.build.solids import body_solids, quat_mat, quat_mul
+from engine.describe.bodies import Body, Surface
+from engine.describe.check import finite, spd_inertia, unit_quaternion
+from engine.describe.errors import NotSupported
+from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Revolute
+from engine.describe.shapes import Box, Plane, Sphere
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table, new_arena
+from engine.options import CONTINUOUS, FREE_INTEGRATORS, Options
+
+__all__ = ["assemble_world", "grow", "islands_know", "spheres_only", "wants_islands"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
+ENDLESS = 1e9
+"""The extent [m] of a plane: where it turns at all, it does not count as still."""
+
+
+def six(m: FloatArray) -> list[float]:
+    """(xx, yy, zz, xy, xz, yz) of a symmetric matrix."""
+    return [m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]]
+
+
+def spheres_only(
+    bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], options: Options
+) -> bool:
+    """Whether the world is one that `engine.steps.spheres` serves."""
+    if not options.contacts or options.sleeping or options.solver != "tgs_soft" or options.continuous == "swept":
+        return False
+    if joints or any(law.rolling_friction > 0 or law.torsional_friction > 0 for law in surfaces.values()):
+        return False
+    for body in bodies:
+        if body.motion == "dynamic":
+            inertia = np.asarray(body.inertia, float)
+            single = len(body.shapes) == 1 and isinstance(body.shapes[0].shape, Sphere) and not np.any(body.shapes[0].p_BS)
+            if body.shapes and not (single and np.array_equal(inertia, inertia[0, 0] * np.eye(3))):
+                return False
+        elif body.shapes and (
+            body.motion != "static" or any(not isinstance(placed.shape, Sphere | Box | Plane) for placed in body.shapes)
+        ):
+            return False
+    return True
+
+
+def islands_know(options: Options) -> bool:
+    """Whether islands are solved apart, and may sleep, under these options."""
+    return options.solver == "tgs_soft" and options.continuous != "swept"
+
+
+def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Options) -> bool:
+    """Whether islands are solved apart: to sleep, on threads, or because the joints hold more than one machine together.
+
+    The direct solve of joints costs the cube of what is solved at once; the answer is the same to the last bit.
+    """
+    if not islands_know(options):
+        return False
+    if options.threads > 1 or options.sleeping:
+        return True
+    above = {body.name: body.name for body in bodies if body.motion == "dynamic"}
+
+    def root(name: str) -> str:
+        while above[name] != name:
+            above[name] = above[above[name]]
+            name = above[name]
+        return name
+
+    held = [[name for name in (joint.parent, joint.child) if name in above] for joint in joints]
+    for ends in held:
+        for name in ends:
+            above[root(name)] = root(ends[0])
+    return len({root(name) for ends in held for name in ends}) > 1
+
+
+def assemble_world(
+    bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
+    options: Options, apart: Sequence[tuple[str, str]] = (), islands: bool = False,
+) -> tuple[FloatArray, IntArray]:  # fmt: skip
+    """The arena of a world at its start, with room for islands where it has any. Raises: ValueError, NotSupported."""
+    _check_pairs(surfaces, apart)
+    n, nj = len(bodies), len(joints)
+    index: dict[str, int] = {}
+    known: set[str] = set()
+    for joint in joints:
+        if joint.name in known:
+            raise ValueError(f"joint '{joint.name}': the name is taken")
+        known.add(joint.name)
+    for i, body in enumerate(bodies):
+        if body.name in index or body.name == WORLD:
+            raise ValueError(f"body '{body.name}': the name is taken")
+        index[body.name] = i
+    index[WORLD] = n
+    shapes = [(i, solid) for i, body in enumerate(bodies) for solid in body_solids(body)]
+    ns = len(shapes)
+    convex = any(solid.kind in (at.CYLINDER, at.HULL, at.TRIANGLE) for _, solid in shapes)
+    polyhedra = [(s, solid.polyhedron) for s, (_, solid) in enumerate(shapes) if convex and solid.polyhedron is not None]
+    rows = sum(ROWS[type(joint)] + 3 for joint in joints) + 1
+    movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
+    near = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
+    spheres = spheres_only(bodies, joints, surfaces, options)
+    pairs, touches = (0, near) if spheres else (near, 0)
+    materials = sorted({body.material for body in bodies} | {one for pair in (*surfaces, *apart) for one in pair})
+    excluded = [
+        (index[joint.parent], index[joint.child])
+        for joint in joints
+        if not joint.collide and joint.parent in index and joint.child in index
+    ]
+    float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
+    island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options, islands)
+    float_shapes = [
+        (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
+        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (10, rows), (pairs, 61), (4 * pairs + 1, 36),
+        (pairs, 61), (4 * pairs, 36), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
+        (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
+        (ns, 6), (touches, 16), (touches, 18), (touches, 4), (n + 1 if spheres else 0, 8),
+        (n + 1, 7), *island_float_rooms,
+    ]  # fmt: skip
+    int_shapes = [
+        (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (near, 2), (pairs, 8), (4 * pairs + 1, 2), (pairs, 8),
+        (4 * pairs, 2), (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 18), (32, 2), *int_rooms,
+        (near, 2), (touches, 6), (touches, 2), (1, 2), *island_int_rooms,
+    ]  # fmt: skip
+    floats, ints = new_arena(float_shapes, int_shapes)
+    _write_bodies(floats, ints, bodies)
+    float_table(floats, ints, at.REST)[:] = np.inf
+    float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
+    for s, (i, solid) in enumerate(shapes):
+        if solid.kind in (at.PLANE, at.TRIANGLE) and bodies[i].motion == "dynamic":
+            if solid.kind == at.TRIANGLE:
+                raise NotSupported(f"triangle mesh of body '{bodies[i].name}'", "a mesh is a surface that forces do not move")
+            raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
+        row = float_table(floats, ints, at.SHAPE)[s]
+        row[at.OFFSET : at.OFFSET + 3] = solid.offset
+        row[at.TURN : at.TURN + 4] = solid.turn
+        row[at.SIZE : at.SIZE + 3] = solid.size
+        row[at.BALL_RADIUS] = solid.radius
+        body = float_table(floats, ints, at.BODY)[i]
+        body[at.EXTENT] = max(body[at.EXTENT], min(float(np.linalg.norm(solid.offset)) + solid.radius, ENDLESS))
+        int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
+        int_table(ints, at.ORDER)[s, 0] = s
+        int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
+    _write_polyhedra(floats, ints, polyhedra)
+    for j, joint in enumerate(joints):
+        _write_joint(floats, ints, j, joint, index, bodies)
+    for (one, two), law in surfaces.items():
+        for a, b in ((one, two), (two, one)):
+            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), :5] = (
+                law.static_friction, law.kinetic_friction, law.restitution, law.rolling_friction, law.torsional_friction,
+            )  # fmt: skip
+    for one, two in apart:
+        for a, b in ((one, two), (two, one)):
+            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), at.APART] = 1.0
+    if excluded:
+        int_table(ints, at.EXCLUDED)[:] = excluded
+    setting = float_table(floats, ints, at.SETTING)[0]
+    setting[at.DT] = setting[at.WHOLE_STEP] = setting[at.LAST_SPAN] = options.dt
+    setting[at.GRAVITY : at.GRAVITY + 3] = finite("world", "gravity", gravity, (3,), "m/s2")
+    hertz = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
+    setting[at.HERTZ], setting[at.DAMPING_RATIO] = hertz, options.contact_damping_ratio
+    setting[at.MAX_PUSH], setting[at.MARGIN] = options.max_push, options.margin
+    setting[at.STEP_TOLERANCE] = options.used_step_tolerance or 0.0
+    setting[at.BOUNCE_SPEED] = -1.0 if options.bounce_speed is None else options.bounce_speed
+    count = int_table(ints, at.COUNT)[0]
+    count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = n, ns, nj
+    count[at.SUBSTEPS], count[at.ITERATIONS], count[at.RELAXATIONS] = options.substeps, options.iterations, options.relaxations
+    count[at.RUNGE_KUTTA] = int(options.integrator == "rk4")
+    count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), CONTINUOUS.index(options.continuous)
+    int_table(ints, at.PROGRESS)[0, at.CANDIDATES] = -1
+    count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
+    int_table(ints, at.TALLY)[0, at.THREADS] = options.threads
+    if options.sleeping:
+        float_table(floats, ints, at.SLEEP)[0] = options.sleep_speed, options.sleep_time
+    return floats, ints
+
+
+def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tuple[str, str]]) -> None:
+    """Raises: ValueError for what is no pair of materials, and for a pair with one law in each order."""
+    for field, pairs in (("surfaces", surfaces), ("apart", apart)):
+        for pair in pairs:
+            if not isinstance(pair, tuple | list) or len(pair) != 2 or not all(isinstance(one, str) for one in pair):
+                raise ValueError(f"world: {field} names {pair!r}, expected a pair of materials")
+    for (one, two), law in surfaces.items():
+        if surfaces.get((two, one), law) != law:
+            raise ValueError(f"world: surfaces give {(one, two)} and {(two, one)} different laws, expected one")
+
+
+def _convex_rooms(
+    polyhedra: Sequence[Polyhedron], shapes: int, pairs: int, convex: bool
+) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+    """Rows and columns of the tables of the convex narrow phase, empty where a world has none."""
+    faces, corners = sum(len(one.loops) for one in polyhedra), sum(len(loop) for one in polyhedra for loop in one.loops)
+    widest = max((len(loop) for one in polyhedra for loop in one.loops), default=0)
+    work, polygon = (560, 3 * (2 * max(widest, 16) + 2)) if convex else (0, 0)
+    vertices = sum(len(one.vertices) for one in polyhedra)
+    return (
+        [(vertices, 3), (faces, 3), (pairs, 3), (4 * pairs, 32), (work, 10), (polygon, 3)],
+        [(shapes, 5), (faces, 2), (corners, 1), (pairs, 1), (4 * pairs, 2), (work, 6), (polygon, 1)],
+    )
+
+
+def _island_rooms(
+    bodies: int, joints: int, pairs: int, options: Options, wanted: bool
+) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+    """Rows and columns of the tables of islands and of sleep, empty where a world has none."""
+    members, spans, owners = (bodies + 1, bodies + 2, bodies + 1 + pairs + 2 * joints) if wanted else (0, 0, 0)
+    links, ties = (pairs, joints) if wanted else (0, 0)
+    sleepers, rests = (bodies + 1, pairs) if options.sleeping else (0, 0)
+    return (
+        [
+            (owners, 13), (owners, 18), (owners, 6), (owners, 6), (ties, 40), (sleepers, 1), (sleepers, 19), (rests, 61),
+            (4 * rests, 36), (1, 2),
+        ],
+        [
+            (members, 8), (spans, 10), (links, 1), (ties, 1), (owners, 4), (owners, 1), (ties, 6), (rests, 8), (4 * rests, 2),
+            (1, 8),
+        ],
+    )  # fmt: skip
+
+
+def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
+    """Fill the tables of corners and faces; the number in front of each polyhedron is its shape."""
+    vertex, face = float_table(floats, ints, at.VERTEX), float_table(floats, ints, at.FACE)
+    table, span, loop = int_table(ints, at.POLYHEDRON), int_table(ints, at.SPAN), int_table(ints, at.LOOP)
+    v, f, c = 0, 0, 0
+    for s, one in polyhedra:
+        table[s, : at.INNER] = v, len(one.vertices), f, len(one.loops)
+        vertex[v : v + len(one.vertices)], face[f : f + len(one.loops)] = one.vertices, one.normals
+        for corners in one.loops:
+            span[f] = c, len(corners)
+            loop[c : c + len(corners), 0] = np.array(corners) + v
+            f, c = f + 1, c + len(corners)
+        v += len(one.vertices)
+
+
+def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) -> None:
+    """Fill the tables of states, masses and kinds."""
+    state, table = float_table(floats, ints, at.STATE), float_table(floats, ints, at.BODY)
+    turned, kind = float_table(floats, ints, at.TURNED), int_table(ints, at.BODY_KIND)
+    principal = float_table(floats, ints, at.PRINCIPAL)
+    state[:, at.Q] = 1.0
+    for i, body in enumerate(bodies):
+        label = f"body '{body.name}'"
+        q = unit_quaternion(label, "q_WB", body.q_WB)
+        state[i, at.P : at.P + 3], state[i, at.Q : at.Q + 4] = body.p_WB, q
+        state[i, at.V : at.V + 3], state[i, at.W : at.W + 3] = body.v_WB, body.w_WB
+        kind[i, at.MOTION] = MOTIONS[body.motion]
+        if body.motion != "dynamic":
+            continue
+        inertia = spd_inertia(label, body.inertia)
+        inverse = np.linalg.inv(inertia)
+        inverse = (inverse + inverse.T) / 2
+        table[i, at.INV_MASS], table[i, at.MASS] = 1 / body.mass, body.mass
+        table[i, at.INERTIA : at.INERTIA + 6], table[i, at.INV_INERTIA : at.INV_INERTIA + 6] = six(inertia), six(inverse)
+        table[i, at.LINEAR_DAMPING], table[i, at.ANGULAR_DAMPING] = body.linear_damping, body.angular_damping
+        table[i, at.ROUND] = float(np.array_equal(inertia, inertia[0, 0] * np.eye(3)))
+        if len(principal) > 0:
+            principal[i, at.MOMENTS : at.MOMENTS + 3], principal[i, at.AXES : at.AXES + 4] = principal_frame(inertia)
+        r = quat_mat(q)
+        turned[i] = six(r @ inverse @ r.T)
+
+
+def _write_joint(
+    floats: FloatArray, ints: IntArray, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]
+) -> None:
+    """Fill one row of the tables of joints. Raises: ValueError for unknown bodies, or two that cannot move."""
+    label = f"joint '{joint.name}'"
+    for role in ("parent", "child"):
+        if getattr(joint, role) not in index:
+            raise ValueError(f"{label}: {role} '{getattr(joint, role)}' is no body, expected one of {', '.join(index)}")
+    a, b = index[joint.parent], index[joint.child]
+    if a == b:
+        raise ValueError(f"{label}: parent and child are both '{joint.parent}'")
+    if all(i == len(bodies) or bodies[i].motion != "dynamic" for i in (a, b)):
+        raise ValueError(f"{label}: neither '{joint.parent}' nor '{joint.child}' is dynamic")
+    state = float_table(floats, ints, at.STATE)
+    row, kind = float_table(floats, ints, at.JOINT)[j], int_table(ints, at.JOINT_KIND)[j]
+    ra, rb = quat_mat(state[a, at.Q : at.Q + 4]), quat_mat(state[b, at.Q : at.Q + 4])
+    row[at.LOWER], row[at.UPPER], row[at.DRIVE + 4] = -math.inf, math.inf, math.inf
+    kind[[at.PARENT, at.CHILD]] = a, b
+    qa = state[a, at.Q : at.Q + 4] * (1, -1, -1, -1)
+    row[at.TURN_AB : at.TURN_AB + 4] = quat_mul(qa, state[b, at.Q : at.Q + 4])
+    anchor_a = state[b, :3] if isinstance(joint, Fixed) else np.asarray(joint.anchor_W, float)
+    anchor_b = np.asarray(joint.child_anchor_W, float) if isinstance(joint, Distance) else anchor_a
+    row[at.ANCHOR_A : at.ANCHOR_A + 3] = ra.T @ (anchor_a - state[a, :3])
+    row[at.ANCHOR_B : at.ANCHOR_B + 3] = rb.T @ (anchor_b - state[b, :3])
+    if isinstance(joint, Fixed):
+        kind[at.JOINT_TYPE] = at.FIXED
+        return
+    if isinstance(joint, Ball):
+        kind[at.JOINT_TYPE] = at.BALL
+        return
+    if isinstance(joint, Distance):
+        kind[at.JOINT_TYPE] = at.DISTANCE
+        row[at.LENGTH] = float(np.linalg.norm(anchor_b - anchor_a))
+    else:
+        kind[at.JOINT_TYPE] = at.REVOLUTE if isinstance(joint, Revolute) else at.PRISMATIC
+        axis = np.asarray(joint.axis_W, float)
+        axis = axis / np.linalg.norm(axis)
+        row[at.AXIS_A : at.AXIS_A + 3], row[at.AXIS_B : at.AXIS_B + 3] = ra.T @ axis, rb.T @ axis
+        row[at.POSITION] = row[at.COORDINATE] = joint.position
+        if joint.drive is not None:
+            drive = joint.drive
+            kind[at.HAS] |= at.HAS_DRIVE
+            row[at.DRIVE : at.DRIVE + 5] = drive.stiffness, drive.damping, drive.target, drive.target_velocity, drive.limit
+    if joint.limits is not None:
+        kind[at.HAS] |= at.HAS_LIMITS
+        row[at.LOWER], row[at.UPPER] = joint.limits.lower, joint.limits.upper
+    if joint.spring is not None:
+        kind[at.HAS] |= at.HAS_SPRING
+        row[at.SPRING : at.SPRING + 3] = joint.spring.stiffness, joint.spring.damping, joint.spring.rest
+
+
+def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
+    """The same world in an arena with room for twice as many pairs."""
+    by_pair = {at.MANIFOLD, at.POINT, at.OLD_MANIFOLD, at.OLD_POINT, at.CONVEX_NORMAL, at.CONVEX_POINT}
+    by_pair |= {at.TOUCH, at.TOUCH_REST, at.OLD_TOUCH}
+    by_pair |= {at.LOCAL_STATE, at.LOCAL_BODY, at.LOCAL_TURNED, at.LOCAL_LOAD, at.RESTING_MANIFOLD, at.RESTING_POINT}
+    ints_by_pair = {at.PAIR, at.MANIFOLD_KEY, at.POINT_KEY, at.OLD_KEY, at.OLD_POINT_KEY, at.NEXT}
+    ints_by_pair |= {at.CONVEX_KEY, at.CONVEX_POINT_KEY, at.CANDIDATE, at.TOUCH_KEY, at.OLD_TOUCH_KEY}
+    ints_by_pair |= {at.GROUPED, at.LOCAL_KIND, at.LOCAL_OWNER, at.RESTING_KEY, at.RESTING_POINT_KEY}
+    old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
+    old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
+    new_floats, new_ints = new_arena(
+        [(t.shape[0] * (2 if k in by_pair else 1), t.shape[1]) for k, t in enumerate(old_floats)],
+        [(t.shape[0] * (2 if k in ints_by_pair else 1), t.shape[1]) for k, t in enumerate(old_ints)],
+    )
+    for k, table in enumerate(old_floats):
+        float_table(new_floats, new_ints, k)[: table.shape[0]] = table
+    for k, whole in enumerate(old_ints):
+        int_table(new_ints, k)[: whole.shape[0]] = whole
+    return new_floats, new_ints

@@ -1,0 +1,190 @@
+"""Collision shapes of a triangle mesh in levels of detail, each with its measured error.
+
+From coarse to fine: the bounding sphere, the bounding box along the principal axes, the convex hull, a decomposition into
+convex pieces, and the mesh itself. Forces do not move a mesh; a body that they move takes its convex pieces.
+
+Source: Ericson, Real-Time Collision Detection, sections 4.3.2 (sphere, Ritter), 4.4.2 (box by principal components) and 5.1.5
+(closest point of a triangle); Wei, Liu, Ling, Su, Approximate Convex Decomposition for 3D Meshes with Collision-Aware Concavity
+and Tree Search, ACM Transactions on Graphics 41, 2022 (through CoACD).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.build.solids import mat_quat
+from engine.describe.errors import NotSupported
+from engine.describe.shapes import Box, ConvexHull, Placed, Sphere, TriangleMesh
+
+__all__ = ["LEVELS", "Detail", "bounding_box", "bounding_sphere", "collision_shapes", "convex_pieces"]
+
+FloatArray = NDArray[np.float64]
+
+LEVELS = ("sphere", "box", "hull", "decomposition", "mesh")
+STEP = 1e-4
+"""Share of the size [1] that a point steps off its face: if into another piece, the face is none of the outer surface."""
+BLOCK = 1_000_000
+"""Pairs of points and triangles taken at once: some 100 MB."""
+
+
+@dataclass(frozen=True, slots=True)
+class Detail:
+    """A mesh at one level.
+
+    Terms:
+        shapes: in the frame of the mesh. volume_ratio [1]: the sum of their volumes over that of the mesh, so that overlaps of
+        pieces count twice. excess [m]: greatest distance from the mesh of points on the outer surface of the shapes. lack
+        [m]: greatest distance from the shapes of points on the mesh outside of them. Both are estimates from below.
+    """
+
+    shapes: tuple[Placed, ...]
+    volume_ratio: float
+    excess: float
+    lack: float
+
+
+def collision_shapes(mesh: TriangleMesh, level: str, concavity: float = 0.05, samples: int = 2000, seed: int = 0) -> Detail:
+    """The shapes of a closed mesh at a level, and their error.
+
+    Args: level: one of LEVELS. concavity [1]: CoACD's threshold, 0.01 to 1, smaller for more pieces. samples, seed: number of
+        points of each estimate, and what draws them.
+    Raises: ValueError for an unknown level, a mesh that is open or inside out; NotSupported where CoACD is not installed.
+    """
+    if level not in LEVELS:
+        raise ValueError(f"level of detail '{level}', expected one of {', '.join(LEVELS)}")
+    vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+    volume = _closed_volume(vertices, faces)
+    if level == "mesh":
+        return Detail((Placed(mesh),), 1.0, 0.0, 0.0)
+    rng = np.random.default_rng(seed)
+    triangles = vertices[faces]
+    on_mesh = np.concatenate([_scatter(triangles, samples, rng)[0], vertices])
+    if level == "sphere":
+        centre, radius = bounding_sphere(vertices)
+        way = rng.normal(size=(samples, 3))
+        ball = centre + radius * way / np.linalg.norm(way, axis=1, keepdims=True)
+        out = float(np.linalg.norm(on_mesh - centre, axis=1).max()) - radius
+        ratio = 4 / 3 * math.pi * radius**3 / volume
+        return Detail((Placed(Sphere(radius), tuple(centre)),), ratio, float(_distances(ball, triangles).max()), max(0.0, out))
+    if level == "box":
+        centre, half, axes = bounding_box(vertices)
+        shapes: tuple[Placed, ...] = (Placed(Box(tuple(half)), tuple(centre), tuple(mat_quat(axes))),)
+        signs = np.array([[1 if k >> axis & 1 else -1 for axis in range(3)] for k in range(8)])
+        pieces = [centre + (signs * half) @ axes.T]
+    else:
+        pieces = [vertices] if level == "hull" else convex_pieces(mesh, concavity, seed)
+        shapes = tuple(Placed(ConvexHull(points.tolist())) for points in pieces)
+    total, excess, lack = _errors(pieces, triangles, on_mesh, samples, rng)
+    return Detail(shapes, total / volume, excess, lack)
+
+
+def bounding_sphere(points: FloatArray) -> tuple[FloatArray, float]:
+    """Centre and radius [m] of a ball that holds the points (n, 3): about two distant ones, grown over the others."""
+    one = points[np.linalg.norm(points - points[0], axis=1).argmax()]
+    two = points[np.linalg.norm(points - one, axis=1).argmax()]
+    centre, radius = (one + two) / 2, float(np.linalg.norm(two - one)) / 2
+    for point in points:
+        away = float(np.linalg.norm(point - centre))
+        if away > radius:
+            radius, past = (radius + away) / 2, (away - radius) / 2
+            centre = centre + (point - centre) * (past / away)
+    return centre, float(np.linalg.norm(points - centre, axis=1).max())
+
+
+def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centre (3,), half extents (3,) [m] and axes (columns) of the smaller of two boxes about points (n, 3): along their frame
+    and along their principal components.
+    """
+    _, principal = np.linalg.eigh(np.cov(points.T))
+    principal[:, 2] = np.cross(principal[:, 0], principal[:, 1])
+    found = []
+    for axes in (np.eye(3), principal):
+        low, high = (points @ axes).min(axis=0), (points @ axes).max(axis=0)
+        found.append((float(np.prod(high - low)), axes @ ((low + high) / 2), (high - low) / 2, axes))
+    _, centre, half, axes = min(found, key=lambda box: box[0])
+    return centre, half, axes
+
+
+def convex_pieces(mesh: TriangleMesh, concavity: float = 0.05, seed: int = 0) -> list[FloatArray]:
+    """The vertices (n, 3) of convex pieces that make up a mesh. Raises: NotSupported where CoACD is not installed."""
+    try:
+        import coacd
+    except ImportError as error:
+        raise NotSupported("convex decomposition", "it needs CoACD: pip install plumbline[decomposition]") from error
+    coacd.set_log_level("error")
+    whole = coacd.Mesh(np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int32))
+    return [np.asarray(points, float) for points, _ in coacd.run_coacd(whole, threshold=concavity, seed=seed)]
+
+
+def _closed_volume(vertices: FloatArray, faces: NDArray[Any]) -> float:
+    """The volume [m3] within a mesh. Raises: ValueError where an edge lacks its neighbour, or faces look inwards."""
+    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    there, back = ({tuple(edge) for edge in way.tolist()} for way in (edges, edges[:, ::-1]))
+    if there != back:
+        raise ValueError(f"triangle mesh: edge {min(there ^ back)} has one face, expected a closed surface")
+    a, b, c = (vertices[faces[:, k]] - vertices.mean(axis=0) for k in range(3))
+    volume = float(np.sum(a * np.cross(b, c))) / 6
+    if volume <= 0:
+        raise ValueError(f"triangle mesh: volume {volume:g} m3, expected faces counter-clockwise seen from outside")
+    return volume
+
+
+def _errors(
+    pieces: list[FloatArray], triangles: FloatArray, on_mesh: FloatArray, samples: int, rng: np.random.Generator
+) -> tuple[float, float, float]:
+    """Volume [m3] of convex pieces, and how far they and the mesh reach out of each other [m]."""
+    from scipy.spatial import ConvexHull as Quickhull
+
+    hulls = [Quickhull(points) for points in pieces]
+    skin = np.concatenate([points[hull.simplices] for points, hull in zip(pieces, hulls, strict=True)])
+    normals = np.concatenate([hull.equations[:, :3] for hull in hulls])
+    step = STEP * float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+
+    def outside(points: FloatArray) -> NDArray[np.bool_]:
+        return np.asarray(
+            np.all([(points @ h.equations[:, :3].T + h.equations[:, 3]).max(axis=1) > 0.0 for h in hulls], axis=0)
+        )
+
+    surface, facet = _scatter(skin, samples, rng)
+    excess = _distances(surface[outside(surface + step * normals[facet])], triangles)
+    lack = _distances(on_mesh[outside(on_mesh)], skin)
+    return sum(float(h.volume) for h in hulls), float(excess.max(initial=0.0)), float(lack.max(initial=0.0))
+
+
+def _scatter(triangles: FloatArray, count: int, rng: np.random.Generator) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Points (count, 3) spread evenly over triangles (n, 3, 3), and the triangle of each."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    k = rng.choice(len(triangles), count, p=area / area.sum())
+    u, v = rng.uniform(size=(2, count, 1))
+    flip = u + v > 1
+    u, v = np.where(flip, 1 - u, u), np.where(flip, 1 - v, v)
+    return np.asarray(a[k] + u * (b - a)[k] + v * (c - a)[k]), np.asarray(k)
+
+
+def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
+    """The distance [m] of each point (n, 3) from the nearest of the triangles (m, 3, 3)."""
+    found = np.empty(len(points))
+    step = max(1, BLOCK // len(triangles))
+    for first in range(0, len(points), step):
+        found[first : first + step] = _squares(points[first : first + step, None], triangles).min(axis=1)
+    return np.sqrt(found)
+
+
+def _squares(x: FloatArray, triangles: FloatArray) -> FloatArray:
+    """Squared distances (n, m) [m2] of points (n, 1, 3) from triangles (m, 3, 3): the height over the face, else an edge's."""
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    nearest, above = np.inf, np.True_
+    for k in range(3):
+        a, e = triangles[:, k], triangles[:, (k + 1) % 3] - triangles[:, k]
+        away = x - a
+        share = np.clip(np.einsum("nmi,mi->nm", away, e) / np.sum(e * e, axis=1), 0.0, 1.0)
+        rest = away - share[:, :, None] * e
+        nearest = np.minimum(nearest, np.einsum("nmi,nmi->nm", rest, rest))
+        above = above & (np.einsum("nmi,mi->nm", away, np.cross(normal, e)) >= 0)
+    height = np.einsum("nmi,mi->nm", x - triangles[:, 0], normal)
+    return np.asarray(np.where(above, height * height, nearest))

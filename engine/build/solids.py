@@ -1,0 +1,139 @@
+"""The solids that shapes become in the arena: each with its own frame, a few sizes, and corners and faces where it has any.
+
+A hull's frame is moved to the middle of its bounds. A mesh becomes its triangles, each with its normal along z.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.build.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, inner_edges, triangle_polyhedron
+from engine.describe.bodies import Body
+from engine.describe.check import unit_quaternion
+from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
+from engine.memory import arena as at
+
+__all__ = ["Solid", "body_solids", "mat_quat", "quat_mat", "quat_mul"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """One row of the arena's table of shapes.
+
+    Terms: kind: its type there; size: three numbers [m]; radius [m] of the bounding sphere; offset [m] and turn (w, x, y, z) in
+    B; part: which of the body's shapes it belongs to; inner: bits of a triangle's edges that do not stick out.
+    """
+
+    kind: int
+    size: tuple[float, float, float]
+    radius: float
+    offset: FloatArray
+    turn: FloatArray
+    part: int
+    polyhedron: Polyhedron | None = None
+    inner: int = 0
+
+
+def quat_mul(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Hamilton product: first b, then a."""
+    w = a[0] * b[0] - a[1:] @ b[1:]
+    return np.concatenate(([w], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])))
+
+
+def quat_mat(q: FloatArray) -> FloatArray:
+    """The rotation matrix (3, 3) of a unit quaternion."""
+    x = np.array([[0, -q[3], q[2]], [q[3], 0, -q[1]], [-q[2], q[1], 0]])
+    return np.asarray(np.eye(3) + 2 * q[0] * x + 2 * x @ x)
+
+
+def from_z(n: FloatArray) -> FloatArray:
+    """The shortest rotation that takes z to the unit vector n."""
+    if n[2] < -1 + 1e-12:
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    q = np.array([1 + n[2], -n[1], n[0], 0.0])
+    return np.asarray(q / np.linalg.norm(q))
+
+
+def _closed_form(shape: Shape) -> tuple[int, list[float], float, FloatArray]:
+    """Type, three sizes, bounding radius and own turn of a shape that a few numbers describe."""
+    turn = np.array([1.0, 0.0, 0.0, 0.0])
+    if isinstance(shape, Sphere):
+        return at.SPHERE, [shape.radius, 0.0, 0.0], shape.radius, turn
+    if isinstance(shape, Box):
+        return at.BOX, list(shape.half_extents), float(np.linalg.norm(np.asarray(shape.half_extents, float))), turn
+    if isinstance(shape, Capsule):
+        return at.CAPSULE, [shape.radius, shape.half_length, 0.0], shape.radius + shape.half_length, turn
+    if isinstance(shape, Cylinder):
+        return at.CYLINDER, [shape.radius, shape.half_length, 0.0], math.hypot(shape.radius, shape.half_length), turn
+    if isinstance(shape, Plane):
+        normal = np.asarray(shape.normal, float)
+        return at.PLANE, [0.0, 0.0, 0.0], math.inf, from_z(normal / np.linalg.norm(normal))
+    raise TypeError(f"{type(shape).__name__} is made of several numbers")
+
+
+def mat_quat(m: FloatArray) -> FloatArray:
+    """The unit quaternion (w, x, y, z) of a rotation matrix.
+
+    Source: Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1, 1978.
+    """
+    squares = np.array([np.trace(m), m[0, 0], m[1, 1], m[2, 2]])
+    k = int(squares.argmax())
+    if k == 0:
+        q = np.array([1 + squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    else:
+        i, j, last = k - 1, k % 3, (k + 1) % 3
+        q = np.empty(4)
+        q[0], q[1 + i] = m[last, j] - m[j, last], 1 + m[i, i] - m[j, j] - m[last, last]
+        q[1 + j], q[1 + last] = m[i, j] + m[j, i], m[i, last] + m[last, i]
+    return np.asarray(q / np.linalg.norm(q))
+
+
+def _hull(vertices: FloatArray, offset: FloatArray, turn: FloatArray, part: int) -> Solid:
+    """The convex hull of vertices, about the middle of its bounds."""
+    middle = (vertices.max(axis=0) + vertices.min(axis=0)) / 2
+    made = hull_polyhedron(vertices - middle)
+    half = np.abs(made.vertices).max(axis=0)
+    radius = float(np.linalg.norm(made.vertices, axis=1).max())
+    return Solid(at.HULL, (half[0], half[1], half[2]), radius, offset + quat_mat(turn) @ middle, turn, part, made)
+
+
+def _triangle(corners: FloatArray, inner: int, offset: FloatArray, turn: FloatArray, part: int) -> Solid:
+    """A triangle with its normal along z and its origin in its plane."""
+    x = corners[1] - corners[0]
+    x = x / np.linalg.norm(x)
+    z = np.cross(x, corners[2] - corners[0])
+    z = z / np.linalg.norm(z)
+    own = np.column_stack([x, np.cross(z, x), z])
+    flat = (corners - corners[0]) @ own
+    flat[:, 2] = 0.0
+    middle = (flat.max(axis=0) + flat.min(axis=0)) / 2
+    half = (flat - middle).max(axis=0)
+    radius = float(np.linalg.norm(flat - middle, axis=1).max())
+    place = offset + quat_mat(turn) @ (corners[0] + own @ middle)
+    made = triangle_polyhedron(flat - middle)
+    return Solid(at.TRIANGLE, (half[0], half[1], 0.0), radius, place, quat_mul(turn, mat_quat(own)), part, made, inner)
+
+
+def body_solids(body: Body) -> Iterator[Solid]:
+    """The solids of a body, in the order of its shapes. Raises: ValueError for a hull without a volume."""
+    for part, placed in enumerate(body.shapes):
+        shape, offset = placed.shape, np.asarray(placed.p_BS, float)
+        turn = unit_quaternion("placed shape", "q_BS", placed.q_BS)
+        if isinstance(shape, ConvexHull):
+            try:
+                yield _hull(np.asarray(shape.vertices, float), offset, turn, part)
+            except ValueError as error:
+                raise ValueError(f"body '{body.name}': {error}") from error
+        elif isinstance(shape, TriangleMesh):
+            vertices, faces = np.asarray(shape.vertices, float), np.asarray(shape.faces)
+            for face, inner in zip(faces, inner_edges(vertices, faces), strict=True):
+                yield _triangle(vertices[face], int(inner), offset, turn, part)
+        else:
+            kind, size, radius, own = _closed_form(shape)
+            made = box_polyhedron(shape.half_extents) if isinstance(shape, Box) else None
+            yield Solid(kind, (size[0], size[1], size[2]), radius, offset, quat_mul(turn, own), part, made)

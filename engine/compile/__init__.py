@@ -1,0 +1,1 @@
+"""Compiling: Numba, a cache that serves no code of other sources, and what is done before the first function."""

@@ -1,0 +1,151 @@
+"""Compile a numerical function with Numba, in a cache that can never serve code of an older source.
+
+Numba keys its cache by the file of the outermost function alone, so that an edited callee or another flag would go unnoticed.
+Here the directory itself carries a hash of all sources of this package, the flags and Numba's version.
+
+With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
+"""
+
+import fcntl
+import gc
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import platformdirs
+
+from engine.compile.compilers import (
+    compiled_under,
+    entry_options,
+    for_all_values,
+    inlined_options,
+    jit_is_off,
+    kernel_options,
+    loaded_lightly,
+    stream_options,
+    use_cache,
+)
+from engine.compile.sources import source_digest
+
+__all__ = [
+    "FLAGS",
+    "cache_directory",
+    "entry",
+    "inlined",
+    "jit_is_off",
+    "kernel",
+    "parallel_entry",
+    "rounding_kernel",
+    "stream",
+]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+FLAGS: frozenset[str] = frozenset({"contract", "nsz"})
+"""Fused multiply-add and unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
+
+
+def cache_directory() -> Path:
+    """The directory for compiled code of exactly these sources, flags and this Numba.
+
+    Returns: `$PLUMBLINE_KERNEL_CACHE` or the user's cache directory, with the hash appended.
+    """
+    import numba
+
+    key = " ".join((source_digest(), *sorted(FLAGS), numba.__version__))
+    digest = hashlib.sha256(key.encode())
+    root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
+    return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
+
+
+use_cache(str(cache_directory()))
+
+
+def kernel(function: Function) -> Function:
+    """A compiled function that other compiled functions call, and Python cannot.
+
+    Args: function: numbers, tuples and arrays only.
+    Returns: the same function, compiled on first use for the argument types that it meets.
+    """
+    return for_all_values(_compiled(function, **kernel_options()))
+
+
+def rounding_kernel(function: Function) -> Function:
+    """As `kernel`, with every operation rounded by itself, whoever calls it: for arithmetic that lives on its own rounding."""
+    plain: set[str] = set()
+    return for_all_values(_compiled(function, fastmath=plain, **kernel_options()))
+
+
+def stream(function: Function) -> Function:
+    """A kernel whose array arguments do not overlap, so that the compiler may take several steps of a loop at once.
+
+    Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
+    Returns: the same function, compiled on first use for the argument types that it meets.
+    """
+    return _compiled(function, **stream_options())
+
+
+def inlined(function: Function) -> Function:
+    """As `kernel`, put in place of every call: for what costs less than handing over its arrays."""
+    return _compiled(function, **inlined_options())
+
+
+def entry(function: Function) -> Function:
+    """A compiled function that Python calls, kept on disk for the next process.
+
+    Processes that need it at the same time compile it once: the others wait and load it.
+
+    Args: function: numbers, tuples and arrays only.
+    Returns: the same function, compiled on first use or loaded from the cache.
+    """
+    return _kept(_compiled(function, cache=True, **entry_options()))
+
+
+def parallel_entry(function: Function) -> Function:
+    """As `entry`, with the loops over `numba.prange` shared out among threads, and nothing else.
+
+    Args: function: its `prange` loops must write to places of their own only, so that no order of threads can be seen.
+    Returns: the same function, compiled on first use or loaded from the cache.
+    """
+    no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
+    parallel = {"prange": True, **no_more}
+    return _kept(_compiled(function, cache=True, parallel=parallel, **entry_options()))
+
+
+def _compiled(function: Function, **options: bool | type | dict[str, bool] | set[str]) -> Function:
+    """The function under Numba, by default with the flags of this package; its stubs do not know all options, hence Any."""
+    import numba
+
+    njit: Any = numba.njit
+    return cast(Function, njit(**{"fastmath": set(FLAGS), "error_model": "numpy", "nogil": True, **options})(function))
+
+
+def _kept(function: Function) -> Function:
+    """The entry with its way from and to the disk."""
+    return loaded_lightly(compiled_under(function, _one_at_a_time))
+
+
+@contextmanager
+def _one_at_a_time(name: str) -> Iterator[None]:
+    """A function's compiler behind a lock of its own, which processes share."""
+    directory = cache_directory()
+    directory.mkdir(parents=True, exist_ok=True)
+    with (directory / f"{name}.lock").open("w") as stream:
+        fcntl.flock(stream, fcntl.LOCK_EX)
+        with _nothing_collected():
+            yield
+
+
+@contextmanager
+def _nothing_collected() -> Iterator[None]:
+    """Python's search for cyclic garbage held back: a seventh of the time of a compilation, for 140 MB while it lasts."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()

@@ -1,0 +1,1 @@
+"""Joints: their rows, what acts along their coordinates, and how they are held."""

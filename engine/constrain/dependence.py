@@ -1,0 +1,82 @@
+"""Tell a row that follows from the rows before it from one that only bears on little mass or inertia.
+
+A small pivot of J M^-1 J^T says that some combination of rows, J_i - sum mu_k J_k, meets next to no mobility. Either the
+combination itself vanishes: the row is redundant, as in closed loops. Or the mobilities of the bodies lie far apart, as of a
+heavy point on a light arm: then the combination is a row in its own right. The masses cannot tell, the Jacobian can.
+
+Source: Golub, Van Loan, Matrix Computations, sections 2.6.1 (scaling) and 5.5 (rank).
+"""
+
+import math
+
+import numpy as np
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, dot, load3
+from engine.memory.arena import ENVELOPE, INV_MASS, PIVOT
+
+__all__ = ["SUSPECT", "lies_in_span"]
+
+SUSPECT = 1e-11
+"""Pivots below this share of their diagonal are looked into; above it, floats carry the solution to five digits, which the
+projections that follow make good."""
+
+VANISHED = 3e-2
+"""A combination below this share of its row is none. Masses alone make pivots small where the combination is as large as the
+row; in loops round-off leaves 1e-16 of it, and near a singular pose the gaps within a step, divided by the distance from it."""
+
+NEAREST = 1e-9
+"""Levers below this share of the longest one are round-off of an anchor in the centre of mass."""
+
+
+@kernel
+def lies_in_span(row: Floats, row_body: Ints, i: int, body: Floats, low: Floats, vector: Floats) -> bool:
+    """Whether row i is a combination of the rows before it that are not held, whose factor `low` holds, with its own.
+
+    Lengths are made dimensionless by the levers of the joints on each body.
+    """
+    mu = np.zeros(i + 1)
+    first = int(vector[ENVELOPE, i])
+    for j in range(first, i):
+        mu[j] = low[i, j]
+    for j in range(i - 1, -1, -1):
+        if j < first:
+            break
+        if vector[PIVOT, j] == 1.0 or mu[j] == 0.0:
+            mu[j] = 0.0
+            continue
+        mu[j] /= low[j, j]
+        begin = int(vector[ENVELOPE, j])
+        first = min(first, begin)
+        for k in range(begin, j):
+            mu[k] -= low[j, k] * mu[j]
+    mu[i] = -1.0
+    lowest, highest = body.shape[0], -1
+    for r in range(first, i + 1):
+        for side in range(2):
+            b = row_body[r, side]
+            if mu[r] != 0.0 and body[b, INV_MASS] > 0.0:
+                lowest, highest = min(lowest, b), max(highest, b)
+    rest = np.zeros((max(highest - lowest + 1, 0), 7))
+    longest = 0.0
+    for r in range(first, i + 1):
+        for side in range(2):
+            b = row_body[r, side] - lowest
+            if mu[r] == 0.0 or body[row_body[r, side], INV_MASS] == 0.0:
+                continue
+            for c in range(6):
+                rest[b, c] += mu[r] * row[r, 6 * side + c]
+            straight = dot(load3(row, r, 6 * side), load3(row, r, 6 * side))
+            if straight > 0.0:
+                turning = dot(load3(row, r, 6 * side + 3), load3(row, r, 6 * side + 3))
+                rest[b, 6] = max(rest[b, 6], math.sqrt(turning / straight))
+                longest = max(longest, rest[b, 6])
+    own, left = 0.0, 0.0
+    for b in range(rest.shape[0]):
+        lever = max(rest[b, 6], NEAREST * longest) if longest > 0.0 else 1.0
+        left += dot(load3(rest, b, 0), load3(rest, b, 0)) + dot(load3(rest, b, 3), load3(rest, b, 3)) / lever**2
+        for side in range(2):
+            if row_body[i, side] == b + lowest:
+                along, about = load3(row, i, 6 * side), load3(row, i, 6 * side + 3)
+                own += dot(along, along) + dot(about, about) / lever**2
+    return left <= VANISHED * VANISHED * own

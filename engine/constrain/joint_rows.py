@@ -1,0 +1,136 @@
+"""The equality constraints of the joints: Jacobian, gap and curvature of each scalar row.
+
+A row says J v = 0 with J acting on (v_A, w_A, v_B, w_B); its time derivative is J a + c = 0 with the curvature c = dJ/dt v.
+
+Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constraints); Shabana, Computational Dynamics, section
+6.4.
+"""
+
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Floats,
+    Ints,
+    Vec,
+    add,
+    along,
+    cross,
+    dot,
+    load3,
+    load4,
+    mat_vec,
+    neg,
+    norm,
+    perpendicular,
+    quat_conj,
+    quat_mat,
+    quat_mul,
+    store3,
+    sub,
+)  # fmt: skip
+from engine.memory.arena import (
+    ANCHOR_A,
+    ANCHOR_B,
+    AXIS_A,
+    AXIS_B,
+    BALL,
+    CHILD,
+    CURVATURE,
+    DISTANCE,
+    FIXED,
+    GAP,
+    HAS,
+    JACOBIAN,
+    JOINT_TYPE,
+    LENGTH,
+    PARENT,
+    PRISMATIC,
+    REVOLUTE,
+    TURN_AB,
+    P,
+    Q,
+    V,
+    W,
+)  # fmt: skip
+
+__all__ = ["anchors", "equality_rows", "put_row"]
+
+AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@kernel
+def put_row(
+    row: Floats, row_body: Ints, r: int, a: int, b: int, la: Vec, wa: Vec, lb: Vec, wb: Vec, gap: float, curvature: float
+) -> None:
+    """Write row r between bodies a and b."""
+    row_body[r, 0], row_body[r, 1] = a, b
+    store3(row, r, JACOBIAN, la)
+    store3(row, r, JACOBIAN + 3, wa)
+    store3(row, r, JACOBIAN + 6, lb)
+    store3(row, r, JACOBIAN + 9, wb)
+    row[r, GAP] = gap
+    row[r, CURVATURE] = curvature
+    for c in range(CURVATURE + 1, row.shape[1]):
+        row[r, c] = 0.0
+
+
+@kernel
+def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, Vec, Vec]:
+    """The arms r_A and r_B from the centres of mass to the anchors, and the way d from anchor A to anchor B, in W [m]."""
+    ra = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, ANCHOR_A))
+    rb = mat_vec(quat_mat(load4(state, b, Q)), load3(joint, j, ANCHOR_B))
+    return ra, rb, sub(add(load3(state, b, P), rb), add(load3(state, a, P), ra))
+
+
+@kernel
+def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, row: Floats, row_body: Ints) -> int:
+    """Write the equality rows of all joints for the present state.
+
+    Returns: their number.
+    """
+    r = 0
+    zero = (0.0, 0.0, 0.0)
+    for j in range(joints):
+        kind, a, b = joint_kind[j, JOINT_TYPE], joint_kind[j, PARENT], joint_kind[j, CHILD]
+        ra, rb, d = anchors(state, joint, j, a, b)
+        va, wa = load3(state, a, V), load3(state, a, W)
+        vb, wb = load3(state, b, V), load3(state, b, W)
+        centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
+        if kind in (BALL, FIXED, REVOLUTE):
+            for k in range(3):
+                e = AXES[k]
+                put_row(row, row_body, r, a, b, neg(e), neg(cross(ra, e)), e, cross(rb, e), dot(e, d), dot(e, centripetal))
+                r += 1
+        if kind in (FIXED, PRISMATIC):
+            turn = quat_mul(load4(state, b, Q), quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))))
+            sign = 2.0 if turn[0] >= 0.0 else -2.0
+            for k in range(3):
+                e = AXES[k]
+                put_row(row, row_body, r, a, b, zero, neg(e), zero, e, sign * turn[k + 1], 0.0)
+                r += 1
+        if kind == REVOLUTE:
+            axis_a = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
+            axis_b = mat_vec(quat_mat(load4(state, b, Q)), load3(joint, j, AXIS_B))
+            tilt = cross(axis_a, axis_b)
+            t = mat_vec(quat_mat(load4(state, a, Q)), perpendicular(load3(joint, j, AXIS_A)))
+            for _ in range(2):
+                put_row(row, row_body, r, a, b, zero, neg(t), zero, t, dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
+                t = cross(axis_a, t)
+                r += 1
+        if kind == PRISMATIC:
+            axis_a = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
+            t = mat_vec(quat_mat(load4(state, a, Q)), perpendicular(load3(joint, j, AXIS_A)))
+            rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
+            for _ in range(2):
+                curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)
+                put_row(row, row_body, r, a, b, neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t), dot(t, d), curvature)
+                t = cross(axis_a, t)
+                r += 1
+        if kind == DISTANCE and joint_kind[j, HAS] == 0:
+            length = norm(d)
+            u = along(d, (0.0, 0.0, 1.0))
+            rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
+            radial = dot(u, rate)
+            curvature = dot(u, centripetal) + (dot(rate, rate) - radial * radial) / max(length, 1e-12)
+            put_row(row, row_body, r, a, b, neg(u), neg(cross(ra, u)), u, cross(rb, u), length - joint[j, LENGTH], curvature)
+            r += 1
+    return r

@@ -1,0 +1,1 @@
+"""Where bodies touch: manifolds, made anew, matched and kept."""

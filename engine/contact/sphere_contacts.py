@@ -1,0 +1,212 @@
+"""Contacts of worlds of spheres: one point per pair, in the order of the pairs, matched with the last step's by walking both.
+
+Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
+"""
+
+from engine.broad.bounds import brute_force, pose_shapes, write_bounds
+from engine.compile.jit import kernel
+from engine.contact.manifolds import AT_REST, look_ahead
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, load9, norm, scale, store3, sub
+from engine.memory.arena import (
+    BODIES,
+    BODY,
+    BODY_KIND,
+    BOUNDS,
+    BOX,
+    BROAD,
+    CONTINUOUS,
+    COUNT,
+    DT,
+    DYNAMIC,
+    EXCLUDED,
+    EXCLUSIONS,
+    FIRST_GAP,
+    GRAVITY,
+    INV_INERTIA,
+    INV_MASS,
+    K_BODY_A,
+    K_BODY_B,
+    K_MOVES,
+    K_PAIR,
+    K_ROUND,
+    K_SLIPS,
+    M_INV_INERTIA,
+    M_INV_MASS,
+    MANIFOLDS,
+    MARGIN,
+    MATERIAL,
+    MATERIALS,
+    MOTION,
+    MOVER,
+    NEW,
+    OLD_TOUCH,
+    OLD_TOUCH_KEY,
+    OWNER,
+    PAIR,
+    PAIRS,
+    PLACE,
+    POINT,
+    POINT_KEY,
+    POSE,
+    R_FIRST_GAP,
+    R_KINETIC,
+    R_NORMAL,
+    R_PLACE,
+    R_RESTITUTION,
+    R_SPIKE,
+    R_STATIC,
+    R_STRUCK,
+    R_SUM,
+    SETTING,
+    SHAPE,
+    SHAPE_KIND,
+    SHAPES,
+    SIZE,
+    SPECULATIVE,
+    SPHERE,
+    STATE,
+    SURFACE,
+    T_BASE,
+    T_FRICTION,
+    T_GAP,
+    T_NORMAL,
+    T_NORMAL_MASS,
+    T_RADIUS_A,
+    T_RADIUS_B,
+    T_TANGENT,
+    T_TANGENT_MASS,
+    TOUCH,
+    TOUCH_KEY,
+    TOUCH_REST,
+    TOUCHED,
+    TYPE,
+    V,
+    W,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+from engine.narrow.box_pairs import sphere_box
+from engine.narrow.round_pairs import sphere_plane
+
+__all__ = ["find_touches"]
+
+
+@kernel
+def against_static(
+    shape: Floats, shape_kind: Ints, pose: Floats, a: int, b: int, margin: float, point: Floats, key: Ints
+) -> tuple[int, Vec]:  # fmt: skip
+    """Sphere a against box or plane b, written on row 0 of `point`. Returns: points, normal."""
+    mb = load9(pose, b, 3)
+    if shape_kind[b, TYPE] == BOX:
+        return sphere_box(
+            load3(pose, a, 0), shape[a, SIZE], load3(pose, b, 0), mb, load3(shape, b, SIZE), margin, point, key, 0, 0
+        )
+    return sphere_plane(load3(pose, a, 0), shape[a, SIZE], load3(pose, b, 0), (mb[2], mb[5], mb[8]), margin, point, key, 0, 0)
+
+
+@kernel
+def gather(floats: Floats, ints: Ints) -> None:
+    """Copy what the solver needs of each body into one row, and mark all bodies as untouched."""
+    state, body, mover = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, MOVER)
+    kind = ints_of(ints, BODY_KIND)
+    for b in range(ints_of(ints, COUNT)[0, BODIES] + 1):
+        kind[b, TOUCHED] = 0
+        store3(mover, b, 0, load3(state, b, V))
+        store3(mover, b, 3, load3(state, b, W))
+        mover[b, M_INV_MASS], mover[b, M_INV_INERTIA] = body[b, INV_MASS], body[b, INV_INERTIA]
+
+
+@kernel
+def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
+    """Run the narrow phase on all pairs and take over the impulses of those that touched in the last step."""
+    shape, pose, surface = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, SURFACE)
+    touch, rest, old = floats_of(floats, ints, TOUCH), floats_of(floats, ints, TOUCH_REST), floats_of(floats, ints, OLD_TOUCH)
+    state, mover, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, MOVER), floats_of(floats, ints, SETTING)
+    point, point_key = floats_of(floats, ints, POINT), ints_of(ints, POINT_KEY)
+    key, old_key, pair = ints_of(ints, TOUCH_KEY), ints_of(ints, OLD_TOUCH_KEY), ints_of(ints, PAIR)
+    kind, shape_kind, count = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
+    last, shapes, materials, continuous = count[0, MANIFOLDS], count[0, SHAPES], count[0, MATERIALS], count[0, CONTINUOUS]
+    least, dt = setting[0, MARGIN], setting[0, DT]
+    fall = dt * norm(load3(setting, 0, GRAVITY))
+    for m in range(last):
+        old_key[m, 0], old_key[m, 1] = key[m, K_PAIR], key[m, K_SLIPS]
+        for c in range(4):
+            old[m, c] = touch[m, T_NORMAL + c]
+    found, new, walk = 0, 0, 0
+    for p in range(pairs):
+        code = pair[p, 0] * shapes + pair[p, 1]
+        a, b = pair[p, 0], pair[p, 1]
+        if shape_kind[a, TYPE] != SPHERE or kind[shape_kind[a, OWNER], MOTION] != DYNAMIC:
+            a, b = b, a
+        i, j, t = shape_kind[a, OWNER], shape_kind[b, OWNER], found
+        pa, ra = load3(pose, a, 0), shape[a, SIZE]
+        # Spheres are compared here: a call that hands over several arrays costs more than the comparison.
+        if shape_kind[b, TYPE] == SPHERE:
+            is_round, rb, d = 1, shape[b, SIZE], sub(load3(pose, b, 0), pa)
+            length = norm(d)
+            gap = length - ra - rb
+            way = least + dt * (norm(sub(load3(mover, j, 0), load3(mover, i, 0))) + fall)
+            if gap > (way if continuous == SPECULATIVE else min(way, max(least, 0.5 * min(ra, rb)))):
+                continue
+            n = scale(1.0 / length, d) if length > 1e-300 else (0.0, 0.0, 1.0)
+            place = axpy(ra + 0.5 * gap, n, pa)
+        else:
+            is_round, rb = 0, 0.0
+            margin = look_ahead(state, shape, shape_kind, a, b, setting, continuous)
+            points, n = against_static(shape, shape_kind, pose, a, b, margin, point, point_key)
+            if points == 0:
+                continue
+            gap, place = point[0, FIRST_GAP], load3(point, 0, PLACE)
+        la, lb = ra + 0.5 * gap, rb + 0.5 * gap
+        mass = mover[i, M_INV_MASS] + mover[j, M_INV_MASS]
+        store3(touch, t, 0, n)
+        touch[t, T_GAP] = gap
+        touch[t, T_NORMAL_MASS] = 1.0 / mass
+        touch[t, T_TANGENT_MASS] = 1.0 / (mass + la * la * mover[i, M_INV_INERTIA] + lb * lb * mover[j, M_INV_INERTIA])
+        touch[t, T_RADIUS_A], touch[t, T_RADIUS_B] = ra, rb
+        touch[t, T_BASE] = gap + dot(n, load3(pose, a, 0))
+        law = shape_kind[a, MATERIAL] * materials + shape_kind[b, MATERIAL]
+        store3(rest, t, R_PLACE, place)
+        store3(rest, t, R_SUM, (0.0, 0.0, 0.0))
+        rest[t, R_STRUCK], rest[t, R_SPIKE] = 0.0, 0.0
+        store3(rest, t, R_NORMAL, n)
+        rest[t, R_FIRST_GAP], rest[t, R_STATIC] = gap, surface[law, 0]
+        rest[t, R_KINETIC], rest[t, R_RESTITUTION] = surface[law, 1], surface[law, 2]
+        key[t, K_BODY_A], key[t, K_BODY_B], key[t, K_PAIR], key[t, K_ROUND] = i, j, code, is_round
+        key[t, K_MOVES] = 1 if kind[j, MOTION] == DYNAMIC else 0
+        kind[i, TOUCHED] = 1
+        kind[j, TOUCHED] = 1
+        while walk < last and old_key[walk, 0] < code:
+            walk += 1
+        if walk < last and old_key[walk, 0] == code:
+            key[t, K_SLIPS], touch[t, T_NORMAL] = old_key[walk, 1], old[walk, 0]
+            held = load3(old, walk, 1)
+            store3(touch, t, T_TANGENT, axpy(-dot(n, held), n, held))
+        else:
+            new += 1
+            spin = add(scale(la, load3(mover, i, 3)), scale(lb, load3(mover, j, 3)))
+            u = sub(sub(load3(mover, j, 0), load3(mover, i, 0)), cross(spin, n))
+            key[t, K_SLIPS] = 1 if norm(axpy(-dot(u, n), n, u)) > AT_REST else 0
+            touch[t, T_NORMAL] = 0.0
+            store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
+        touch[t, T_FRICTION] = rest[t, R_STATIC] if key[t, K_SLIPS] == 0 else rest[t, R_KINETIC]
+        found += 1
+    count[0, MANIFOLDS], count[0, NEW] = found, new
+
+
+@kernel
+def find_touches(floats: Floats, ints: Ints) -> int:
+    """Find the contacts of this step and mark the bodies they touch. Returns: 0, or 2 if the arena must grow first."""
+    shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
+    state, surface, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SURFACE), floats_of(floats, ints, SETTING)
+    kind, shape_kind, count = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
+    excluded, pair = ints_of(ints, EXCLUDED), ints_of(ints, PAIR)
+    shapes, materials, exclusions = count[0, SHAPES], count[0, MATERIALS], count[0, EXCLUSIONS]
+    if count[0, BROAD] == 0:
+        pose_shapes(state, shape, shape_kind, shapes, pose)
+        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
+        count[0, PAIRS] = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
+        if count[0, PAIRS] > pair.shape[0]:
+            return 2
+    gather(floats, ints)
+    build_touches(floats, ints, count[0, PAIRS])
+    return 0

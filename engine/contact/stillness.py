@@ -1,0 +1,52 @@
+"""Which bodies have hardly moved since their contacts were made, so that these can be kept.
+
+The points of a contact go with their bodies from sub-step to sub-step anyway, so that a kept contact has its gap at the present
+poses; only which points there are, and the normal, are those of a pose that differs by less than the tolerance.
+
+Source: Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
+"""
+
+import math
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, load3, load4, norm, store3, store4, sub
+from engine.memory.arena import EXTENT, MOTION, STATIC, STILL, P, Q, V, W
+
+__all__ = ["keep_rest", "mark_still"]
+
+SHARE = 0.01
+"""Share of the margin, or of the body's own extent where that is less [1], by which a still body may have moved.
+
+Far less than the margin, by which contacts are made ahead: no pair that was too far apart can touch meanwhile.
+"""
+
+
+@kernel
+def mark_still(state: Floats, body: Floats, kind: Ints, rest: Floats, bodies: int, dt: float, margin: float) -> bool:
+    """Mark the bodies of which no point moved further than the tolerance since `keep_rest`, nor will in this step.
+
+    Returns: whether all are still.
+    """
+    every = True
+    for b in range(bodies):
+        if kind[b, MOTION] == STATIC:
+            kind[b, STILL] = 1
+            continue
+        extent = body[b, EXTENT]
+        turned = 0.0
+        for c in range(4):
+            turned += (state[b, Q + c] - rest[b, 3 + c]) ** 2
+        way = norm(sub(load3(state, b, P), load3(rest, b, 0))) + 2.0 * extent * math.sqrt(turned)
+        way += dt * (norm(load3(state, b, V)) + extent * norm(load3(state, b, W)))
+        kind[b, STILL] = 1 if way < SHARE * min(margin, extent) else 0
+        every = every and kind[b, STILL] == 1
+    return every
+
+
+@kernel
+def keep_rest(state: Floats, kind: Ints, rest: Floats, bodies: int) -> None:
+    """From now on bodies that were not still are measured from their present pose."""
+    for b in range(bodies):
+        if kind[b, STILL] == 0:
+            store3(rest, b, 0, load3(state, b, P))
+            store4(rest, b, 3, load4(state, b, Q))

@@ -1,0 +1,155 @@
+"""Joints between two bodies, described in the world frame at the initial pose."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from engine.describe.check import finite, not_negative, number
+
+__all__ = ["WORLD", "Ball", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
+
+WORLD = "world"
+"""The parent of a joint that holds its child to the world."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """The range of the joint's coordinate [rad or m]."""
+
+    lower: float = -math.inf
+    upper: float = math.inf
+
+    def __post_init__(self) -> None:
+        lower, upper = number("limits", "lower", self.lower), number("limits", "upper", self.upper)
+        if not (lower <= upper and lower < math.inf and upper > -math.inf):
+            raise ValueError(f"limits: lower {self.lower}, upper {self.upper}, expected lower at most upper and a range")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spring:
+    """f = -stiffness (x - rest) - damping x'."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float = 0.0
+
+    def __post_init__(self) -> None:
+        not_negative("spring", "stiffness", self.stiffness, "N/m or N m/rad")
+        not_negative("spring", "damping", self.damping, "N s/m or N m s/rad")
+        finite("spring", "rest", self.rest, (), "m or rad")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drive:
+    """f = stiffness (target - x) + damping (target_velocity - x'), at most `limit` [N or N m]."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    target: float = 0.0
+    target_velocity: float = 0.0
+    limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        not_negative("drive", "stiffness", self.stiffness, "N/m or N m/rad")
+        not_negative("drive", "damping", self.damping, "N s/m or N m s/rad")
+        finite("drive", "target", self.target, (), "m or rad")
+        finite("drive", "target_velocity", self.target_velocity, (), "m/s or rad/s")
+        if not number("drive", "limit", self.limit) > 0:
+            raise ValueError(f"drive: limit {self.limit}, expected above 0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fixed:
+    """No relative motion."""
+
+    name: str
+    parent: str
+    child: str
+    collide: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ball:
+    """A point common to both bodies."""
+
+    name: str
+    parent: str
+    child: str
+    anchor_W: Sequence[float]
+    collide: bool = False
+
+    def __post_init__(self) -> None:
+        finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Revolute:
+    """Rotation about an axis alone; `position` [rad] is the coordinate in the initial pose."""
+
+    name: str
+    parent: str
+    child: str
+    anchor_W: Sequence[float]
+    axis_W: Sequence[float]
+    position: float = 0.0
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+    collide: bool = False
+
+    def __post_init__(self) -> None:
+        finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
+        _axis(self.name, self.axis_W)
+        finite(f"joint '{self.name}'", "position", self.position, (), "rad or m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prismatic:
+    """Translation along an axis of the parent alone; `position` [m] is the coordinate in the initial pose."""
+
+    name: str
+    parent: str
+    child: str
+    anchor_W: Sequence[float]
+    axis_W: Sequence[float]
+    position: float = 0.0
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+    collide: bool = False
+
+    def __post_init__(self) -> None:
+        finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
+        _axis(self.name, self.axis_W)
+        finite(f"joint '{self.name}'", "position", self.position, (), "rad or m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Distance:
+    """The distance of two anchors: kept as it is at the start, or within limits, or held by a spring."""
+
+    name: str
+    parent: str
+    child: str
+    anchor_W: Sequence[float]
+    child_anchor_W: Sequence[float]
+    limits: Limits | None = None
+    spring: Spring | None = None
+    collide: bool = True
+
+    def __post_init__(self) -> None:
+        a = finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
+        b = finite(f"joint '{self.name}'", "child_anchor_W", self.child_anchor_W, (3,), "m")
+        if float(np.linalg.norm(b - a)) < 1e-12:
+            raise ValueError(f"joint '{self.name}': both anchors lie at {a.tolist()} m, expected a distance above 0")
+
+
+Joint = Fixed | Ball | Revolute | Prismatic | Distance
+
+
+def _axis(name: str, axis_W: Sequence[float]) -> None:
+    """Raises: ValueError if the axis is not a direction."""
+    if float(np.linalg.norm(finite(f"joint '{name}'", "axis_W", axis_W, (3,), "1"))) < 1e-12:
+        raise ValueError(f"joint '{name}': axis_W {tuple(axis_W)}, expected a direction")

@@ -1,0 +1,1 @@
+"""Integrators, one a file, for bodies that nothing touches; and the kick and drift of those that something does."""

@@ -1,0 +1,175 @@
+"""Dormand and Prince's embedded pair of orders 5 and 4 with adaptive steps, for bodies that nothing touches.
+
+    k_i = f(y + h sum_j a_ij k_j),  y <- y + h sum_i a_7i k_i,  e = h sum_i e_i k_i
+    accept if |e| <= tolerance,  h <- h clip(0.9 (tolerance / |e|)^(1/5), 0.2, 5)
+
+State y = (p, v, q, m), m the angular momentum in the body's principal frame. The error is relative to |v|, |q| and |m|; that of
+p is the integral of that of v. Each body has its own step, kept from one dt to the next, and lands on the end of dt exactly.
+The step depends on the state alone, so that the same input gives the same bits.
+
+Source: Dormand, Prince, J. Comput. Appl. Math. 6 (1980) 19; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
+table II.5.2 and equation (II.4.13).
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from engine.compile.jit import entry, kernel
+from engine.integrate.finite_state import is_finite
+from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
+from engine.maths.vec import Floats, Ints, Vec, axpy, load3, load4, store3, store4
+from engine.memory.arena import (
+    ANGULAR_DAMPING,
+    BODIES,
+    BODY,
+    BODY_KIND,
+    COUNT,
+    DT,
+    GRAVITY,
+    GYROSCOPIC,
+    INV_MASS,
+    LINEAR_DAMPING,
+    LOAD,
+    MOMENTS,
+    PRINCIPAL,
+    SETTING,
+    STATE,
+    STEP_TOLERANCE,
+    STEPS,
+    STRIDE,
+    SUBSTEPS,
+    P,
+    V,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["step_dormand_prince"]
+
+STAGES: Final = 7
+A: Final = np.array(
+    [
+        [0, 0, 0, 0, 0, 0],
+        [1 / 5, 0, 0, 0, 0, 0],
+        [3 / 40, 9 / 40, 0, 0, 0, 0],
+        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
+        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+E: Final = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+"""The difference of the weights of orders five and four."""
+
+Y_P: Final = 0
+Y_V: Final = 3
+Y_Q: Final = 6
+Y_M: Final = 10
+LENGTH: Final = 13
+MOST_TRIALS = 100_000
+
+
+@kernel
+def rates(y: Floats, k: Floats, i: int, a: Vec, c: float, moments: Vec, tau: Vec, d: float, gyroscopic: int) -> None:
+    """Write f(y) into row i of k: p' = v, v' = a - c v, and the rates of the spin."""
+    v = load3(y, 0, Y_V)
+    q1, m1 = spin_rates(load4(y, 0, Y_Q), load3(y, 0, Y_M), moments, tau, d, gyroscopic)
+    store3(k, i, Y_P, v)
+    store3(k, i, Y_V, axpy(-c, v, a))
+    store4(k, i, Y_Q, q1)
+    store3(k, i, Y_M, m1)
+
+
+@kernel
+def largest_error(y: Floats, new: Floats, k: Floats, h: float, first: int, last: int) -> float:
+    """|h sum e_i k_i| over the larger of |y| before and after the step, of the columns from first to last; 0 if all vanish."""
+    error = before = after = 0.0
+    for j in range(first, last):
+        e = 0.0
+        for i in range(STAGES):
+            e += E[i] * k[i, j]
+        error += e * e
+        before += y[0, j] * y[0, j]
+        after += new[0, j] * new[0, j]
+    size = max(before, after)
+    return abs(h) * math.sqrt(error / size) if size > 0.0 else 0.0
+
+
+@kernel
+def dormand_prince(
+    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, end: float,
+    gyroscopic: int, y: Floats, new: Floats, k: Floats,
+) -> bool:  # fmt: skip
+    """Advance body b by `end` seconds in as many steps as its tolerance asks for. Returns: whether they sufficed."""
+    if not is_pushed(state, kind, b, end):
+        return True
+    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
+    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
+    tolerance = setting[0, STEP_TOLERANCE]
+    q, m = to_principal(state, principal, b)
+    store3(y, 0, Y_P, load3(state, b, P))
+    store3(y, 0, Y_V, load3(state, b, V))
+    store4(y, 0, Y_Q, q)
+    store3(y, 0, Y_M, m)
+    rates(y, k, 0, a, c, moments, tau, d, gyroscopic)
+    stride = principal[b, STRIDE] if principal[b, STRIDE] > 0.0 else end
+    done, rejected = 0.0, False
+    for _ in range(MOST_TRIALS):
+        left = end - done
+        cut = stride >= left
+        h = left if cut else min(stride, 0.5 * left)
+        for i in range(1, STAGES):
+            for j in range(LENGTH):
+                total = 0.0
+                for s in range(i):
+                    total += A[i, s] * k[s, j]
+                new[0, j] = y[0, j] + h * total
+            rates(new, k, i, a, c, moments, tau, d, gyroscopic)
+        error_v, error_q = largest_error(y, new, k, h, Y_V, Y_Q), largest_error(y, new, k, h, Y_Q, Y_M)
+        error_m = largest_error(y, new, k, h, Y_M, LENGTH)
+        error = max(error_v, error_q, error_m)
+        # A sum is not finite if any part is not, while a maximum may pass it over.
+        overflow = not math.isfinite(error_v + error_q + error_m)
+        factor = 0.2 if overflow else (min(5.0, 0.9 * (tolerance / error) ** 0.2) if error > 0.0 else 5.0)
+        if error <= tolerance and not overflow:
+            # A step cut short by the end of dt says nothing against the longer one that was meant.
+            stride = max(stride, h * factor) if cut else h * (min(factor, 1.0) if rejected else factor)
+            rejected = False
+            done += h
+            for j in range(LENGTH):
+                y[0, j], k[0, j] = new[0, j], k[STAGES - 1, j]
+            if cut:
+                principal[b, STRIDE] = stride
+                store3(state, b, P, load3(y, 0, Y_P))
+                store3(state, b, V, load3(y, 0, Y_V))
+                from_principal(state, principal, b, load4(y, 0, Y_Q), load3(y, 0, Y_M))
+                return True
+        else:
+            stride, rejected = h * max(0.2, factor), True
+    return False
+
+
+@entry
+def step_dormand_prince(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance bodies that nothing touches.
+
+    Returns: steps done, and 0, or 1 if the state stopped being finite, or 4 if the tolerance was out of reach.
+    """
+    state, body, principal = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, PRINCIPAL)
+    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
+    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    end, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    y, new, k = np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH))
+    for step in range(steps):
+        reached = True
+        for _ in range(count[0, SUBSTEPS]):
+            for b in range(count[0, BODIES]):
+                if not dormand_prince(state, body, principal, kind, load, setting, b, end, gyroscopic, y, new, k):
+                    reached = False
+        count[0, STEPS] += 1
+        if not is_finite(state, count[0, BODIES]):
+            return step + 1, 1
+        if not reached:
+            return step + 1, 4
+    return steps, 0

@@ -1,0 +1,119 @@
+"""What the integrators of untouched bodies share: the principal frame, the rates of motion, and kicks by loads and damping.
+
+In the principal frame P the inertia is diagonal. A body's rotation is (q_WP, m) with its angular momentum m in P:
+q' = q (0, w) / 2,  m' = m x w + R^T tau - d m,  w = m / I. Without the gyroscopic effect the term m x w is left out, which
+keeps the angular velocity of a body that nothing turns.
+
+Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.5 (Euler's equations).
+"""
+
+import math
+
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Floats,
+    Ints,
+    Quat,
+    Vec,
+    add,
+    axpy,
+    cross,
+    dot,
+    load3,
+    load4,
+    mat_vec,
+    quat_conj,
+    quat_mat,
+    quat_mul,
+    quat_turn,
+    quat_unit,
+    scale,
+    store3,
+    store4,
+    tmat_vec,
+)  # fmt: skip
+from engine.memory.arena import AXES, DYNAMIC, KINEMATIC, MOMENTS, MOTION, P, Q, V, W
+
+__all__ = [
+    "from_principal", "is_pushed", "kicked_spin", "kicked_velocity", "spin_rates", "to_principal", "turned_by", "velocities_of"
+]  # fmt: skip
+
+
+@kernel
+def is_pushed(state: Floats, kind: Ints, b: int, h: float) -> bool:
+    """Whether forces move body b; where it is kinematic, it is carried on for h seconds by its velocities."""
+    if kind[b, MOTION] == KINEMATIC:
+        store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
+        store4(state, b, Q, quat_turn(load4(state, b, Q), load3(state, b, W), h))
+    return bool(kind[b, MOTION] == DYNAMIC)
+
+
+@kernel
+def as_long(turned: Vec, v: Vec) -> Vec:
+    """The turned vector with the length of v, which rounding changed.
+
+    |q|^2 lies about one, where numbers are twice as dense below as above, so that a matrix made from q lengthens on average,
+    by up to half a rounding: 5e-12 of the energy in 1e5 steps, far more than the exact methods err otherwise.
+    """
+    have = dot(turned, turned)
+    return axpy(0.5 * (dot(v, v) - have) / have, turned, turned) if have > 0.0 else turned
+
+
+@kernel
+def to_principal(state: Floats, principal: Floats, b: int) -> tuple[Quat, Vec]:
+    """q_WP and the angular momentum [kg m2/s] of body b in P."""
+    q = quat_mul(load4(state, b, Q), load4(principal, b, AXES))
+    w_W, moments = load3(state, b, W), load3(principal, b, MOMENTS)
+    w = as_long(tmat_vec(quat_mat(q), w_W), w_W)
+    return q, (moments[0] * w[0], moments[1] * w[1], moments[2] * w[2])
+
+
+@kernel
+def from_principal(state: Floats, principal: Floats, b: int, q: Quat, m: Vec) -> None:
+    """Write the rotation (q_WP, m) of body b as q_WB and w_WB."""
+    store4(state, b, Q, quat_unit(quat_mul(q, quat_conj(load4(principal, b, AXES)))))
+    w = velocities_of(m, load3(principal, b, MOMENTS))
+    store3(state, b, W, as_long(mat_vec(quat_mat(q), w), w))
+
+
+@kernel
+def velocities_of(m: Vec, moments: Vec) -> Vec:
+    """w = m / I [rad/s] in P."""
+    return m[0] / moments[0], m[1] / moments[1], m[2] / moments[2]
+
+
+@kernel
+def turned_by(q: Quat, w: Vec, h: float) -> Quat:
+    """q exp(h w): the orientation after h seconds at the constant angular velocity w [rad/s] in the body's own frame."""
+    angle = 0.5 * h * math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    sine = 1.0 - angle * angle / 6.0 if abs(angle) < 1e-4 else math.sin(angle) / angle
+    s = 0.5 * h * sine
+    return quat_mul(q, (math.cos(angle), s * w[0], s * w[1], s * w[2]))
+
+
+@kernel
+def spin_rates(q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, gyroscopic: int) -> tuple[Quat, Vec]:
+    """q' and m' under the torque tau [N m] in W and angular damping d [1/s]."""
+    w = velocities_of(m, moments)
+    slope = axpy(-d, m, tmat_vec(quat_mat(q), tau))
+    if gyroscopic == 1:
+        slope = add(slope, cross(m, w))
+    return quat_mul(q, (0.0, 0.5 * w[0], 0.5 * w[1], 0.5 * w[2])), slope
+
+
+@kernel
+def damped_time(c: float, h: float) -> float:
+    """The integral of exp(-c t) over h seconds [s]."""
+    return h if c == 0.0 else -math.expm1(-c * h) / c
+
+
+@kernel
+def kicked_velocity(v: Vec, a: Vec, c: float, h: float) -> Vec:
+    """The exact solution of v' = a - c v after h seconds."""
+    return axpy(damped_time(c, h), a, scale(math.exp(-c * h), v))
+
+
+@kernel
+def kicked_spin(q: Quat, m: Vec, tau: Vec, d: float, h: float) -> Vec:
+    """The exact solution of m' = R^T tau - d m after h seconds at a fixed orientation."""
+    return axpy(damped_time(d, h), tmat_vec(quat_mat(q), tau), scale(math.exp(-d * h), m))

@@ -1,0 +1,129 @@
+"""One step of the classical Runge-Kutta method of order four, for a body that nothing touches.
+
+State (p, q, v, L): p' = v,  q' = w q / 2,  v' = g + f/m - c v,  L' = tau - c L,  w = I(q)^-1 L.
+
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1, table 1.2 (1901, Kutta).
+"""
+
+from engine.compile.jit import kernel
+from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
+from engine.maths.vec import (
+    Floats,
+    Ints,
+    Quat,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    load3,
+    load4,
+    load6,
+    mat_vec,
+    quat_mat,
+    quat_mul,
+    quat_turn,
+    quat_unit,
+    scale,
+    store3,
+    store4,
+    sym_vec,
+    tmat_vec,
+)  # fmt: skip
+from engine.memory.arena import (
+    ANGULAR_DAMPING,
+    DYNAMIC,
+    GRAVITY,
+    INV_INERTIA,
+    INV_MASS,
+    KINEMATIC,
+    LINEAR_DAMPING,
+    MOTION,
+    ROUND,
+    P,
+    Q,
+    V,
+    W,
+)  # fmt: skip
+
+__all__ = ["quat_axpy", "quat_rate", "runge_kutta_free", "spin_rate"]
+
+
+@kernel
+def quat_rate(q: Quat, w: Vec) -> Quat:
+    """q' = (0, w) q / 2."""
+    return quat_mul((0.0, 0.5 * w[0], 0.5 * w[1], 0.5 * w[2]), q)
+
+
+@kernel
+def quat_axpy(s: float, a: Quat, b: Quat) -> Quat:
+    """s a + b."""
+    return s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2], s * a[3] + b[3]
+
+
+@kernel
+def weighted(a: Quat, b: Quat, c: Quat, d: Quat) -> Quat:
+    """a + 2 b + 2 c + d."""
+    return quat_axpy(1.0, quat_axpy(1.0, a, d), quat_axpy(2.0, b, quat_axpy(1.0, c, c)))
+
+
+@kernel
+def spin_rate(q: Quat, inverse: Sym, momentum: Vec) -> Vec:
+    """w = R I_B^-1 R^T L."""
+    m = quat_mat(q)
+    return mat_vec(m, sym_vec(inverse, tmat_vec(m, momentum)))
+
+
+@kernel
+def runge_kutta_free(
+    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, dt: float, gyroscopic: int
+) -> None:
+    """Advance body b by dt."""
+    p, q = load3(state, b, P), load4(state, b, Q)
+    v, w = load3(state, b, V), load3(state, b, W)
+    if kind[b, MOTION] == KINEMATIC:
+        store3(state, b, P, axpy(dt, v, p))
+        store4(state, b, Q, quat_turn(q, w, dt))
+    if kind[b, MOTION] != DYNAMIC:
+        return
+    a = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
+    c = body[b, LINEAR_DAMPING]
+    if c == 0.0:
+        store3(state, b, P, add(p, add(scale(dt, v), scale(0.5 * dt * dt, a))))
+        store3(state, b, V, axpy(dt, a, v))
+    else:
+        v1 = axpy(-c, v, a)
+        v2 = axpy(-c, axpy(0.5 * dt, v1, v), a)
+        v3 = axpy(-c, axpy(0.5 * dt, v2, v), a)
+        v4 = axpy(-c, axpy(dt, v3, v), a)
+        store3(state, b, P, add(p, add(scale(dt, v), scale(dt * dt / 6.0, add(v1, add(v2, v3))))))
+        store3(state, b, V, axpy(dt / 6.0, add(add(v1, v4), scale(2.0, add(v2, v3))), v))
+    tau, d = load3(load, b, 3), body[b, ANGULAR_DAMPING]
+    if tau == (0.0, 0.0, 0.0) and d == 0.0 and (body[b, ROUND] == 1.0 or w == (0.0, 0.0, 0.0)):
+        store4(state, b, Q, quat_turn(q, w, dt))
+    else:
+        inverse = load6(body, b, INV_INERTIA)
+        if gyroscopic == 1:
+            m = angular_momentum(state, body, b)
+            m1, q1 = axpy(-d, m, tau), quat_rate(q, w)
+            ma, qa = axpy(0.5 * dt, m1, m), quat_axpy(0.5 * dt, q1, q)
+            m2, q2 = axpy(-d, ma, tau), quat_rate(qa, spin_rate(qa, inverse, ma))
+            mb, qb = axpy(0.5 * dt, m2, m), quat_axpy(0.5 * dt, q2, q)
+            m3, q3 = axpy(-d, mb, tau), quat_rate(qb, spin_rate(qb, inverse, mb))
+            mc, qc = axpy(dt, m3, m), quat_axpy(dt, q3, q)
+            m4, q4 = axpy(-d, mc, tau), quat_rate(qc, spin_rate(qc, inverse, mc))
+            m = axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), m)
+            q = quat_unit(quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q))
+            store4(state, b, Q, q)
+            store3(state, b, W, spin_rate(q, inverse, m))
+        else:
+            m1, q1 = axpy(-d, w, spin_rate(q, inverse, tau)), quat_rate(q, w)
+            wa, qa = axpy(0.5 * dt, m1, w), quat_axpy(0.5 * dt, q1, q)
+            m2, q2 = axpy(-d, wa, spin_rate(qa, inverse, tau)), quat_rate(qa, wa)
+            wb, qb = axpy(0.5 * dt, m2, w), quat_axpy(0.5 * dt, q2, q)
+            m3, q3 = axpy(-d, wb, spin_rate(qb, inverse, tau)), quat_rate(qb, wb)
+            wc, qc = axpy(dt, m3, w), quat_axpy(dt, q3, q)
+            m4, q4 = axpy(-d, wc, spin_rate(qc, inverse, tau)), quat_rate(qc, wc)
+            store3(state, b, W, axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), w))
+            q = quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q)
+            store4(state, b, Q, quat_unit(q))
+    turn_inertia(state, body, turned, b)

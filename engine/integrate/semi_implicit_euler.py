@@ -1,0 +1,109 @@
+"""One body's velocity kick and pose drift: semi-implicit Euler on the Lie group.
+
+    v <- exp(-c h) (v + h a),  L <- exp(-c h) (L + h tau),  p <- p + h v,  q <- exp(h w) q,  w <- I(q)^-1 L
+
+Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections I.1.2 and VII.5. Angular momentum is what is kept
+while the body turns, so a free body conserves it to round-off.
+"""
+
+import math
+
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Floats,
+    Ints,
+    Vec,
+    axpy,
+    load3,
+    load4,
+    load6,
+    mat_vec,
+    quat_mat,
+    quat_turn,
+    scale,
+    store3,
+    store4,
+    store6,
+    sym_rotate,
+    sym_vec,
+    tmat_vec,
+)  # fmt: skip
+from engine.memory.arena import (
+    ANGULAR_DAMPING,
+    DYNAMIC,
+    GRAVITY,
+    INERTIA,
+    INV_INERTIA,
+    INV_MASS,
+    KINEMATIC,
+    LINEAR_DAMPING,
+    MOTION,
+    ROUND,
+    P,
+    Q,
+    V,
+    W,
+)  # fmt: skip
+
+__all__ = ["angular_momentum", "drift", "drift_free", "kick", "turn_inertia"]
+
+
+@kernel
+def turn_inertia(state: Floats, body: Floats, turned: Floats, b: int) -> None:
+    """Write I^-1 of body b in W, R I_B^-1 R^T."""
+    store6(turned, b, 0, sym_rotate(quat_mat(load4(state, b, Q)), load6(body, b, INV_INERTIA)))
+
+
+@kernel
+def angular_momentum(state: Floats, body: Floats, b: int) -> Vec:
+    """L = R I_B R^T w [kg m2/s] of body b about its centre of mass, in W."""
+    m = quat_mat(load4(state, b, Q))
+    return mat_vec(m, sym_vec(load6(body, b, INERTIA), tmat_vec(m, load3(state, b, W))))
+
+
+@kernel
+def kick(state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, h: float) -> None:
+    """Gravity, applied loads and damping for h seconds on the velocities of body b."""
+    if kind[b, MOTION] != DYNAMIC:
+        return
+    g = load3(setting, 0, GRAVITY)
+    a = axpy(body[b, INV_MASS], load3(load, b, 0), g)
+    v = axpy(h, a, load3(state, b, V))
+    w = axpy(h, sym_vec(load6(turned, b, 0), load3(load, b, 3)), load3(state, b, W))
+    if body[b, LINEAR_DAMPING] > 0.0:
+        v = scale(math.exp(-h * body[b, LINEAR_DAMPING]), v)
+    if body[b, ANGULAR_DAMPING] > 0.0:
+        w = scale(math.exp(-h * body[b, ANGULAR_DAMPING]), w)
+    store3(state, b, V, v)
+    store3(state, b, W, w)
+
+
+@kernel
+def drift(state: Floats, body: Floats, kind: Ints, turned: Floats, b: int, h: float, gyroscopic: int) -> None:
+    """Move body b for h seconds with its velocities, keeping its angular momentum if the gyroscopic effect is on."""
+    if kind[b, MOTION] == DYNAMIC:
+        store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
+        w = load3(state, b, W)
+        if body[b, ROUND] == 1.0:
+            store4(state, b, Q, quat_turn(load4(state, b, Q), w, h))
+        else:
+            m = angular_momentum(state, body, b)
+            store4(state, b, Q, quat_turn(load4(state, b, Q), w, h))
+            turn_inertia(state, body, turned, b)
+            if gyroscopic == 1:
+                store3(state, b, W, sym_vec(load6(turned, b, 0), m))
+    elif kind[b, MOTION] == KINEMATIC:
+        store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
+        store4(state, b, Q, quat_turn(load4(state, b, Q), load3(state, b, W), h))
+
+
+@kernel
+def drift_free(
+    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, dt: float, substeps: int,
+    gyroscopic: int,
+) -> None:  # fmt: skip
+    """One step of semi-implicit Euler for a body that nothing touches."""
+    h = dt / substeps
+    for _ in range(substeps):
+        kick(state, body, kind, turned, load, setting, b, h)
+        drift(state, body, kind, turned, b, h, gyroscopic)

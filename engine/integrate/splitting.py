@@ -1,0 +1,152 @@
+"""High-order splitting for bodies that nothing touches: a symmetric second-order step, composed to order four or eight.
+
+With moments I1 <= I2 <= I3 a free rotor's energy is |m|^2 / (2 I2) + (1/I1 - 1/I2) m1^2 / 2 + (1/I3 - 1/I2) m3^2 / 2: a turn C
+about L, which commutes with the rest, and turns A about axis 1 and B about axis 3. Each is exact, so is every kick K by loads
+and damping at rest and every drift D without them:
+
+    S(h) = K(h/2) A(h/2) B(h) A(h/2) C(h) D(h) K(h/2),    step(h) = S(g_s h) ... S(g_2 h) S(g_1 h)
+
+Source: Fasso, J. Comput. Phys. 189 (2003) 527 (the splitting); Suzuki, Phys. Lett. A 146 (1990) 319 (order four); Kahan, Li,
+Math. Comput. 66 (1997) 1089 (order eight, 17 stages); Hairer, Lubich, Wanner, Geometric Numerical Integration, section V.3.2.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from engine.compile.jit import entry, kernel
+from engine.integrate.finite_state import is_finite
+from engine.integrate.free_body import (
+    from_principal,
+    is_pushed,
+    kicked_spin,
+    kicked_velocity,
+    to_principal,
+    turned_by,
+    velocities_of,
+)
+from engine.integrate.principal_turns import turn_first, turn_third
+from engine.maths.vec import Floats, Ints, Quat, Vec, axpy, load3, scale, store3
+from engine.memory.arena import (
+    ANGULAR_DAMPING,
+    BODIES,
+    BODY,
+    BODY_KIND,
+    COUNT,
+    DT,
+    GRAVITY,
+    GYROSCOPIC,
+    INV_MASS,
+    LINEAR_DAMPING,
+    LOAD,
+    MOMENTS,
+    PRINCIPAL,
+    SETTING,
+    STATE,
+    STEPS,
+    SUBSTEPS,
+    P,
+    V,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["KAHAN_LI_8", "SUZUKI_4", "step_splitting_4", "step_splitting_8"]
+
+SUZUKI_4: Final = np.array([1.0, 1.0, -(4.0 ** (1 / 3)), 1.0, 1.0]) / (4.0 - 4.0 ** (1 / 3))
+KAHAN_LI_HALF = (
+    0.13020248308889008087881763, 0.56116298177510838456196441, -0.38947496264484728640807860, 0.15884190655515560089621075,
+    -0.39590389413323757733623154, 0.18453964097831570709183254, 0.25837438768632204729397911, 0.29501172360931029887096624,
+)  # fmt: skip
+KAHAN_LI_8: Final = np.array([*KAHAN_LI_HALF, -0.60550853383003451169892108, *KAHAN_LI_HALF[::-1]])
+
+
+@kernel
+def free_rotor(q: Quat, m: Vec, moments: Vec, weights: Floats, h: float) -> tuple[Quat, Vec]:
+    """The composition without kicks: neighbouring turns A are one, and C, which commutes with both, comes once at the end."""
+    first, third = h * (1.0 / moments[0] - 1.0 / moments[1]), h * (1.0 / moments[2] - 1.0 / moments[1])
+    before = 0.0
+    for weight in weights:
+        q, m = turn_first(q, m, 0.5 * (before + weight) * first * m[0])
+        q, m = turn_third(q, m, weight * third * m[2])
+        before = weight
+    q, m = turn_first(q, m, 0.5 * before * first * m[0])
+    return turned_by(q, scale(1.0 / moments[1], m), h), m
+
+
+@kernel
+def kicked_rotor(
+    q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, weights: Floats, h: float, gyroscopic: int
+) -> tuple[Quat, Vec]:
+    """The composition under a torque [N m] in W and angular damping [1/s]."""
+    for weight in weights:
+        g = weight * h
+        m = kicked_spin(q, m, tau, d, 0.5 * g)
+        if gyroscopic == 1:
+            first, third = g * (1.0 / moments[0] - 1.0 / moments[1]), g * (1.0 / moments[2] - 1.0 / moments[1])
+            q, m = turn_first(q, m, 0.5 * first * m[0])
+            q, m = turn_third(q, m, third * m[2])
+            q, m = turn_first(q, m, 0.5 * first * m[0])
+            q = turned_by(q, scale(1.0 / moments[1], m), g)
+        else:
+            q = turned_by(q, velocities_of(m, moments), g)
+        m = kicked_spin(q, m, tau, d, 0.5 * g)
+    return q, m
+
+
+@kernel
+def splitting(
+    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, weights: Floats,
+    h: float, gyroscopic: int,
+) -> None:  # fmt: skip
+    """Advance body b by h."""
+    if not is_pushed(state, kind, b, h):
+        return
+    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
+    p, v = load3(state, b, P), load3(state, b, V)
+    if c == 0.0:
+        # A constant acceleration is kicked and drifted exactly, whatever the composition.
+        p, v = axpy(0.5 * h * h, a, axpy(h, v, p)), axpy(h, a, v)
+    else:
+        for weight in weights:
+            v = kicked_velocity(v, a, c, 0.5 * weight * h)
+            p = axpy(weight * h, v, p)
+            v = kicked_velocity(v, a, c, 0.5 * weight * h)
+    store3(state, b, P, p)
+    store3(state, b, V, v)
+
+    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
+    q, m = to_principal(state, principal, b)
+    if gyroscopic == 1 and d == 0.0 and tau == (0.0, 0.0, 0.0):
+        q, m = free_rotor(q, m, moments, weights, h)
+    else:
+        q, m = kicked_rotor(q, m, moments, tau, d, weights, h, gyroscopic)
+    from_principal(state, principal, b, q, m)
+
+
+@kernel
+def step_splitting(floats: Floats, ints: Ints, steps: int, weights: Floats) -> tuple[int, int]:
+    """Advance bodies that nothing touches by the composition with these weights."""
+    state, body, principal = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, PRINCIPAL)
+    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
+    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    for step in range(steps):
+        for _ in range(count[0, SUBSTEPS]):
+            for b in range(count[0, BODIES]):
+                splitting(state, body, principal, kind, load, setting, b, weights, h, gyroscopic)
+        count[0, STEPS] += 1
+        if not is_finite(state, count[0, BODIES]):
+            return step + 1, 1
+    return steps, 0
+
+
+@entry
+def step_splitting_4(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Suzuki's composition. Returns: steps done, and 0 or 1 if the state stopped being finite."""
+    return step_splitting(floats, ints, steps, SUZUKI_4)
+
+
+@entry
+def step_splitting_8(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Kahan and Li's composition. Returns: as `step_splitting_4`."""
+    return step_splitting(floats, ints, steps, KAHAN_LI_8)

@@ -1,0 +1,1 @@
+"""Connected components of a world: solved apart, and put to sleep."""

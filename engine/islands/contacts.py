@@ -1,0 +1,233 @@
+"""The contacts of one island, solved in memory of its own: what it reads and writes is apart from all other islands.
+
+The sweeps are those of `step_contact` in the same order, so the bits are the same, whoever solves the island.
+"""
+
+from typing import TypeVar
+
+from engine.compile.jit import kernel
+from engine.integrate.semi_implicit_euler import drift, kick
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import (
+    AROUSED,
+    BODY,
+    BODY_A,
+    BODY_B,
+    BODY_KIND,
+    COUNT,
+    DAMPING_RATIO,
+    DT,
+    DYNAMIC,
+    FIRST_LOCAL,
+    FIRST_MANIFOLD,
+    GROUPED,
+    GYROSCOPIC,
+    HERTZ,
+    HIT,
+    ITERATIONS,
+    LOAD,
+    LOCAL_BODY,
+    LOCAL_KIND,
+    LOCAL_LOAD,
+    LOCAL_OWNER,
+    LOCAL_STATE,
+    LOCAL_TURNED,
+    MANIFOLD,
+    MANIFOLD_KEY,
+    MAX_PUSH,
+    MOTION,
+    OLD_KEY,
+    OLD_MANIFOLD,
+    OLD_POINT,
+    POINT,
+    POINTS,
+    RELAXATIONS,
+    SETTING,
+    SPAN_OF_ISLAND,
+    STATE,
+    SUBSTEPS,
+    TALLY,
+    TURNED,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+from engine.respond.soft import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
+from engine.steps.contact import FRESH, slow_approach, soft_factors
+
+__all__ = [
+    "advance_island", "bodies_of", "contacts_of", "copy_row", "give_island", "kick_island", "patience_of", "substep_of",
+    "take_island",
+]  # fmt: skip
+
+Table = TypeVar("Table", Floats, Ints)
+
+
+@kernel
+def copy_row(source: Table, i: int, target: Table, k: int) -> None:
+    """Row i of one table to row k of another of its width."""
+    for c in range(target.shape[1]):
+        target[k, c] = source[i, c]
+
+
+@kernel
+def bodies_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Floats, Floats, Ints]:
+    """State, body, turned inertia, load and kind of the bodies of island i."""
+    span = ints_of(ints, SPAN_OF_ISLAND)
+    first, end = span[i, FIRST_LOCAL], span[i + 1, FIRST_LOCAL]
+    return (
+        floats_of(floats, ints, LOCAL_STATE)[first:end],
+        floats_of(floats, ints, LOCAL_BODY)[first:end],
+        floats_of(floats, ints, LOCAL_TURNED)[first:end],
+        floats_of(floats, ints, LOCAL_LOAD)[first:end],
+        ints_of(ints, LOCAL_KIND)[first:end],
+    )
+
+
+@kernel
+def contacts_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Ints]:
+    """Manifolds, points and keys of island i. The last step's tables, which are done with, hold them."""
+    span = ints_of(ints, SPAN_OF_ISLAND)
+    first, end = span[i, FIRST_MANIFOLD], span[i + 1, FIRST_MANIFOLD]
+    return (
+        floats_of(floats, ints, OLD_MANIFOLD)[first:end],
+        floats_of(floats, ints, OLD_POINT)[4 * first : 4 * end],
+        ints_of(ints, OLD_KEY)[first:end],
+    )
+
+
+@kernel
+def substep_of(floats: Floats, ints: Ints) -> float:
+    """The length [s] of a sub-step."""
+    return float(floats_of(floats, ints, SETTING)[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
+
+
+@kernel
+def patience_of(ints: Ints, stage: int, strikes: int) -> int:
+    """Times as many sweeps: after a blow anywhere, and in the first sub-step with a new contact anywhere."""
+    return FRESH if strikes == 1 or (stage == 1 and ints_of(ints, TALLY)[0, AROUSED] > 0) else 1
+
+
+@kernel
+def take_island(floats: Floats, ints: Ints, i: int) -> None:
+    """Copy the bodies and contacts of island i into its own memory."""
+    state, body, turned, load, kind = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
+    first = span[i, FIRST_LOCAL]
+    all_states, all_bodies, all_kinds = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), ints_of(ints, BODY_KIND)
+    all_turned, all_loads = floats_of(floats, ints, TURNED), floats_of(floats, ints, LOAD)
+    for r in range(state.shape[0]):
+        b = owner[first + r, 0]
+        copy_row(all_states, b, state, r)
+        copy_row(all_bodies, b, body, r)
+        copy_row(all_turned, b, turned, r)
+        copy_row(all_loads, b, load, r)
+        copy_row(all_kinds, b, kind, r)
+    all_manifolds, all_points = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
+    all_keys = ints_of(ints, MANIFOLD_KEY)
+    first = span[i, FIRST_MANIFOLD]
+    for k in range(manifold.shape[0]):
+        m = grouped[first + k, 0]
+        copy_row(all_manifolds, m, manifold, k)
+        for c in range(key.shape[1]):
+            if c not in (BODY_A, BODY_B):
+                key[k, c] = all_keys[m, c]
+        for p in range(key[k, POINTS]):
+            copy_row(all_points, 4 * m + p, point, 4 * k + p)
+
+
+@kernel
+def kick_island(floats: Floats, ints: Ints, i: int) -> int:
+    """Begin a sub-step of island i: gravity and loads. Returns: how many points are about to strike."""
+    state, body, turned, load, kind = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    setting, h = floats_of(floats, ints, SETTING), substep_of(floats, ints)
+    for b in range(state.shape[0]):
+        kick(state, body, kind, turned, load, setting, b, h)
+    return int(approach(state, kind, setting, manifold.shape[0], manifold, key, point, h, slow_approach(setting, h)))
+
+
+@kernel
+def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
+    """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
+    state, body, turned, _, kind = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    n, h, most = manifold.shape[0], substep_of(floats, ints), setting[0, MAX_PUSH]
+    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
+    warm_start(state, body, turned, n, manifold, key, point)
+    for _ in range(count[0, ITERATIONS] * patience):
+        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
+    for b in range(state.shape[0]):
+        drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
+    refresh(state, 0, n, manifold, key, point)
+    for _ in range(count[0, RELAXATIONS] * patience):
+        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
+    return bounce(n, manifold, key, point)
+
+
+@kernel
+def release_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
+    """Restitution of island i, where any was hit, and the end of the sub-step."""
+    state, body, turned, _, _ = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    n, h = manifold.shape[0], substep_of(floats, ints)
+    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
+    if hit == 1:
+        for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
+            sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, setting[0, MAX_PUSH], 0, 1)
+    friction_mode(state, body, n, manifold, key, point)
+    end_substep(n, key, point)
+
+
+@kernel
+def give_island(floats: Floats, ints: Ints, i: int) -> None:
+    """End the step of island i, and copy its dynamic bodies and its contacts back from its own memory."""
+    state, _, turned, _, kind = bodies_of(floats, ints, i)
+    manifold, point, key = contacts_of(floats, ints, i)
+    span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
+    first = span[i, FIRST_LOCAL]
+    all_states, all_turned = floats_of(floats, ints, STATE), floats_of(floats, ints, TURNED)
+    for r in range(state.shape[0]):
+        if kind[r, MOTION] == DYNAMIC:
+            copy_row(state, r, all_states, owner[first + r, 0])
+            copy_row(turned, r, all_turned, owner[first + r, 0])
+    all_manifolds, all_points = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
+    all_keys = ints_of(ints, MANIFOLD_KEY)
+    end_step(manifold.shape[0], manifold, key, point)
+    first = span[i, FIRST_MANIFOLD]
+    for k in range(manifold.shape[0]):
+        m = grouped[first + k, 0]
+        copy_row(manifold, k, all_manifolds, m)
+        for c in range(key.shape[1]):
+            if c not in (BODY_A, BODY_B):
+                all_keys[m, c] = key[k, c]
+        for p in range(key[k, POINTS]):
+            copy_row(point, 4 * k + p, all_points, 4 * m + p)
+
+
+@kernel
+def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, told: int) -> None:
+    """The stages first..end - 1 of the step of island i.
+
+    Sub-step s begins in stage 2 s, which also ends the one before it, and is solved in stage 2 s + 1; one more stage ends the
+    last. All that islands have to know of each other stands between two stages, and is `told`: whether any of them strikes
+    before a sub-step is solved, and whether any is to bounce before it ends.
+    """
+    span, last = ints_of(ints, SPAN_OF_ISLAND), 2 * ints_of(ints, COUNT)[0, SUBSTEPS]
+    span[i, HIT] = 0
+    if span[i, FIRST_LOCAL] == span[i + 1, FIRST_LOCAL]:
+        return
+    for stage in range(first, end):
+        if stage % 2 == 1:
+            span[i, HIT] = press_island(floats, ints, i, patience_of(ints, stage, told))
+            told = 0
+            continue
+        if stage == 0:
+            take_island(floats, ints, i)
+        else:
+            release_island(floats, ints, i, told)
+        if stage < last:
+            span[i, HIT] = kick_island(floats, ints, i) > 0
+        else:
+            give_island(floats, ints, i)

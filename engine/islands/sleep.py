@@ -1,0 +1,301 @@
+"""Islands that have come to rest stand still until something outside of them changes.
+
+An island falls asleep when each of its bodies has had a kinetic energy below m s^2 / 2, with the speed s of the options, for
+their whole sleep_time, and no fixed body that moves is near. Its bodies then count as static, with no velocity, so that no
+stage of a step has work with them; its contacts are moved aside with the forces they had. It wakes as a whole, in the step
+in which
+
+* one of its bodies gets a contact with an awake body,
+* the load on one of its bodies, or its state, is changed from outside,
+* a static or kinematic body that it leans on, or whose bounds meet those of one of its bodies, moves or was moved.
+
+Contacts that it wakes with start from the impulses that they fell asleep with.
+
+Source: Catto, Box2D, 2007 (islands, sleep); Schmidl, Optimization-Based Animation, 2002 (freezing by kinetic energy).
+"""
+
+import math
+
+from engine.compile.jit import kernel
+from engine.integrate.semi_implicit_euler import angular_momentum
+from engine.maths.vec import Floats, Ints, dot, load3, store3
+from engine.memory.arena import (
+    ASLEEP,
+    AWAKE,
+    BODIES,
+    BODY,
+    BODY_A,
+    BODY_B,
+    BODY_KIND,
+    BOUNDS,
+    CALM,
+    CANDIDATES,
+    CHILD,
+    COUNT,
+    DT,
+    DYNAMIC,
+    ISLAND,
+    ISLANDS,
+    JOINT_KIND,
+    JOINTS,
+    LOAD,
+    MANIFOLD,
+    MANIFOLD_KEY,
+    MANIFOLDS,
+    MASS,
+    MOTION,
+    NUMBER,
+    OWNER,
+    PARENT,
+    POINT,
+    POINT_KEY,
+    POINTS,
+    PROGRESS,
+    REMEMBERED,
+    REST,
+    RESTING,
+    RESTING_KEY,
+    RESTING_MANIFOLD,
+    RESTING_POINT,
+    RESTING_POINT_KEY,
+    RESTLESS,
+    RESTLESS_BODIES,
+    ROOT,
+    SEARCHED,
+    SETTING,
+    SHAPE_KIND,
+    SHAPES,
+    SLEEP,
+    SLEEP_SPEED,
+    SLEEP_TIME,
+    SPAN_OF_ISLAND,
+    STATE,
+    STATIC,
+    TALLY,
+    UNEASY,
+    WAKES,
+    V,
+    W,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["fall_asleep", "mark_changed", "mark_touched", "remember", "wake_marked"]
+
+
+@kernel
+def mark(island: Ints, b: int) -> int:
+    """Let the island of body b wake. Returns: 1 if b slept."""
+    if island[b, ASLEEP] == 0:
+        return 0
+    island[island[b, ASLEEP] - 1, WAKES] = 1
+    return 1
+
+
+@kernel
+def has_changed(state: Floats, load: Floats, remembered: Floats, b: int) -> bool:
+    """Whether the state of body b or the load on it is not that of the last step's end."""
+    changed = False
+    for c in range(13):
+        changed = changed or state[b, c] != remembered[b, c]
+    for c in range(6):
+        changed = changed or load[b, c] != remembered[b, 13 + c]
+    return changed
+
+
+@kernel
+def is_moving(state: Floats, b: int) -> bool:
+    """Whether body b has a velocity."""
+    moving = False
+    for c in range(V, W + 3):
+        moving = moving or state[b, c] != 0.0
+    return moving
+
+
+@kernel
+def mark_changed(floats: Floats, ints: Ints) -> int:
+    """Mark the islands that a change from outside reaches, and the fixed bodies that move. Returns: how many bodies woke."""
+    state, load, remembered = floats_of(floats, ints, STATE), floats_of(floats, ints, LOAD), floats_of(floats, ints, REMEMBERED)
+    kind, count, island, tally = (
+        ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
+    )  # fmt: skip
+    key, joint_kind = ints_of(ints, RESTING_KEY), ints_of(ints, JOINT_KIND)
+    marked, restless = 0, 0
+    for b in range(count[0, BODIES]):
+        island[b, RESTLESS] = 0
+        if kind[b, MOTION] != DYNAMIC:
+            changed = has_changed(state, load, remembered, b)
+            if island[b, ASLEEP] > 0:
+                if changed:
+                    marked += mark(island, b)
+            elif changed or is_moving(state, b):
+                island[b, RESTLESS] = 1
+                restless += 1
+    tally[0, RESTLESS_BODIES] = restless
+    if restless > 0:
+        for m in range(tally[0, RESTING]):
+            if island[key[m, BODY_A], RESTLESS] == 1 or island[key[m, BODY_B], RESTLESS] == 1:
+                marked += mark(island, key[m, BODY_A]) + mark(island, key[m, BODY_B])
+        for j in range(count[0, JOINTS]):
+            a, b = joint_kind[j, PARENT], joint_kind[j, CHILD]
+            if island[a, RESTLESS] == 1 or island[b, RESTLESS] == 1:
+                marked += mark(island, a) + mark(island, b)
+    return marked
+
+
+@kernel
+def mark_touched(floats: Floats, ints: Ints) -> int:
+    """Mark the islands that an awake body touches or a moving fixed body comes near; the latter keeps awake ones from sleep.
+
+    Returns: how many times an asleep body was met.
+    """
+    bounds, calm = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, CALM)
+    count, island, tally = ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
+    key, shape_kind = ints_of(ints, MANIFOLD_KEY), ints_of(ints, SHAPE_KIND)
+    marked = 0
+    for m in range(count[0, MANIFOLDS]):
+        marked += mark(island, key[m, BODY_A]) + mark(island, key[m, BODY_B])
+    if tally[0, RESTLESS_BODIES] == 0:
+        return marked
+    for s in range(count[0, SHAPES]):
+        if island[shape_kind[s, OWNER], RESTLESS] == 1:
+            for t in range(count[0, SHAPES]):
+                b = shape_kind[t, OWNER]
+                meets = True
+                for c in range(3):
+                    meets = meets and bounds[s, c] <= bounds[t, c + 3] and bounds[t, c] <= bounds[s, c + 3]
+                if meets:
+                    calm[b, 0] = 0.0
+                    marked += mark(island, b)
+    return marked
+
+
+@kernel
+def move_contact(floats: Floats, ints: Ints, m: int, away: int, to: int) -> None:
+    """Copy contact m of this step to row `to` of those of asleep islands (away 1), or back (away 0)."""
+    manifold, point = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
+    key, point_key = ints_of(ints, MANIFOLD_KEY), ints_of(ints, POINT_KEY)
+    aside, point_aside = floats_of(floats, ints, RESTING_MANIFOLD), floats_of(floats, ints, RESTING_POINT)
+    key_aside, point_key_aside = ints_of(ints, RESTING_KEY), ints_of(ints, RESTING_POINT_KEY)
+    if away == 1:
+        copy_contact(manifold, key, point, point_key, m, aside, key_aside, point_aside, point_key_aside, to)
+    else:
+        copy_contact(aside, key_aside, point_aside, point_key_aside, m, manifold, key, point, point_key, to)
+
+
+@kernel
+def copy_contact(
+    manifold: Floats, key: Ints, point: Floats, point_key: Ints, m: int, other: Floats, other_key: Ints, other_point: Floats,
+    other_point_key: Ints, to: int,
+) -> None:  # fmt: skip
+    """Copy manifold m with its points to row `to` of other tables, or of the same."""
+    for c in range(other.shape[1]):
+        other[to, c] = manifold[m, c]
+    for c in range(other_key.shape[1]):
+        other_key[to, c] = key[m, c]
+    for k in range(key[m, POINTS]):
+        for c in range(other_point.shape[1]):
+            other_point[4 * to + k, c] = point[4 * m + k, c]
+        for c in range(other_point_key.shape[1]):
+            other_point_key[4 * to + k, c] = point_key[4 * m + k, c]
+
+
+@kernel
+def wake_marked(floats: Floats, ints: Ints) -> int:
+    """Wake the marked islands, and put their contacts back among those of the last step.
+
+    Returns: 0, or 2 where there is no room for them; then nothing has changed.
+    """
+    kind, count, island, tally = (
+        ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
+    )  # fmt: skip
+    calm, key, rest = floats_of(floats, ints, CALM), ints_of(ints, RESTING_KEY), floats_of(floats, ints, REST)
+    aside, point_aside = floats_of(floats, ints, RESTING_MANIFOLD), floats_of(floats, ints, RESTING_POINT)
+    point_key_aside = ints_of(ints, RESTING_POINT_KEY)
+    rising = 0
+    for m in range(tally[0, RESTING]):
+        rising += island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES]
+    if count[0, MANIFOLDS] + rising > key.shape[0]:
+        return 2
+    still = 0
+    for m in range(tally[0, RESTING]):
+        if island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES] == 1:
+            move_contact(floats, ints, m, 0, count[0, MANIFOLDS])
+            count[0, MANIFOLDS] += 1
+        else:
+            copy_contact(aside, key, point_aside, point_key_aside, m, aside, key, point_aside, point_key_aside, still)
+            still += 1
+    tally[0, RESTING] = still
+    for b in range(count[0, BODIES]):
+        if island[b, ASLEEP] > 0 and island[island[b, ASLEEP] - 1, WAKES] == 1:
+            island[b, ASLEEP], kind[b, MOTION], calm[b, 0], rest[b, 0] = 0, DYNAMIC, 0.0, math.inf
+            tally[0, AWAKE] += 1
+            tally[0, SEARCHED], ints_of(ints, PROGRESS)[0, CANDIDATES] = 0, -1
+    for b in range(count[0, BODIES]):
+        island[b, WAKES] = 0
+    return 0
+
+
+@kernel
+def fall_asleep(floats: Floats, ints: Ints) -> int:
+    """Count for how long every body has been slow, and put to sleep the islands of which all have been for long enough.
+
+    Returns: 0, or 2 where there is no room for their contacts; then the islands stay awake for now.
+    """
+    state, body, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, SETTING)
+    calm, sleep = floats_of(floats, ints, CALM), floats_of(floats, ints, SLEEP)
+    kind, count, island, tally = (
+        ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
+    )  # fmt: skip
+    key, span = ints_of(ints, MANIFOLD_KEY), ints_of(ints, SPAN_OF_ISLAND)
+    point, point_key, manifold = floats_of(floats, ints, POINT), ints_of(ints, POINT_KEY), floats_of(floats, ints, MANIFOLD)
+    for i in range(tally[0, ISLANDS]):
+        span[i, UNEASY] = 0
+    awake = 0
+    for b in range(count[0, BODIES]):
+        if kind[b, MOTION] == DYNAMIC:
+            awake += 1
+            v, w = load3(state, b, V), load3(state, b, W)
+            energy = dot(v, v) + dot(w, angular_momentum(state, body, b)) / body[b, MASS]
+            calm[b, 0] = calm[b, 0] + setting[0, DT] if energy < sleep[0, SLEEP_SPEED] * sleep[0, SLEEP_SPEED] else 0.0
+            if calm[b, 0] < sleep[0, SLEEP_TIME]:
+                span[island[b, NUMBER], UNEASY] += 1
+    tally[0, AWAKE] = awake
+    leaving = 0
+    for m in range(count[0, MANIFOLDS]):
+        leaving += int(span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0)
+    if tally[0, RESTING] + leaving > ints_of(ints, RESTING_KEY).shape[0]:
+        return 2
+    staying = 0
+    for m in range(count[0, MANIFOLDS]):
+        if span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0:
+            move_contact(floats, ints, m, 1, tally[0, RESTING])
+            tally[0, RESTING] += 1
+        else:
+            if staying < m:
+                copy_contact(manifold, key, point, point_key, m, manifold, key, point, point_key, staying)
+            staying += 1
+    count[0, MANIFOLDS] = staying
+    for b in range(count[0, BODIES]):
+        if kind[b, MOTION] == DYNAMIC and span[island[b, NUMBER], UNEASY] == 0:
+            root = b
+            while island[root, ROOT] != root:
+                root = island[root, ROOT]
+            island[b, ASLEEP], kind[b, MOTION] = root + 1, STATIC
+            ints_of(ints, PROGRESS)[0, CANDIDATES] = -1
+            store3(state, b, V, (0.0, 0.0, 0.0))
+            store3(state, b, W, (0.0, 0.0, 0.0))
+            tally[0, AWAKE] -= 1
+    return 0
+
+
+@kernel
+def remember(floats: Floats, ints: Ints) -> None:
+    """Note state and load of all bodies that do not move by themselves."""
+    state, load, remembered = floats_of(floats, ints, STATE), floats_of(floats, ints, LOAD), floats_of(floats, ints, REMEMBERED)
+    kind = ints_of(ints, BODY_KIND)
+    for b in range(ints_of(ints, COUNT)[0, BODIES]):
+        if kind[b, MOTION] != DYNAMIC:
+            for c in range(13):
+                remembered[b, c] = state[b, c]
+            for c in range(6):
+                remembered[b, 13 + c] = load[b, c]

@@ -1,0 +1,193 @@
+"""What comes before and after the islands of a step are solved: find contacts, wake, group; and sleep."""
+
+from engine.compile.jit import kernel
+from engine.contact.find_contacts import find_contacts, keep_contacts
+from engine.integrate.finite_state import is_finite
+from engine.integrate.runge_kutta import runge_kutta_free
+from engine.integrate.semi_implicit_euler import drift, drift_free
+from engine.islands.islands import assign_rows, connect, group_bodies, group_links, number_islands, start_islands
+from engine.islands.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import (
+    AROUSED,
+    AWAKE,
+    BODIES,
+    BODY,
+    BODY_A,
+    BODY_B,
+    BODY_KIND,
+    BROAD,
+    CHILD,
+    COUNT,
+    DT,
+    DYNAMIC,
+    ELASTIC,
+    FIRST_JOINT,
+    FIRST_MANIFOLD,
+    GROUPED,
+    GROUPED_JOINT,
+    GYROSCOPIC,
+    HIT,
+    ISLAND,
+    ISLANDS,
+    JOINT_KIND,
+    JOINTS,
+    KINEMATIC,
+    LAW,
+    LOAD,
+    LOCAL_JOINT_KIND,
+    LOCAL_OWNER,
+    MANIFOLD,
+    MANIFOLD_KEY,
+    MANIFOLDS,
+    MOTION,
+    NEW,
+    OLD_KEY,
+    PARENT,
+    POINT,
+    REST,
+    RESTLESS_BODIES,
+    RUNGE_KUTTA,
+    SEARCHED,
+    SETTING,
+    SLEEP,
+    SLEEP_TIME,
+    SPAN_OF_ISLAND,
+    STATE,
+    STEPS,
+    SUBSTEPS,
+    TALLY,
+    TOUCHED,
+    TURNED,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["any_hit", "begin_islands", "end_islands", "next_meeting", "skip_sleep"]
+
+
+@kernel
+def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
+    """Let `steps` steps pass in which all bodies sleep and no fixed body moves. Returns: 1, or 0 if there is work to do."""
+    tally = ints_of(ints, TALLY)
+    if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] == 0.0 or tally[0, AWAKE] > 0 or ints_of(ints, COUNT)[0, STEPS] == 0:
+        return 0
+    if mark_changed(floats, ints) > 0 or tally[0, RESTLESS_BODIES] > 0:
+        return 0
+    ints_of(ints, COUNT)[0, STEPS] += steps
+    return 1
+
+
+@kernel
+def meet(floats: Floats, ints: Ints, keeping: int) -> int:
+    """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
+    state, body, rest = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, REST)
+    setting, point = floats_of(floats, ints, SETTING), floats_of(floats, ints, POINT)
+    kind, count, key = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, MANIFOLD_KEY)
+    tally, sleeps = ints_of(ints, TALLY), floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0
+    searching = keeping == 0 or not keep_contacts(state, body, kind, rest, setting, count, key, point)
+    while True:
+        if searching:
+            if count[0, BROAD] == 1 and tally[0, SEARCHED] == 0:
+                return 5
+            status = find_contacts(floats, ints)
+            if status != 0:
+                return status
+            tally[0, AROUSED] += count[0, NEW]
+        if not sleeps or mark_touched(floats, ints) == 0:
+            return 0
+        if wake_marked(floats, ints) == 2:
+            return 2
+        searching = True
+
+
+@kernel
+def begin_islands(floats: Floats, ints: Ints, keeping: int) -> int:
+    """Find the contacts of this step, wake whom they reach, move the bodies that nothing touches, and group the others.
+
+    Args: keeping: 1 to keep the contacts of the last step where all bodies are still.
+    Returns: 0, or 2 or 3 as `find_contacts`, or 5 if pairs must be found anew before the step, since bodies woke.
+    """
+    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
+    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
+    kind, count, joint_kind = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, JOINT_KIND)
+    island, span, tally = ints_of(ints, ISLAND), ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, TALLY)
+    manifold, key = floats_of(floats, ints, MANIFOLD), ints_of(ints, MANIFOLD_KEY)
+    grouped, grouped_joint = ints_of(ints, GROUPED), ints_of(ints, GROUPED_JOINT)
+    bodies, joints, dt, gyroscopic = count[0, BODIES], count[0, JOINTS], setting[0, DT], count[0, GYROSCOPIC]
+    if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0:
+        mark_changed(floats, ints)
+        if wake_marked(floats, ints) == 2:
+            return 2
+    status = meet(floats, ints, keeping)
+    if status != 0:
+        return status
+    for j in range(joints):
+        if kind[joint_kind[j, PARENT], MOTION] == DYNAMIC or kind[joint_kind[j, CHILD], MOTION] == DYNAMIC:
+            kind[joint_kind[j, PARENT], TOUCHED] = 1
+            kind[joint_kind[j, CHILD], TOUCHED] = 1
+    for b in range(bodies):
+        if kind[b, TOUCHED] == 0:
+            if count[0, RUNGE_KUTTA] == 1:
+                runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
+            else:
+                drift_free(state, body, kind, turned, load, setting, b, dt, count[0, SUBSTEPS], gyroscopic)
+    start_islands(island, bodies + 1)
+    for m in range(count[0, MANIFOLDS]):
+        connect(island, kind, key[m, BODY_A], key[m, BODY_B])
+    for j in range(joints):
+        connect(island, kind, joint_kind[j, PARENT], joint_kind[j, CHILD])
+    islands = number_islands(island, kind, bodies)
+    group_bodies(island, kind, bodies, span, islands)
+    group_links(island, key, count[0, MANIFOLDS], BODY_A, BODY_B, span, islands, FIRST_MANIFOLD, grouped)
+    group_links(island, joint_kind, joints, PARENT, CHILD, span, islands, FIRST_JOINT, grouped_joint)
+    assign_rows(
+        island, bodies, span, islands, key, grouped, joint_kind, grouped_joint, ints_of(ints, LOCAL_OWNER),
+        ints_of(ints, OLD_KEY), ints_of(ints, LOCAL_JOINT_KIND),
+    )  # fmt: skip
+    tally[0, ISLANDS], tally[0, ELASTIC] = islands, 0
+    for m in range(count[0, MANIFOLDS]):
+        if manifold[m, LAW + 2] > 0.0:
+            tally[0, ELASTIC] = 1
+    return 0
+
+
+@kernel
+def next_meeting(ints: Ints, stage: int) -> int:
+    """The stage before which all islands must have told each other what they met with since `stage`.
+
+    They do so before a sub-step is solved, and where surfaces bounce before it ends too.
+    """
+    return stage + 1 if stage % 2 == 0 or ints_of(ints, TALLY)[0, ELASTIC] == 1 else stage + 2
+
+
+@kernel
+def any_hit(ints: Ints) -> int:
+    """1 if any island has something to tell."""
+    span, hit = ints_of(ints, SPAN_OF_ISLAND), 0
+    for i in range(ints_of(ints, TALLY)[0, ISLANDS]):
+        hit |= span[i, HIT]
+    return hit
+
+
+@kernel
+def end_islands(floats: Floats, ints: Ints) -> int:
+    """Move the kinematic bodies that islands lean on, count the step, and let calm islands sleep.
+
+    Returns: 0, or 1 if the state stopped being finite, or 2 if the arena must grow before the next step.
+    """
+    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
+    kind, count, tally = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, TALLY)
+    h = floats_of(floats, ints, SETTING)[0, DT] / count[0, SUBSTEPS]
+    for b in range(count[0, BODIES]):
+        if kind[b, TOUCHED] == 1 and kind[b, MOTION] == KINEMATIC:
+            for _ in range(count[0, SUBSTEPS]):
+                drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
+    tally[0, AROUSED], tally[0, SEARCHED] = 0, 0
+    count[0, STEPS] += 1
+    if not is_finite(state, count[0, BODIES]):
+        return 1
+    if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] == 0.0:
+        return 0
+    status = fall_asleep(floats, ints)
+    remember(floats, ints)
+    return status

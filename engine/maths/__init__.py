@@ -1,0 +1,1 @@
+"""Vectors, quaternions and matrices in registers, and numbers of two floats."""

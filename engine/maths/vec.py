@@ -1,0 +1,256 @@
+"""Vectors, quaternions and matrices as tuples of numbers, which the compiler keeps in registers.
+
+Terms: Vec (x, y, z); Quat (w, x, y, z), unit; Mat nine numbers by rows; Sym (xx, yy, zz, xy, xz, yz).
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.compile.jit import kernel
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Vec = tuple[float, float, float]
+Quat = tuple[float, float, float, float]
+Mat = tuple[float, float, float, float, float, float, float, float, float]
+Sym = tuple[float, float, float, float, float, float]
+
+__all__ = [
+    "Floats", "Ints", "Mat", "Quat", "Sym", "Vec",
+    "add", "along", "axpy", "cross", "dot", "load3", "load4", "load6", "load9", "mat_vec", "neg", "norm", "perpendicular",
+    "quat_conj", "quat_mat", "quat_mul", "quat_spin", "quat_turn", "quat_unit", "scale", "store3", "store4", "store6", "store9",
+    "sub", "sym_rotate", "sym_vec", "tmat_vec",
+]  # fmt: skip
+
+
+@kernel
+def load3(a: Floats, i: int, c: int) -> Vec:
+    """Three numbers of row i from column c."""
+    return a[i, c], a[i, c + 1], a[i, c + 2]
+
+
+@kernel
+def load4(a: Floats, i: int, c: int) -> Quat:
+    """Four numbers of row i from column c."""
+    return a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3]
+
+
+@kernel
+def load6(a: Floats, i: int, c: int) -> Sym:
+    """Six numbers of row i from column c."""
+    return a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3], a[i, c + 4], a[i, c + 5]
+
+
+@kernel
+def load9(a: Floats, i: int, c: int) -> Mat:
+    """Nine numbers of row i from column c."""
+    return (
+        a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3], a[i, c + 4], a[i, c + 5], a[i, c + 6], a[i, c + 7], a[i, c + 8]
+    )  # fmt: skip
+
+
+@kernel
+def store3(a: Floats, i: int, c: int, v: Vec) -> None:
+    """Put a vector into row i from column c."""
+    a[i, c], a[i, c + 1], a[i, c + 2] = v[0], v[1], v[2]
+
+
+@kernel
+def store4(a: Floats, i: int, c: int, q: Quat) -> None:
+    """Put a quaternion into row i from column c."""
+    a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3] = q[0], q[1], q[2], q[3]
+
+
+@kernel
+def store6(a: Floats, i: int, c: int, s: Sym) -> None:
+    """Put a symmetric matrix into row i from column c."""
+    a[i, c], a[i, c + 1], a[i, c + 2] = s[0], s[1], s[2]
+    a[i, c + 3], a[i, c + 4], a[i, c + 5] = s[3], s[4], s[5]
+
+
+@kernel
+def store9(a: Floats, i: int, c: int, m: Mat) -> None:
+    """Put a matrix into row i from column c."""
+    a[i, c], a[i, c + 1], a[i, c + 2] = m[0], m[1], m[2]
+    a[i, c + 3], a[i, c + 4], a[i, c + 5] = m[3], m[4], m[5]
+    a[i, c + 6], a[i, c + 7], a[i, c + 8] = m[6], m[7], m[8]
+
+
+@kernel
+def add(a: Vec, b: Vec) -> Vec:
+    """a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@kernel
+def sub(a: Vec, b: Vec) -> Vec:
+    """a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@kernel
+def neg(a: Vec) -> Vec:
+    """-a."""
+    return -a[0], -a[1], -a[2]
+
+
+@kernel
+def scale(s: float, a: Vec) -> Vec:
+    """s a."""
+    return s * a[0], s * a[1], s * a[2]
+
+
+@kernel
+def axpy(s: float, a: Vec, b: Vec) -> Vec:
+    """s a + b."""
+    return s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2]
+
+
+@kernel
+def dot(a: Vec, b: Vec) -> float:
+    """a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a: Vec, b: Vec) -> Vec:
+    """a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def norm(a: Vec) -> float:
+    """|a|."""
+    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+@kernel
+def along(a: Vec, fallback: Vec) -> Vec:
+    """a / |a|, or the fallback where a vanishes."""
+    length = norm(a)
+    if length > 1e-300:
+        return scale(1.0 / length, a)
+    return fallback
+
+
+@kernel
+def perpendicular(a: Vec) -> Vec:
+    """A unit vector at right angles to the unit vector a."""
+    x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
+    if x <= y and x <= z:
+        return along((0.0, -a[2], a[1]), (1.0, 0.0, 0.0))
+    if y <= z:
+        return along((a[2], 0.0, -a[0]), (1.0, 0.0, 0.0))
+    return along((-a[1], a[0], 0.0), (1.0, 0.0, 0.0))
+
+
+@kernel
+def quat_mul(a: Quat, b: Quat) -> Quat:
+    """Hamilton product: first b, then a."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )
+
+
+@kernel
+def quat_conj(q: Quat) -> Quat:
+    """The inverse rotation."""
+    return q[0], -q[1], -q[2], -q[3]
+
+
+@kernel
+def quat_unit(q: Quat) -> Quat:
+    """q / |q|."""
+    s = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return s * q[0], s * q[1], s * q[2], s * q[3]
+
+
+@kernel
+def quat_spin(q: Quat, w: Vec, h: float) -> Quat:
+    """exp(h w) q, as long as q to round-off: turned for h seconds at the constant angular velocity w [rad/s] in W.
+
+    Small angles take the series of sine and cosine, a few terms of which give the last bit.
+
+    Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.5.
+    """
+    square = 0.25 * h * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    if square < 0.01:
+        # Power series whose first terms left out are below 1e-17.
+        sine = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
+        cosine = 1.0 - square / 2.0 * (
+            1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0)))
+        )
+    else:
+        angle = math.sqrt(square)
+        sine, cosine = math.sin(angle) / angle, math.cos(angle)
+    s = 0.5 * h * sine
+    return quat_mul((cosine, s * w[0], s * w[1], s * w[2]), q)
+
+
+@kernel
+def quat_turn(q: Quat, w: Vec, h: float) -> Quat:
+    """exp(h w) q / |q|: the orientation after turning for h seconds at the constant angular velocity w [rad/s] in W."""
+    return quat_unit(quat_spin(q, w, h))
+
+
+@kernel
+def quat_mat(q: Quat) -> Mat:
+    """The rotation matrix of a quaternion of any length but zero."""
+    w, x, y, z = q
+    s = 2.0 / (w * w + x * x + y * y + z * z)
+    return (
+        1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),
+        s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x),
+        s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y),
+    )  # fmt: skip
+
+
+@kernel
+def mat_vec(m: Mat, v: Vec) -> Vec:
+    """M v."""
+    return (
+        m[0] * v[0] + m[1] * v[1] + m[2] * v[2],
+        m[3] * v[0] + m[4] * v[1] + m[5] * v[2],
+        m[6] * v[0] + m[7] * v[1] + m[8] * v[2],
+    )
+
+
+@kernel
+def tmat_vec(m: Mat, v: Vec) -> Vec:
+    """M^T v."""
+    return (
+        m[0] * v[0] + m[3] * v[1] + m[6] * v[2],
+        m[1] * v[0] + m[4] * v[1] + m[7] * v[2],
+        m[2] * v[0] + m[5] * v[1] + m[8] * v[2],
+    )
+
+
+@kernel
+def sym_vec(s: Sym, v: Vec) -> Vec:
+    """S v."""
+    return (
+        s[0] * v[0] + s[3] * v[1] + s[4] * v[2],
+        s[3] * v[0] + s[1] * v[1] + s[5] * v[2],
+        s[4] * v[0] + s[5] * v[1] + s[2] * v[2],
+    )
+
+
+@kernel
+def sym_rotate(m: Mat, s: Sym) -> Sym:
+    """M S M^T."""
+    a = sym_vec(s, (m[0], m[1], m[2]))
+    b = sym_vec(s, (m[3], m[4], m[5]))
+    c = sym_vec(s, (m[6], m[7], m[8]))
+    return (
+        a[0] * m[0] + a[1] * m[1] + a[2] * m[2],
+        b[0] * m[3] + b[1] * m[4] + b[2] * m[5],
+        c[0] * m[6] + c[1] * m[7] + c[2] * m[8],
+        a[0] * m[3] + a[1] * m[4] + a[2] * m[5],
+        a[0] * m[6] + a[1] * m[7] + a[2] * m[8],
+        b[0] * m[6] + b[1] * m[7] + b[2] * m[8],
+    )

@@ -1,0 +1,1 @@
+"""The memory of a world: two arrays, carved into tables."""

@@ -1,5 +1,0 @@
-"""What the compiler does before its first function, done by the import: for a process that others are forked from."""
-
-from engine.compilers import prepare
-
-prepare()

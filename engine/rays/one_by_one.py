@@ -1,0 +1,212 @@
+"""The first hit of each ray among the shapes with closed forms, one ray and one shape after the other: the oracle of the tiles.
+
+A ray that starts inside a solid hits its exit; the normal points out of the shape.
+
+Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (sphere), 5.3.3 (box), 5.3.7 (cylinder).
+"""
+
+import math
+
+from engine.broad.bounds import pose_shapes
+from engine.compile.jit import entry, kernel
+from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, load9, mat_vec, norm, scale, store3, sub, tmat_vec
+from engine.memory.arena import (
+    BALL_RADIUS,
+    BOX,
+    CAPSULE,
+    COUNT,
+    CYLINDER,
+    OWNER,
+    PART,
+    PLANE,
+    POSE,
+    SHAPE,
+    SHAPE_KIND,
+    SHAPES,
+    SIZE,
+    SPHERE,
+    STATE,
+    TYPE,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["cast_rays", "ray_box", "ray_capsule", "ray_cylinder", "ray_plane", "ray_sphere"]
+
+MISS = math.inf
+UP = (0.0, 0.0, 1.0)
+
+
+@kernel
+def ray_sphere(o: Vec, d: Vec, radius: float) -> tuple[float, Vec]:
+    """|o + t d| = radius, with the discriminant taken from the ray's distance to the centre, which does not cancel."""
+    b = dot(o, d)
+    side = axpy(-b, d, o)
+    root = radius * radius - dot(side, side)
+    if root < 0.0:
+        return MISS, UP
+    root = math.sqrt(root)
+    t = -b - root
+    if t < 0.0:
+        t = -b + root
+    if t < 0.0:
+        return MISS, UP
+    hit = axpy(t, d, o)
+    return t, scale(1.0 / norm(hit), hit)
+
+
+@kernel
+def ray_plane(o: Vec, d: Vec) -> tuple[float, Vec]:
+    """The half space z <= 0."""
+    if d[2] == 0.0:
+        return MISS, UP
+    t = -o[2] / d[2]
+    return (t, UP) if t >= 0.0 else (MISS, UP)
+
+
+@kernel
+def ray_box(o: Vec, d: Vec, h: Vec) -> tuple[float, Vec]:
+    """Slabs: the last entry, or the first exit from inside."""
+    enter, leave, first, last = -math.inf, math.inf, 0, 0
+    for k in range(3):
+        if d[k] == 0.0:
+            if abs(o[k]) > h[k]:
+                return MISS, UP
+            continue
+        reach = math.copysign(h[k], d[k])
+        near, far = (-reach - o[k]) / d[k], (reach - o[k]) / d[k]
+        if near > enter:
+            enter, first = near, k
+        if far < leave:
+            leave, last = far, k
+    if enter > leave or leave < 0.0:
+        return MISS, UP
+    t, k, sign = (enter, first, -1.0) if enter >= 0.0 else (leave, last, 1.0)
+    sign = math.copysign(sign, sign * d[k])
+    return t, (sign if k == 0 else 0.0, sign if k == 1 else 0.0, sign if k == 2 else 0.0)
+
+
+@kernel
+def tube(o: Vec, d: Vec, radius: float) -> tuple[float, float]:
+    """Entry and exit of the infinite cylinder about z; (inf, -inf) for a miss, (-inf, inf) for a ray inside along it."""
+    a = d[0] * d[0] + d[1] * d[1]
+    if a < 1e-30:
+        if o[0] * o[0] + o[1] * o[1] <= radius * radius:
+            return -math.inf, math.inf
+        return math.inf, -math.inf
+    b = (o[0] * d[0] + o[1] * d[1]) / a
+    x, y = o[0] - b * d[0], o[1] - b * d[1]
+    root = (radius * radius - x * x - y * y) / a
+    if root < 0.0:
+        return math.inf, -math.inf
+    root = math.sqrt(root)
+    return -b - root, -b + root
+
+
+@kernel
+def ray_cylinder(o: Vec, d: Vec, radius: float, half: float) -> tuple[float, Vec]:
+    """The tube cut by the two caps."""
+    enter, leave = tube(o, d, radius)
+    first_cap, last_cap = False, False
+    if d[2] == 0.0:
+        if abs(o[2]) > half:
+            return MISS, UP
+    else:
+        reach = math.copysign(half, d[2])
+        near, far = (-reach - o[2]) / d[2], (reach - o[2]) / d[2]
+        if near > enter:
+            enter, first_cap = near, True
+        if far < leave:
+            leave, last_cap = far, True
+    if enter > leave or leave < 0.0:
+        return MISS, UP
+    t, cap = (enter, first_cap) if enter >= 0.0 else (leave, last_cap)
+    if cap:
+        outward = -d[2] if enter >= 0.0 else d[2]
+        return t, (0.0, 0.0, math.copysign(1.0, outward))
+    hit = axpy(t, d, o)
+    return t, (hit[0] / radius, hit[1] / radius, 0.0)
+
+
+@kernel
+def ray_capsule(o: Vec, d: Vec, radius: float, half: float) -> tuple[float, Vec]:
+    """The union of the tube between the caps and the two end spheres: first entry, or last exit from inside."""
+    nearest = closest_distance2(o, half)
+    inside = nearest < radius * radius
+    best, normal = (-1.0 if inside else MISS), UP
+    enter, leave = tube(o, d, radius)
+    if enter <= leave:
+        t = leave if inside else enter
+        z = o[2] + t * d[2]
+        if abs(z) <= half and t >= 0.0 and math.isfinite(t):
+            hit = axpy(t, d, o)
+            best, normal = t, (hit[0] / radius, hit[1] / radius, 0.0)
+    for end in (-1.0, 1.0):
+        centre = (o[0], o[1], o[2] - end * half)
+        b = dot(centre, d)
+        side = axpy(-b, d, centre)
+        root = radius * radius - dot(side, side)
+        if root >= 0.0:
+            root = math.sqrt(root)
+            t = -b + root if inside else -b - root
+            if t >= 0.0 and ((t > best) if inside else (t < best)):
+                hit = axpy(t, d, centre)
+                best, normal = t, scale(1.0 / norm(hit), hit)
+    return (best, normal) if best >= 0.0 else (MISS, UP)
+
+
+@kernel
+def closest_distance2(o: Vec, half: float) -> float:
+    """Squared distance of o from the segment |z| <= half."""
+    z = o[2] - min(max(o[2], -half), half)
+    return o[0] * o[0] + o[1] * o[1] + z * z
+
+
+@entry
+def cast_rays(
+    floats: Floats,
+    ints: Ints,
+    origins: Floats,
+    directions: Floats,
+    max_range: float,
+    distance: Floats,
+    body: Ints,
+    part: Ints,
+    normal: Floats,
+) -> None:
+    """As `engine.rays.tiles.cast_tiles`, for finite origins (r, 3) and unit directions (r, 3)."""
+    state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
+    shape_kind, count = ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
+    shapes = count[0, SHAPES]
+    pose_shapes(state, shape, shape_kind, shapes, pose)
+    for r in range(origins.shape[0]):
+        o, d = load3(origins, r, 0), load3(directions, r, 0)
+        best, facing, hit_shape = max_range, UP, -1
+        for s in range(shapes):
+            away = sub(o, load3(pose, s, 0))
+            bound = shape[s, BALL_RADIUS]
+            if bound < math.inf:
+                along = dot(away, d)
+                miss2 = dot(away, away) - along * along
+                if miss2 > bound * bound * (1.0 + 1e-9) + 1e-12 * dot(away, away) or -along - bound > best or along > bound:
+                    continue
+            kind = shape_kind[s, TYPE]
+            m = load9(pose, s, 3)
+            lo, ld = tmat_vec(m, away), tmat_vec(m, d)
+            t, n = MISS, UP
+            if kind == SPHERE:
+                t, n = ray_sphere(lo, ld, shape[s, SIZE])
+            elif kind == BOX:
+                t, n = ray_box(lo, ld, load3(shape, s, SIZE))
+            elif kind == CAPSULE:
+                t, n = ray_capsule(lo, ld, shape[s, SIZE], shape[s, SIZE + 1])
+            elif kind == CYLINDER:
+                t, n = ray_cylinder(lo, ld, shape[s, SIZE], shape[s, SIZE + 1])
+            elif kind == PLANE:
+                t, n = ray_plane(lo, ld)
+            if t < MISS and (t < best or (t == best and hit_shape < 0)):
+                best, facing, hit_shape = t, mat_vec(m, n), s
+        hit = hit_shape >= 0
+        distance[r] = best if hit else math.inf
+        store3(normal, r, 0, facing if hit else (0.0, 0.0, 0.0))
+        body[r] = shape_kind[hit_shape, OWNER] if hit else -1
+        part[r] = shape_kind[hit_shape, PART] if hit else -1

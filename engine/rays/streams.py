@@ -1,0 +1,200 @@
+"""The closed forms of rays against one shape, over many rays at once.
+
+Each loop reads the rays from six arrays, one for each coordinate, writes a single array and has no branch, so that the compiler
+turns it into vector instructions. An invalid root is NaN, which loses every comparison. A ray that starts inside hits its exit.
+
+Source: as for `engine.rays.one_by_one`; Wald, Slusallek, Benthin, Wagner, Interactive Rendering with Coherent Ray Tracing, 2001
+(one instruction for several rays).
+"""
+
+import math
+
+from engine.compile.jit import kernel, stream
+from engine.maths.vec import Floats, Ints, Mat, Vec, mat_vec, tmat_vec
+from engine.memory.arena import BOX, CAPSULE, CYLINDER, SPHERE
+
+__all__ = ["Rays", "meet_box", "meet_capsule", "meet_cylinder", "meet_plane", "meet_sphere", "near_ball", "normals_of"]
+
+MISS = math.inf
+PARALLEL = 1e-30
+"""Squared sine of the angle to the axis [1] below which a ray runs along it."""
+
+Rays = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
+"""Origins x, y, z [m] and unit directions x, y, z of rays, in W."""
+
+
+@kernel
+def root_of(x: float) -> float:
+    """The square root, NaN below zero."""
+    return math.sqrt(x) if x >= 0.0 else math.nan
+
+
+@kernel
+def ray_in(rays: Rays, i: int, c: Vec, m: Mat) -> tuple[Vec, Vec]:
+    """Origin and direction of ray i in the frame with origin c and axes m."""
+    ox, oy, oz, dx, dy, dz = rays
+    return tmat_vec(m, (ox[i] - c[0], oy[i] - c[1], oz[i] - c[2])), tmat_vec(m, (dx[i], dy[i], dz[i]))
+
+
+@stream
+def near_ball(n: int, rays: Rays, c: Vec, radius: float, best: Floats, near: Ints) -> None:
+    """near[i] = 1 where ray i may meet the ball of `radius` about c before best[i]."""
+    ox, oy, oz, dx, dy, dz = rays
+    square = radius * radius * (1.0 + 1e-9)
+    for i in range(n):
+        x, y, z = ox[i] - c[0], oy[i] - c[1], oz[i] - c[2]
+        along = x * dx[i] + y * dy[i] + z * dz[i]
+        away2 = x * x + y * y + z * z
+        # The last term covers the rounding of the difference.
+        meets = away2 - along * along <= square + 1e-12 * away2
+        near[i] = meets & (along <= radius) & (-along - radius <= best[i])
+
+
+@stream
+def meet_sphere(n: int, rays: Rays, c: Vec, radius: float, t: Floats) -> None:
+    """|o + t d - c| = radius, with the discriminant taken from the ray's distance to the centre, which does not cancel."""
+    ox, oy, oz, dx, dy, dz = rays
+    for i in range(n):
+        x, y, z = ox[i] - c[0], oy[i] - c[1], oz[i] - c[2]
+        b = x * dx[i] + y * dy[i] + z * dz[i]
+        x, y, z = x - b * dx[i], y - b * dy[i], z - b * dz[i]
+        root = root_of(radius * radius - (x * x + y * y + z * z))
+        first, last = -b - root, -b + root
+        found = first if first >= 0.0 else last
+        t[i] = found if found >= 0.0 else MISS
+
+
+@stream
+def meet_plane(n: int, rays: Rays, c: Vec, normal: Vec, t: Floats) -> None:
+    """The plane through c, from either side."""
+    ox, oy, oz, dx, dy, dz = rays
+    for i in range(n):
+        height = normal[0] * (ox[i] - c[0]) + normal[1] * (oy[i] - c[1]) + normal[2] * (oz[i] - c[2])
+        found = -height / (normal[0] * dx[i] + normal[1] * dy[i] + normal[2] * dz[i])
+        t[i] = found if found >= 0.0 else MISS
+
+
+@kernel
+def slab(o: float, d: float, half: float) -> tuple[float, float]:
+    """Entry and exit of |o + t d| <= half; all of t or none of it where d = 0."""
+    inverse = 1.0 / d
+    one, two = (-half - o) * inverse, (half - o) * inverse
+    near, far = (one, two) if d > 0.0 else (two, one)
+    flat = MISS if abs(o) > half else -MISS
+    return (flat if d == 0.0 else near), (-flat if d == 0.0 else far)
+
+
+@kernel
+def through(enter: float, leave: float) -> float:
+    """The entry, or the exit from inside, or a miss."""
+    found = enter if enter >= 0.0 else leave
+    return found if (enter <= leave) & (leave >= 0.0) else MISS
+
+
+@stream
+def meet_box(n: int, rays: Rays, c: Vec, m: Mat, size: Vec, t: Floats) -> None:
+    """Slabs : the last entry, or the first exit from inside."""
+    for i in range(n):
+        o, d = ray_in(rays, i, c, m)
+        near, far = slab(o[0], d[0], size[0])
+        enter, leave = slab(o[1], d[1], size[1])
+        near, far = (near if near > enter else enter), (far if far < leave else leave)
+        enter, leave = slab(o[2], d[2], size[2])
+        t[i] = through(near if near > enter else enter, far if far < leave else leave)
+
+
+@kernel
+def tube(o: Vec, d: Vec, radius: float) -> tuple[float, float]:
+    """Entry and exit of the endless cylinder about z; NaN for a miss and for a ray along z."""
+    a = d[0] * d[0] + d[1] * d[1]
+    inverse = 1.0 / (a if a >= PARALLEL else math.nan)
+    b = (o[0] * d[0] + o[1] * d[1]) * inverse
+    x, y = o[0] - b * d[0], o[1] - b * d[1]
+    root = root_of((radius * radius - x * x - y * y) * inverse)
+    return -b - root, -b + root
+
+
+@stream
+def meet_cylinder(n: int, rays: Rays, c: Vec, m: Mat, size: Vec, t: Floats) -> None:
+    """The tube cut by the two caps, ."""
+    radius, half = size[0], size[1]
+    for i in range(n):
+        o, d = ray_in(rays, i, c, m)
+        near, far = tube(o, d, radius)
+        within = (d[0] * d[0] + d[1] * d[1] < PARALLEL) & (o[0] * o[0] + o[1] * o[1] <= radius * radius)
+        near, far = (-MISS if within else near), (MISS if within else far)
+        enter, leave = slab(o[2], d[2], half)
+        # A miss of the tube stays NaN and fails in `through`.
+        t[i] = through(enter if enter > near else near, leave if leave < far else far)
+
+
+@stream
+def meet_capsule(n: int, rays: Rays, c: Vec, m: Mat, size: Vec, t: Floats) -> None:
+    """The union of the tube between the caps and the two end spheres, : first entry, or last exit from
+    inside.
+    """
+    radius, half = size[0], size[1]
+    square = radius * radius
+    for i in range(n):
+        o, d = ray_in(rays, i, c, m)
+        beyond = abs(o[2]) - half
+        beyond = beyond if beyond > 0.0 else 0.0
+        inside = o[0] * o[0] + o[1] * o[1] + beyond * beyond < square
+        sign = -1.0 if inside else 1.0
+        enter, leave = tube(o, d, radius)
+        found = leave if inside else enter
+        best = sign * found if (found >= 0.0) & (abs(o[2] + found * d[2]) <= half) else MISS
+        low = end_sphere(o, d, -half, square, sign)
+        best = low if low < best else best
+        high = end_sphere(o, d, half, square, sign)
+        best = high if high < best else best
+        t[i] = sign * best if best < MISS else MISS
+
+
+@kernel
+def end_sphere(o: Vec, d: Vec, end: float, square: float, sign: float) -> float:
+    """Entry (sign 1) of the sphere about (0, 0, end), or its exit (-1) with its sign changed."""
+    z = o[2] - end
+    b = o[0] * d[0] + o[1] * d[1] + z * d[2]
+    x, y, z = o[0] - b * d[0], o[1] - b * d[1], z - b * d[2]
+    found = -b - sign * root_of(square - (x * x + y * y + z * z))
+    return sign * found if found >= 0.0 else MISS
+
+
+@stream
+def normals_of(
+    n: int, rays: Rays, t: Floats, kind: int, c: Vec, m: Mat, size: Vec, facing: tuple[Floats, Floats, Floats]
+) -> None:
+    """Outward unit normals in W where rays end on a shape: the direction in which its distance grows fastest."""
+    nx, ny, nz = facing
+    if kind in (SPHERE, CAPSULE):
+        half = size[1] if kind == CAPSULE else 0.0
+        for i in range(n):
+            o, d = ray_in(rays, i, c, m)
+            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
+            beyond = abs(z) - half
+            z = math.copysign(beyond if beyond > 0.0 else 0.0, z)
+            scale = 1.0 / math.sqrt(x * x + y * y + z * z)
+            nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, scale * z))
+    elif kind == BOX:
+        for i in range(n):
+            o, d = ray_in(rays, i, c, m)
+            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
+            u, v, w = abs(x) - size[0], abs(y) - size[1], abs(z) - size[2]
+            first = (u >= v) & (u >= w)
+            second = (v >= w) & (not first)
+            x = math.copysign(1.0, x) if first else 0.0
+            y = math.copysign(1.0, y) if second else 0.0
+            z = 0.0 if first | second else math.copysign(1.0, z)
+            nx[i], ny[i], nz[i] = mat_vec(m, (x, y, z))
+    elif kind == CYLINDER:
+        for i in range(n):
+            o, d = ray_in(rays, i, c, m)
+            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
+            away = math.sqrt(x * x + y * y)
+            cap = abs(z) - size[1] > away - size[0]
+            scale = 0.0 if cap else 1.0 / away
+            nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, math.copysign(1.0, z) if cap else 0.0))
+    else:
+        for i in range(n):
+            nx[i], ny[i], nz[i] = m[2], m[5], m[8]

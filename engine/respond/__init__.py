@@ -1,0 +1,1 @@
+"""How contacts answer: soft constraints, sequential impulses, exact laws, events."""

@@ -1,0 +1,165 @@
+"""Assemble the contact problem of a step from the engine's own contacts, and write its solution back.
+
+With the frame R = (normal, tangent, tangent) of a contact and the arms r_A, r_B its rows of J are R^T (v_B + w_B x r_B - v_A -
+w_A x r_A), so that u = J v; with M^-1 = S S^T, W = (J S)(J S)^T is symmetric to the last bit. The law sees q = J v_free plus,
+along the normal,
+
+    max(gap - TOUCHING, 0) / h
+                      a gap may close and a depth may not grow; rest then always satisfies the law, so that a solution exists,
+    e u_before        at the instant of a blow, for the points that strike: Newton's restitution.
+
+A depth is not worked off: pushes from both sides of a jammed body could not be satisfied at once.
+
+Source: Stewart, Trinkle, Int. J. Numer. Methods Eng. 39, 1996 (gap over step); Moreau, Comput. Methods Appl. Mech. Eng. 177,
+1999 (restitution); Acary, Cadoux, Applications of an existence result for the Coulomb friction problem, 2013.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
+from engine.respond.exact.law import Problem
+
+__all__ = [
+    "ContactFrames", "apply_impulse", "assemble_problem", "closing", "contact_frames", "rebound", "time_to_blow",
+]  # fmt: skip
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+TOUCHING = 1e-9
+"""Gap [m] below which a point touches. Gaps of 1e-12 m, which round-off leaves between jammed bodies, would otherwise
+close by motions of 1e-10 m/s beside others of 1 m/s, and who slips in them would be asked of the last digits."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContactFrames:
+    """Where a problem comes from: rows of the arena's points (k,), bodies (k, 2), frames (k, 3, 3), arms (k, 2, 3)."""
+
+    rows: IntArray
+    bodies: IntArray
+    frame: FloatArray
+    arm: FloatArray
+
+    def of(self, which: NDArray[np.bool_]) -> "ContactFrames":
+        """These (k,) contacts alone."""
+        return ContactFrames(self.rows[which], self.bodies[which], self.frame[which], self.arm[which])
+
+
+def frames_of(normal: FloatArray) -> FloatArray:
+    """Right-handed frames (k, 3, 3), the normal in the first column.
+
+    Source: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6, 2017.
+    """
+    x, y, z = normal.T
+    sign = np.where(z >= 0.0, 1.0, -1.0)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    one = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1)
+    two = np.stack([b, sign + y * y * a, -y], axis=1)
+    return np.stack([normal, one, two], axis=2)
+
+
+def symmetric(six: FloatArray) -> FloatArray:
+    """Matrices (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
+    return six[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
+
+
+def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
+    """Frames and arms of all present contacts."""
+    key, count = int_table(ints, at.MANIFOLD_KEY), int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
+    point, manifold = float_table(floats, ints, at.POINT)[rows], float_table(floats, ints, at.MANIFOLD)[rows // 4]
+    arm = np.stack([point[:, at.ARM_A : at.ARM_A + 3], point[:, at.ARM_B : at.ARM_B + 3]], axis=1)
+    return ContactFrames(
+        rows, key[rows // 4][:, [at.BODY_A, at.BODY_B]], frames_of(manifold[:, at.NORMAL : at.NORMAL + 3]), arm
+    )
+
+
+def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> FloatArray:
+    """The velocities (k,) m/s at which gaps close in h seconds; 0 for what touches."""
+    gap = float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION]
+    return np.asarray(np.maximum(gap - TOUCHING, 0.0) / h)
+
+
+def rebound(floats: FloatArray, ints: IntArray, made: ContactFrames, struck: NDArray[np.bool_]) -> FloatArray:
+    """e u_before (k,) m/s at the present velocities of the contacts that are struck (k,); 0 for the others."""
+    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    return np.where(struck, restitution_of(floats, ints, made) * np.minimum(u, 0.0), 0.0)
+
+
+def restitution_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+    """Newton's e (k,) of the contacts."""
+    return np.asarray(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 2])
+
+
+def time_to_blow(floats: FloatArray, ints: IntArray, made: ContactFrames, left: float, slow: float) -> FloatArray:
+    """When (k,) s the present velocities close the gaps of contacts with restitution; inf beyond `left`, or below `slow`."""
+    # A gap of TOUCHING is left by what is not told from touching; it would end the approach before the blow.
+    gap = np.maximum(float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION] - 2.0 * TOUCHING, 0.0)
+    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    strikes = (restitution_of(floats, ints, made) > 0.0) & (u < -slow) & (gap < -u * left)
+    return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
+
+
+def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> tuple[Problem, FloatArray]:
+    """The problem of these contacts, with velocities already kicked, and what is added to them along the normals, (k,) m/s.
+
+    Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
+    """
+    point = float_table(floats, ints, at.POINT)[made.rows]
+    friction = float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1]
+    q = relative_velocity(float_table(floats, ints, at.STATE), made)
+    pace = float(np.sqrt((q * q).sum(axis=1)).max(initial=0.0))
+    q[:, 0] += lift
+    speed = max(pace, float((-lift).max(initial=0.0)))
+
+    reach = weighted_rows(floats, ints, made)
+    problem = Problem(inverse_mass=reach @ reach.T, velocity=q, friction=friction.copy(), speed=speed)
+    impulse = point[:, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] + point[:, at.NORMAL_IMPULSE, None] * made.frame[:, :, 0]
+    return problem, np.einsum("kji,kj->ki", made.frame, impulse)
+
+
+def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
+    """J v (k, 3) m/s: of B against A at each contact, in its frame."""
+    end = state[made.bodies, at.V : at.V + 3] + np.cross(state[made.bodies, at.W : at.W + 3], made.arm)
+    return np.asarray(np.einsum("kji,kj->ki", made.frame, end[:, 1] - end[:, 0]), np.float64)
+
+
+def weighted_rows(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+    """J S (3k, 6n) with M^-1 = S S^T, over the dynamic bodies in contact."""
+    mass, turned = float_table(floats, ints, at.BODY)[:, at.INV_MASS], float_table(floats, ints, at.TURNED)
+    moved = np.unique(made.bodies[mass[made.bodies] > 0.0])
+    place = np.full(len(mass), -1)
+    place[moved] = np.arange(len(moved))
+    half = np.linalg.cholesky(symmetric(turned[moved]))
+    k = len(made.rows)
+    reach = np.zeros((k, 3, len(moved), 6))
+    for end, sign in ((0, -1.0), (1, 1.0)):
+        hit = np.flatnonzero(place[made.bodies[:, end]] >= 0)
+        n = place[made.bodies[hit, end]]
+        rows = sign * np.swapaxes(made.frame[hit], 1, 2)
+        turn = np.cross(made.arm[hit, end, None, :], rows)
+        reach[hit, :, n, :3] = rows * np.sqrt(mass[moved][n])[:, None, None]
+        reach[hit, :, n, 3:] = turn @ half[n]
+    return reach.reshape(3 * k, 6 * len(moved))
+
+
+def apply_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
+    """Change the velocities by impulses (k, 3) N s, and keep them with the contact points."""
+    state, mass = float_table(floats, ints, at.STATE), float_table(floats, ints, at.BODY)[:, at.INV_MASS]
+    inverse = symmetric(float_table(floats, ints, at.TURNED))
+    in_world = np.einsum("kij,kj->ki", made.frame, impulse)
+    force, moment = np.zeros((len(mass), 3)), np.zeros((len(mass), 3))
+    for end, sign in ((0, -1.0), (1, 1.0)):
+        np.add.at(force, made.bodies[:, end], sign * in_world)
+        np.add.at(moment, made.bodies[:, end], sign * np.cross(made.arm[:, end], in_world))
+    state[:, at.V : at.V + 3] += mass[:, None] * force
+    state[:, at.W : at.W + 3] += np.einsum("nij,nj->ni", inverse, moment)
+    point = float_table(floats, ints, at.POINT)
+    point[:, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
+    point[made.rows, at.NORMAL_IMPULSE] = impulse[:, 0]
+    point[made.rows, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] = in_world - impulse[:, :1] * made.frame[:, :, 0]

@@ -1,0 +1,59 @@
+"""The certificate of a contact solution: how far impulses are from Signorini's and Coulomb's law, whoever found them.
+
+The natural map of each contact,
+
+    F = r - P_K(r - m (u + (mu |u_T|, 0, 0))),
+
+with P_K the projection onto Coulomb's cone and m an effective mass of the contact, vanishes exactly at the solutions. As a
+velocity, |F| / m, and relative to the speed that the step starts from, it judges light and heavy bodies alike: where the ratio
+of masses is R, an error that is seen only relative to the largest impulse could be R times larger.
+
+Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991; Acary, Bremond, Huber, On solving contact problems with
+Coulomb friction, 2018 (section 3.2).
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.respond.exact.law import Problem, lifted
+
+__all__ = ["natural_map", "project_coulomb", "relative_residual"]
+
+FloatArray = NDArray[np.float64]
+
+
+def project_coulomb(impulse: FloatArray, friction: FloatArray) -> FloatArray:
+    """The points of Coulomb's cones |r_T| <= mu r_N nearest to impulses (k, 3)."""
+    normal, size = impulse[:, 0], np.hypot(impulse[:, 1], impulse[:, 2])
+    on_cone = np.maximum((normal + friction * size) / (1.0 + friction * friction), 0.0)
+    # Without friction 0 <= 0 would hold for a pull as well.
+    inside = (size <= friction * normal) & (normal >= 0.0)
+    share = np.where(inside, 1.0, friction * on_cone / np.maximum(size, 1e-300))
+    projected = np.empty_like(impulse)
+    projected[:, 0] = np.where(inside, normal, on_cone)
+    projected[:, 1:] = share[:, None] * impulse[:, 1:]
+    return projected
+
+
+def natural_map(problem: Problem, impulse: FloatArray) -> FloatArray:
+    """F / m (k, 3) m/s of impulses (k, 3) N s."""
+    masses = problem.masses()[:, None]
+    tried = impulse - masses * lifted(problem.after(impulse), problem.friction)
+    return np.asarray((impulse - project_coulomb(tried, problem.friction)) / masses)
+
+
+def relative_residual(problem: Problem, impulse: FloatArray) -> float:
+    """The largest |F| / m of a contact over the speed that the step starts from [1]; NaN impulses give inf.
+
+    Args: impulse: (k, 3) N s in the frames of the contacts.
+    """
+    if problem.size == 0:
+        return 0.0
+    worst = float(np.sqrt((natural_map(problem, impulse) ** 2).sum(axis=1)).max())
+    if not math.isfinite(worst):
+        return math.inf
+    if worst == 0.0:
+        return 0.0
+    return worst / problem.speed if problem.speed > 0.0 else math.inf

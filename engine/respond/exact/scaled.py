@@ -1,0 +1,66 @@
+"""A contact problem in variables of order one, where every cone is |x_T| <= x_N.
+
+x = scale r / unit with one number per contact times the friction on the normal, so that the blocks of W have a mean diagonal
+of one and the free velocities a largest component of one. Frictionless contacts keep their normal alone.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.respond.exact.blocks import FineArray, positive_part
+from engine.respond.exact.law import Problem
+from engine.respond.exact.residual import relative_residual
+
+__all__ = ["Scaled", "scale_problem"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """A problem and its scaled form.
+
+    Terms:
+        w (3k, 3k), q (k, 3): of order one; rubs (k,): contacts with friction; kept (k, 3): False for components held at zero;
+        scale (k, 3), unit: x = scale r / unit.
+    """
+
+    problem: Problem
+    w: FloatArray
+    q: FloatArray
+    rubs: NDArray[np.bool_]
+    kept: NDArray[np.bool_]
+    scale: FloatArray
+    unit: float
+
+    @cached_property
+    def fine(self) -> FineArray:
+        """W with more digits and without the negative eigenvalues of its round-off."""
+        return positive_part(self.w)
+
+    def impulse(self, x: FloatArray) -> FloatArray:
+        """Impulses r (k, 3) N s of scaled ones."""
+        return np.asarray(np.where(self.kept, x * self.unit / self.scale, 0.0))
+
+    def residual(self, x: FloatArray) -> float:
+        """The certificate of scaled impulses."""
+        return relative_residual(self.problem, self.impulse(x))
+
+
+def scale_problem(problem: Problem) -> Scaled:
+    """The scaled form of a problem with at least one contact and a speed above zero."""
+    k, rubs = problem.size, problem.friction > 0.0
+    kept = np.ones((k, 3), np.bool_)
+    kept[~rubs, 1:] = False
+    stretch = np.ones((k, 3))
+    stretch[rubs, 0] = problem.friction[rubs]
+    blocks = np.where(kept, np.diagonal(problem.inverse_mass).reshape(-1, 3) / stretch**2, 0.0)
+    scale = stretch * np.sqrt(blocks.sum(axis=1) / kept.sum(axis=1))[:, None]
+    flat = np.where(kept, 1.0 / scale, 0.0)
+    q = problem.velocity * flat
+    unit = float(np.abs(q).max()) or 1.0
+    w = problem.inverse_mass * flat.ravel()[:, None] * flat.ravel()[None, :]
+    return Scaled(problem, w, q / unit, rubs, kept, scale, unit)

@@ -1,0 +1,138 @@
+"""Steps of worlds with contact under the exact solver: find contacts, then in each sub-step kick, solve, certify, drift.
+
+Where surfaces have restitution a sub-step goes on from blow to blow: the gaps of bodies that fall one behind the other may
+all close in it, and who strikes first decides how fast the next are struck. Up to the instant of a blow the velocities are
+those that end the sub-step, as in semi-implicit Euler; the blow itself is solved with what the forces have given until then,
+over the contacts that touch, and what they give in the rest is added again.
+
+Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (from impact to impact).
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.describe.bodies import Surface
+from engine.describe.errors import NotSupported
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
+from engine.options import Options
+from engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
+from engine.respond.exact.problem import (
+    ContactFrames,
+    apply_impulse,
+    assemble_problem,
+    closing,
+    contact_frames,
+    rebound,
+    time_to_blow,
+)
+from engine.respond.exact.solver import solve
+
+__all__ = ["Certificate", "ExactSteps"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+INSTANT = 1e-6
+"""Share of a sub-step [1] within which gaps that close do so at once."""
+MOST_BLOWS = 64
+"""Parts of a sub-step, after which all blows still to come in it are taken as one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """What was certified so far.
+
+    Terms:
+        residual: the largest relative residual of a solve [1]; solves: how many there were; missed: how many ended above the
+        tolerance; crowded: sub-steps with more blows than were told apart.
+    """
+
+    residual: float = 0.0
+    solves: int = 0
+    missed: int = 0
+    crowded: int = 0
+
+
+class ExactSteps:
+    """The step of one world, with the record of its residuals.
+
+    Args: options: time step, sub-steps and tolerance; surfaces: all laws of the world; jointed: whether it has joints.
+    Raises: NotSupported for joints, for static friction above kinetic, for rolling and for torsional friction.
+    """
+
+    def __init__(self, options: Options, surfaces: Iterable[Surface], jointed: bool) -> None:
+        if jointed:
+            raise NotSupported("joints beside contacts", "the exact solver knows contacts only")
+        surfaces = tuple(surfaces)
+        for law in surfaces:
+            if law.static_friction > law.kinetic_friction:
+                raise NotSupported("static friction above kinetic", "the exact solver has Coulomb's law with one coefficient")
+            if law.rolling_friction > 0.0 or law.torsional_friction > 0.0:
+                raise NotSupported("rolling or torsional friction", "the exact solver has forces at points only")
+        self._bounces = any(law.restitution > 0.0 for law in surfaces)
+        self._h, self._substeps, self._tolerance = options.dt / options.substeps, options.substeps, options.tolerance
+        self.certificate = Certificate()
+
+    def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
+        """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
+        for step in range(steps):
+            status = int(begin_step(floats, ints))
+            if status != 0:
+                return step, status
+            for substep in range(self._substeps):
+                if self._advance(floats, ints, int(substep == self._substeps - 1)):
+                    return step + 1, 1
+        return steps, 0
+
+    def _advance(self, floats: FloatArray, ints: IntArray, last: int) -> bool:
+        """One sub-step, from blow to blow. Args: last: 1 to end the step. Returns: whether it stopped being finite."""
+        h, motion = self._h, float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
+        before = motion.copy()
+        slow = kick_touched(floats, ints, h)
+        if int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0:
+            return bool(drift_touched(floats, ints, h, last))
+        kick, passed = motion - before, 0.0
+        for _ in range(MOST_BLOWS if self._bounces else 0):
+            made = contact_frames(floats, ints)
+            wait = time_to_blow(floats, ints, made, h - passed, slow)
+            first, struck = float(wait.min(initial=np.inf)), wait <= INSTANT * h
+            if first == np.inf:
+                break
+            if struck.any():
+                motion -= (1.0 - passed / h) * kick
+                touching = made.of(struck | (closing(floats, ints, made, 1.0) == 0.0))
+                self._respond(
+                    floats, ints, touching, rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)])
+                )
+                drift_touched(floats, ints, 0.0, 0)
+                motion += (1.0 - passed / h) * kick
+            else:
+                self._respond(floats, ints, made, closing(floats, ints, made, first))
+                drift_touched(floats, ints, first, 0)
+                passed += first
+        made, left = contact_frames(floats, ints), max(h - passed, INSTANT * h)
+        lift = closing(floats, ints, made, left)
+        if self._bounces and (struck := np.isfinite(time_to_blow(floats, ints, made, left, slow))).any():
+            lift = np.where(struck, rebound(floats, ints, made, struck), lift)
+            self.certificate = replace(self.certificate, crowded=self.certificate.crowded + 1)
+        self._respond(floats, ints, made, lift)
+        return bool(drift_touched(floats, ints, h - passed, last))
+
+    def _respond(self, floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> None:
+        """Solve these contacts, apply the impulses, and record how exact they are. Args: lift: as `assemble_problem`."""
+        problem, brought = assemble_problem(floats, ints, made, lift)
+        if not np.isfinite(problem.velocity).all():
+            return
+        solution = solve(problem, self._tolerance, guess=brought if brought.any() else None)
+        apply_impulse(floats, ints, made, solution.impulse)
+        past = self.certificate
+        self.certificate = replace(
+            past,
+            residual=max(past.residual, solution.residual),
+            solves=past.solves + 1,
+            missed=past.missed + int(solution.residual > self._tolerance),
+        )

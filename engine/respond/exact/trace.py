@@ -1,0 +1,194 @@
+"""Path tracing on Coulomb's law by arc length, around the turns where following by width alone has to stop.
+
+Where sliding feeds back into the normal velocities a path may turn: no solution near by exists for a smaller width; the path
+goes back to larger ones before it comes down again. Traced by its arc length in (x, log w) it passes such turns. The smoothing
+
+    y = (W + w^2) x + q + (|y_T|^2 / sqrt(|y_T|^2 + b^2), 0, 0),    F = p(x - y) - x = 0
+
+is convex for large widths, where it has one solution, so that the path from there leads down. On the path x o y = w^2: impulses
+of order one go with velocities of order w^2, so that w^2 is the natural width b of sliding, and the weight that keeps jammed
+impulses bounded; with them the limit is inside the cones wherever they have room. Another b = w^power is another path. A change
+counts relative to a contact's own impulse, since a bearing one is of order one and an open one of order w^2.
+
+With c = p(z) - z, F is p - x where a contact is open and c - y where it bears, and 1 - dp/dz comes from c alone: differences of
+large numbers would cost the digits that decide who slips.
+
+Source: Allgower, Georg, Introduction to Numerical Continuation Methods, SIAM 2003, chapters 2 and 6; Fukushima, Luo, Tseng,
+SIAM J. Optim. 12, 2002 (smoothing).
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import get_lapack_funcs
+
+from engine.respond.exact.cone import compose, frame_of, root, spectral
+
+__all__ = ["PathPoint", "trace_path"]
+
+FloatArray = NDArray[np.float64]
+FineArray = NDArray[np.floating]
+
+(gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
+
+WIDEST, NARROWEST = 10.0, 1e-8
+"""Widths, in units of the largest free velocity, where the path starts and ends."""
+CENTRED = 0.1
+"""How far, relative to its distance from the boundary of the cone, a contact may be off the path."""
+SHORTEST, LONGEST = 1e-7, 3.0
+"""Arc length of a step below which the path is given up, and the largest change of log w in one step."""
+TRIES = 8
+"""Newton steps allowed to come back to the path, and how the arc length changes after each number of them."""
+PACE = (2.0, 2.0, 2.0, 1.3, 1.3, 1.0, 0.7, 0.7, 0.7)
+
+
+@dataclass(frozen=True, slots=True)
+class PathPoint:
+    """A point of the path.
+
+    Terms:
+        x, drift (k, 3): scaled impulses and their derivative along the path, dx / d log w; width: w; steps: matrices factorised
+        since the point before.
+    """
+
+    x: FloatArray
+    drift: FloatArray
+    width: float
+    steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class Local:
+    """F (k, 3), -dF/dx (3k, 3k) and dF / d log w (k, 3) at a point; off: how far from the path; size (k,): of the impulses."""
+
+    miss: FloatArray
+    slope: FloatArray
+    rate: FloatArray
+    off: float
+    size: FloatArray
+
+
+def look(
+    w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
+) -> Local:
+    """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with more digits."""
+    k, soft, dim = len(x), width * width, width**power
+    y = q + (fine @ x.ravel()).reshape(-1, 3) + soft * x
+    y[~rubs, 1:] = 0.0
+    square = y[:, 1] ** 2 + y[:, 2] ** 2
+    size = np.sqrt(square + dim * dim)
+    blur = (dim / size) ** 2
+    lift = y[:, 1:] / size[:, None] * (1.0 + blur)[:, None]
+    y[:, 0] += np.where(rubs, square / size, 0.0)
+    z = x - y
+    low, high, tangent = spectral(z)
+    (p_low, c_low), (p_high, c_high) = root(low, width), root(high, width)
+    open_ = (x[:, 0] < y[:, 0])[:, None]
+    miss = np.where(open_, compose(p_low, p_high, tangent) - x, compose(c_low, c_high, tangent) - y)
+
+    p = np.stack([p_low, p_high, p_low + p_high], axis=1).astype(np.float64)
+    c = np.stack([c_low, c_high, c_low + c_high], axis=1).astype(np.float64)
+    miss, lift, tangent = miss.astype(np.float64), lift.astype(np.float64), tangent.astype(np.float64)
+    frame = frame_of(tangent)
+    turned = np.swapaxes(frame, 1, 2)
+    bears, opens = (frame * (p / (p + c))[:, None, :]) @ turned, (frame * (c / (p + c))[:, None, :]) @ turned
+    rows = (w + soft * np.eye(3 * k)).reshape(k, 3, 3 * k)
+    rows[:, 0] += lift[:, 0, None] * rows[:, 1] + lift[:, 1, None] * rows[:, 2]
+    slope = (bears @ rows).reshape(3 * k, 3 * k)
+    each = np.arange(k)
+    slope.reshape(k, 3, k, 3)[each, :, each, :] += opens
+
+    pushed = 2.0 * soft * x.astype(np.float64)
+    pushed[:, 0] += np.where(rubs, (lift * pushed[:, 1:]).sum(axis=1) - (power * square / size * blur).astype(np.float64), 0.0)
+    low, high = low.astype(np.float64), high.astype(np.float64)
+    rate = compose(2.0 * soft / np.hypot(low, 2.0 * width), 2.0 * soft / np.hypot(high, 2.0 * width), tangent)
+    rate -= (bears @ pushed[:, :, None])[:, :, 0]
+    along, across = (miss[:, 1:] * tangent).sum(axis=1), miss[:, 2] * tangent[:, 0] - miss[:, 1] * tangent[:, 1]
+    ends = np.stack([miss[:, 0] - along, miss[:, 0] + along, across], axis=1)
+    room = np.minimum(p, c) + 2.0 * float(np.finfo(fine.dtype).eps) * (0.2 + float(np.abs(z).max()))
+    return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
+
+
+def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int) -> Iterator[PathPoint]:
+    """Points of the path; ends where the path is lost.
+
+    Args: fine (3k, 3k), W in the precision that x and y shall have, and q (k, 3), scaled to order one and to mu = 1;
+        rubs (k,): contacts with friction; power: of w in the width of sliding; most: matrices allowed.
+    """
+    n, w = len(fine), fine.astype(np.float64)
+    x, used = start(w, fine, q, rubs, power)
+    here = look(w, fine, q, rubs, x, WIDEST, power)
+    unit, turn = np.repeat(here.size, 3), np.zeros(n + 1)
+    log_width, arc, turn[n], count = math.log(WIDEST), 1.0, -1.0, 0
+    matrix, right = np.empty((n + 1, n + 1)), np.empty(n + 1)
+
+    def newton(at: Local, miss: FloatArray | float, along: float) -> FloatArray | None:
+        """The change of (x / unit, log w) that makes up for a miss with this way along the path."""
+        matrix[:n, :n], matrix[:n, n] = at.slope * unit, -at.rate.ravel()
+        matrix[n, :n], matrix[n, n] = turn[:n] / n, turn[n]
+        right[:n], right[n] = miss, along
+        _, _, made, status = gesv(matrix, right)
+        return made if status == 0 and np.isfinite(made).all() else None
+
+    while used < most:
+        made = newton(here, 0.0, 1.0)
+        used += 1
+        if made is None:
+            return
+        turn = made / math.sqrt(made[:n] @ made[:n] / n + made[n] ** 2)
+        drift = (unit * made[:n]).reshape(-1, 3) / (made[n] or 1e-300)
+        if used > count + 1 and log_width < math.log(WIDEST):
+            yield PathPoint(x.astype(np.float64), drift, math.exp(log_width), used - count)
+            count = used
+        while arc > SHORTEST:
+            step = min(arc, LONGEST / max(abs(turn[n]), 1e-9))
+            # Along the path x is smooth in w^2, not in log w.
+            bend = 2.0 * step * turn[n]
+            way = step * (math.expm1(bend) / bend if abs(bend) > 1e-8 else 1.0)
+            found, log_found, tries = x + way * (unit * turn[:n]).reshape(-1, 3), log_width + step * turn[n], 0
+            last = math.inf
+            while True:
+                there = look(w, fine, q, rubs, found, math.exp(log_found), power)
+                lost = not math.isfinite(there.off) or (tries > 1 and there.off > 2.0 * last)
+                if there.off <= CENTRED or tries == TRIES or lost:
+                    break
+                made, last = newton(there, there.miss.ravel(), 0.0), there.off
+                used, tries = used + 1, tries + 1
+                if made is None or abs(made[n]) > LONGEST:
+                    break
+                change = (unit * made[:n]).reshape(-1, 3)
+                change[~rubs, 1:] = 0.0
+                found, log_found = found + change, log_found + float(made[n])
+            if there.off <= CENTRED:
+                break
+            arc *= 0.35
+        else:
+            return
+        x, log_width, arc, here = found, log_found, step * PACE[tries], there
+        turn[:n] *= unit / np.repeat(here.size, 3)
+        unit = np.repeat(here.size, 3)
+        if not math.log(NARROWEST) < log_width < math.log(10.0 * WIDEST):
+            return
+
+
+def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float) -> tuple[FineArray, int]:
+    """The point of the path (k, 3) at the widest width by Newton with a line search, and the matrices factorised."""
+    x = np.zeros(q.shape, fine.dtype)
+    x[:, 0] = WIDEST
+    here = look(w, fine, q, rubs, x, WIDEST, power)
+    for count in range(60):
+        if here.off < 1e-2:
+            return x, count
+        _, _, way, _ = gesv(here.slope, here.miss.ravel())
+        way, size, before = way.reshape(-1, 3), 1.0, float((here.miss**2).sum())
+        way[~rubs, 1:] = 0.0
+        for _ in range(10):
+            here = look(w, fine, q, rubs, x + size * way, WIDEST, power)
+            if float((here.miss**2).sum()) < (1.0 - 1e-4 * size) * before:
+                break
+            size *= 0.5
+        x = x + size * way
+    return x, 60

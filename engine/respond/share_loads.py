@@ -1,0 +1,120 @@
+"""Share the load of a body among its many contacts with what stands still, evenly, without a change of its force and moment.
+
+More than three contacts with parallel normals are redundant: Coulomb's and Newton's laws give their resultant alone. Sequential
+impulses leave it where the order of the contacts put it, and springs even it out slowly, from neighbour to neighbour in that
+order; torsion by friction depends on it. Of all normal impulses with the same force and moments those of the least sum of
+squares are affine in the place (x, y) on the plane of contact:
+
+    l = a + b x + c y,  with the sums of l, l x and l y as they were
+
+They are taken where none of them is negative, as the impulses that each solve starts from.
+
+Source: Winkler's foundation under a rigid plate: Timoshenko, Woinowsky-Krieger, Theory of Plates and Shells, 1959, chapter 8.
+"""
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, dot, load3, store3, sub
+from engine.memory.arena import (
+    ARM_A,
+    ARM_B,
+    BODY_A,
+    BODY_B,
+    DYNAMIC,
+    MOTION,
+    NORMAL,
+    NORMAL_IMPULSE,
+    POINTS,
+    SEPARATION,
+    STRUCK,
+    TANGENTS,
+)  # fmt: skip
+
+__all__ = ["share_loads"]
+
+FEW = 4
+"""Loaded points up to which a body's contacts are left as they are: one manifold's."""
+TOUCHING = 1e-9
+"""Gap [m] up to which a point without load may be given some."""
+PARALLEL = 1e-12
+"""Squared distance [1] of unit normals that count as one."""
+
+# Columns of the sums over the loaded points of a body.
+SIZE, SX, SY, SXX, SXY, SYY, SL, SLX, SLY, FIRST, MIXED = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 12
+
+
+@kernel
+def bearer(kind: Ints, key: Ints, m: int) -> int:
+    """The dynamic body of a manifold with one that is not; -1 where both are."""
+    a, b = key[m, BODY_A], key[m, BODY_B]
+    if kind[a, MOTION] != DYNAMIC:
+        return int(b)
+    return int(a) if kind[b, MOTION] != DYNAMIC else -1
+
+
+@kernel
+def bears(point: Floats, i: int) -> bool:
+    """Whether a point carries load, or touches and may, but for a blow."""
+    return bool(point[i, STRUCK] == 0.0 and (point[i, NORMAL_IMPULSE] > 0.0 or point[i, SEPARATION] <= TOUCHING))
+
+
+@kernel
+def share_loads(kind: Ints, bodies: int, sums: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
+    """Make the normal impulses that the contacts bring along even. Args: sums (bodies + 1, 13): room to work in."""
+    if manifolds <= 1:
+        return
+    for b in range(bodies):
+        for c in range(sums.shape[1]):
+            sums[b, c] = 0.0
+    for m in range(manifolds):
+        b = bearer(kind, key, m)
+        if b < 0:
+            continue
+        n, t1, t2 = load3(manifold, m, NORMAL), load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
+        arm = ARM_A if key[m, BODY_A] == b else ARM_B
+        if sums[b, SIZE] == 0.0:
+            store3(sums, b, FIRST, n)
+        apart = sub(n, load3(sums, b, FIRST))
+        if dot(apart, apart) > PARALLEL:
+            sums[b, MIXED] = 1.0
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            impulse, at = point[i, NORMAL_IMPULSE], load3(point, i, arm)
+            if bears(point, i):
+                x, y = dot(t1, at), dot(t2, at)
+                sums[b, SIZE] += 1.0
+                sums[b, SX] += x
+                sums[b, SY] += y
+                sums[b, SXX] += x * x
+                sums[b, SXY] += x * y
+                sums[b, SYY] += y * y
+                sums[b, SL] += impulse
+                sums[b, SLX] += impulse * x
+                sums[b, SLY] += impulse * y
+    for b in range(bodies):
+        size = sums[b, SIZE]
+        if size <= FEW or sums[b, MIXED] == 1.0:
+            sums[b, MIXED] = 1.0
+            continue
+        x, y, mean = sums[b, SX] / size, sums[b, SY] / size, sums[b, SL] / size
+        xx, xy, yy = sums[b, SXX] - size * x * x, sums[b, SXY] - size * x * y, sums[b, SYY] - size * y * y
+        lx, ly = sums[b, SLX] - sums[b, SL] * x, sums[b, SLY] - sums[b, SL] * y
+        det = xx * yy - xy * xy
+        if det <= 1e-9 * (xx + yy) * (xx + yy):
+            sums[b, MIXED] = 1.0
+            continue
+        sums[b, SLX], sums[b, SLY] = (yy * lx - xy * ly) / det, (xx * ly - xy * lx) / det
+        sums[b, SL] = mean - sums[b, SLX] * x - sums[b, SLY] * y
+    for given in range(2):
+        for m in range(manifolds):
+            b = bearer(kind, key, m)
+            if b < 0 or sums[b, MIXED] == 1.0:
+                continue
+            t1, t2 = load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
+            arm = ARM_A if key[m, BODY_A] == b else ARM_B
+            for i in range(4 * m, 4 * m + key[m, POINTS]):
+                if bears(point, i):
+                    at = load3(point, i, arm)
+                    impulse = sums[b, SL] + sums[b, SLX] * dot(t1, at) + sums[b, SLY] * dot(t2, at)
+                    if given == 1:
+                        point[i, NORMAL_IMPULSE] = impulse
+                    elif impulse <= 0.0:
+                        sums[b, MIXED] = 1.0

@@ -1,0 +1,1 @@
+"""One compiled entry for each kind of world: exactly the stages that it calls for."""

@@ -1,0 +1,115 @@
+"""Advance many worlds in one compiled call, by the address of the step that each of them would run alone.
+
+Calling a compiled step through its address keeps this loop small: it is compiled once for all kinds of worlds, in about a
+second, and the machine code that a world runs is the same with others beside it.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba import prange
+
+from engine.compile.compilers import entry_point, pointer_caller
+from engine.compile.jit import entry, jit_is_off, kernel, parallel_entry
+from engine.maths.vec import Floats, Ints
+
+__all__ = ["address_of_collide", "address_of_search", "address_of_step", "advance_worlds", "advance_worlds_parallel"]
+
+types: Any = numba.types
+FLOATS, INTS = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C")
+STEP = types.UniTuple(types.int64, 2)(FLOATS, INTS, types.int64)
+SEARCH = types.int64(FLOATS, INTS)
+COLLIDE = types.none(FLOATS, INTS)
+
+
+def address_of(function: Any, signature: Any) -> Any:
+    """Where the machine code of a compiled function with this signature lies; the function itself where nothing is compiled."""
+    if jit_is_off():
+        return function
+    returned, address = entry_point(function, signature)
+    if returned != signature.return_type:
+        raise TypeError(f"{function.__name__} returns {returned}, expected {signature.return_type}")
+    return address
+
+
+def address_of_step(step: Any) -> Any:
+    """The address of a step (floats, ints, steps) -> (steps done, status)."""
+    return address_of(step, STEP)
+
+
+def address_of_search(search: Any) -> Any:
+    """The address of a broad phase (floats, ints) -> status."""
+    return address_of(search, SEARCH)
+
+
+def address_of_collide(collide: Any) -> Any:
+    """The address of a narrow phase, or of a test of pairs, (floats, ints)."""
+    return address_of(collide, COLLIDE)
+
+
+def _caller(signature: Any) -> Callable[..., Any]:
+    """How compiled code calls a function of this signature: by its address, with a tuple of arguments."""
+    if jit_is_off():
+        return lambda function, arguments: function(*arguments)
+    return pointer_caller(signature)
+
+
+call_step, call_search, call_collide = _caller(STEP), _caller(SEARCH), _caller(COLLIDE)
+
+
+@kernel
+def advance_world(
+    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, w: int, left: Ints, status: Ints
+) -> int:
+    """Advance world w by `left[w]` steps, as `World.step` does.
+
+    Args: search: for the pairs of each step, or 0 where the step finds them; sift: drops pairs that are apart, or 0; collide:
+    answers convex pairs, or 0 to stop at them; floats, ints: the arenas of all worlds in a row; place (k, 4): where those of
+    each world begin and end.
+    Returns: 0, or 1 where it stopped before; `left` and `status` then say where and why, as `World.step` reads it.
+    """
+    own_floats, own_ints = floats[place[w, 0] : place[w, 1]], ints[place[w, 2] : place[w, 3]]
+    status[w] = 0
+    while left[w] > 0:
+        if search != 0 and status[w] != 3:
+            status[w] = call_search(search, (own_floats, own_ints))
+            if status[w] != 0:
+                return 1
+            if sift != 0:
+                call_collide(sift, (own_floats, own_ints))
+        done, status[w] = call_step(step, (own_floats, own_ints, left[w] if search == 0 else 1))
+        left[w] -= done
+        if status[w] == 3 and collide != 0:
+            call_collide(collide, (own_floats, own_ints))
+        elif status[w] not in (0, 5):
+            return 1
+    return 0
+
+
+@entry
+def advance_worlds(
+    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints,
+    status: Ints,
+) -> int:  # fmt: skip
+    """Advance the worlds numbered `which`, one after the other. Returns: how many stopped before."""
+    stopped = 0
+    for at in range(which.shape[0]):
+        stopped += advance_world(step, search, sift, collide, floats, ints, place, which[at], left, status)
+    return stopped
+
+
+@parallel_entry
+def advance_worlds_parallel(
+    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints,
+    status: Ints, threads: int,
+) -> int:  # fmt: skip
+    """Advance the worlds numbered `which`, a run of neighbours on each thread. Returns: how many stopped before."""
+    worlds = which.shape[0]
+    for chunk in prange(threads):
+        for at in range(chunk * worlds // threads, (chunk + 1) * worlds // threads):
+            advance_world(step, search, sift, collide, floats, ints, place, which[at], left, status)
+    stopped = 0
+    for at in range(worlds):
+        stopped += status[which[at]] != 0
+    return stopped

@@ -1,4 +1,4 @@
-"""The contacts and joints of one island, solved in memory of its own, as `island_contacts` does for contacts alone.
+"""The contacts and joints of one island, solved in memory of its own, as `contacts` does for contacts alone.
 
 Each island has its own matrix, so that the direct solve costs the sum of the cubes of the islands' rows and not the cube of
 their sum.

@@ -6,7 +6,7 @@ With n from A to B and arms l_A n and -l_B n, the velocity of B's surface agains
 
 and an impulse t at right angles to n turns A by -I_A^-1 l_A (n x t) and B by -I_B^-1 l_B (n x t). Between two spheres the
 normal is taken anew in each sub-step, so that both arms lead to one place and angular momentum is kept. The law of the contact
-is that of `contact_solver`.
+is that of `soft`.
 
 Source: Catto, Solver2D, 2024 (TGS Soft).
 """

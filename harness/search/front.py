@@ -1,7 +1,7 @@
 """Which settings to try for work-precision: a coarse design, then steps along the Pareto front, as many for every engine.
 
 For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares for
-such a scene is turned once; one that leaves the error as it was is turned once more where the engine errs least, since a slop
+such a scene is turned once; one that leaves the error as it was is turned once more at the finest step, since a slop
 or a tolerance may be felt there alone. One that leaves the trajectory as it was, bit for bit, or that the adapter refuses, at
 both, means nothing here and is left alone. From then on each point of the front tries its neighbours: twice and half its time
 step, and the next value to both sides of every knob that matters, those first that moved the error most. Where a round brings
@@ -40,7 +40,7 @@ Each was off by some 5 % between two runs, one of them under load, so the ratio 
 PER_ROUND = 4
 """New points of a case on an engine in a round, so that later ones profit from what the first have shown."""
 SCREENING = 2
-"""The rounds in which knobs are turned once, at the case's own step and where the engine errs least; the points that a study
+"""The rounds in which knobs are turned once, at the case's own step and at the finest; the points that a study
 gives come after them, so that an engine with many knobs has as many left."""
 RUNS = 2
 """Runs that a search may take for each of its points: some settings give the answer of others."""
@@ -158,8 +158,8 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     live = _live(group, records, here, knobs)
     tried = [_key(trial.settings) for trial in group]
     wanted = list(_screening(base, knobs, adapter)) if last == 0 else []
-    if last == 1 and (best := _most_accurate(here, case)) is not None:
-        wanted = list(_screening(best, [knob for knob in knobs if live.get(knob, 1.0) < TELLING], adapter))
+    if last == 1 and (finest := _finest(here, case)) is not None:
+        wanted = list(_screening(finest, [knob for knob in knobs if live.get(knob, 1.0) < TELLING], adapter))
     screens = any(_key(settings) not in tried for _, settings in wanted)
     if not screens:
         stays = last > SCREENING and not _moved(here, last)
@@ -185,9 +185,10 @@ def _base(here: Sequence[Point], case: Case) -> Point:
     return min(tuned or first or here, key=lambda point: abs(point.trial.settings.dt / case.dt - 1))
 
 
-def _most_accurate(here: Sequence[Point], case: Case) -> Point | None:
-    """The point that errs least of those that may be tried again in time."""
-    return min((p for p in here if p.cost * case.duration < LONGEST), key=lambda p: (p.error, p.cost), default=None)
+def _finest(here: Sequence[Point], case: Case) -> Point | None:
+    """The first point at the finest step of those that may be tried again in time: 'tuned' where it stands."""
+    first = [point for point in here if point.trial.round == 0 and point.cost * case.duration < LONGEST]
+    return min(first, key=lambda point: (point.trial.settings.dt, point.trial.track != "tuned"), default=None)
 
 
 def _key(settings: Settings) -> str:

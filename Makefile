@@ -25,10 +25,10 @@ report: $(STAMP)   ## the report of the last compare, rebuilt from its store
 	$(BIN)/plumbline report $(OUT)
 
 test: $(STAMP)     ## all tests but the long ones
-	$(BIN)/python -m pytest -m "not slow"
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m "not slow"
 
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
 test-nojit: $(STAMP) ## the engine's unit tests as plain Python, each for a share of time
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -rs -m "not slow" --timeout 900 tests/unit/test_engine_*.py

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,3 +49,19 @@ def known_prices(tmp_path_factory: pytest.TempPathFactory) -> "KnownPrices":
     from tests.known_prices import run_known_prices  # late: scripts in a vendor's words need nothing of ours
 
     return run_known_prices(tmp_path_factory.mktemp("known_prices") / "run")
+
+
+SECONDS = defaultdict[str, float](float)
+"""How long the tests of each file took, in whichever process."""
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    SECONDS[report.nodeid.partition("::")[0]] += report.duration
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say which files take longest, where many were run."""
+    if len(SECONDS) > 10:
+        terminalreporter.section("slowest files")
+        for file in sorted(SECONDS, key=lambda file: -SECONDS[file])[:10]:
+            terminalreporter.line(f"{SECONDS[file]:7.1f} s  {file}")

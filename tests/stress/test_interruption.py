@@ -1,7 +1,6 @@
 """Interruptions: after a kill or Ctrl-C the folder is valid, and resuming gives every cell exactly once."""
 
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -87,18 +86,6 @@ def test_a_killed_run_that_is_resumed_has_every_cell_exactly_once(
 ) -> None:
     assert kill_and_resume(tmp_path, instant, with_plugins) == undisturbed
     ledger.survived("interruption", f"SIGKILL of the run after {instant:g} s", "cells lost 0, doubled 0")
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-def test_two_hundred_random_kills_lose_and_double_nothing(
-    tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str]
-) -> None:
-    shuffle = random.Random(1)
-    for number in range(200):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        assert kill_and_resume(folder, shuffle.uniform(0.1, 2.5), with_plugins) == undisturbed
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from engine.compile import compilers
 pytestmark = pytest.mark.compiler
 
 ROOT = Path(__file__).parents[2]
-ONLY = ROOT / "engine" / "compilers.py"
+ONLY = ROOT / "engine" / "compile" / "compilers.py"
 PUBLIC = {"numba", "numba.extending"}
 """What may be imported of Numba anywhere in the engine."""
 COMMON = {"codegen", "compile", "finalize", "flags", "initialize", "library", "signature", "state"}

@@ -343,7 +343,7 @@ def test_rays_see_the_visual_shapes_where_they_are_asked_to() -> None:
 def test_read_only_rays_compile_nothing_anew(tmp_path: Path) -> None:
     """One origin seen many times over, as the harness tells it, is a read-only array; a cold cache shows what is compiled."""
     code = (
-        "import numpy as np, engine as e; from engine import vec;"
+        "import numpy as np, engine as e; from engine.maths import vec;"
         "w = e.World([e.Body(name='g', motion='static', shapes=[e.Placed(e.Plane())])]);"
         "d = np.tile([0.0, 0.0, -1.0], (4, 1)); w.cast([[0.0, 0.0, 3.0]], d);"
         "o = np.broadcast_to(np.array([0.0, 0.0, 3.0]), d.shape); d.flags.writeable = False; w.cast(o, d);"

@@ -131,11 +131,15 @@ def marked(one: Cell, against: str) -> Cell:
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Under one condition, by engine: how often it leads alone and with others, with ours and without."""
+    """Under one condition, by engine: how often it leads alone and with others, with ours and without.
+
+    Terms: of: how many were asked among the engines of others; of_with_ours: among all.
+    """
 
     what: str
     condition: str
     of: int
+    of_with_ours: int
     engines: Mapping[str, tuple[Lead, Lead | None]]
 
 
@@ -144,15 +148,13 @@ def standings(leads: Sequence[Lead]) -> list[Standing]:
     found: dict[tuple[str, str, str], dict[str, dict[bool, Lead]]] = {}
     for one in leads:
         found.setdefault((one.what, one.at, one.condition), {}).setdefault(one.engine, {})[one.ours] = one
-    return [
-        Standing(
-            what,
-            f"{at}{f': {condition}' if condition else ''}",
-            max(one[True].of for one in by.values()),
-            {engine: (one[True], one.get(False)) for engine, one in by.items()},
-        )
-        for (what, at, condition), by in found.items()
-    ]
+    rows: list[Standing] = []
+    for (what, at, condition), by in found.items():
+        of_with_ours = max(one[True].of for one in by.values())
+        of = max((one[False].of for one in by.values() if False in one), default=of_with_ours)
+        engines = {engine: (one[True], one.get(False)) for engine, one in by.items()}
+        rows.append(Standing(what, f"{at}{f': {condition}' if condition else ''}", of, of_with_ours, engines))
+    return rows
 
 
 def _mapped(searches: Sequence[Search]) -> list[list[Search]]:

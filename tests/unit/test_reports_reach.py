@@ -3,8 +3,9 @@
 from dataclasses import replace
 from typing import Any
 
+from harness.findings.leads import Lead
 from harness.findings.limits_found import Search
-from reports.reach import cell
+from reports.reach import cell, standings
 
 BROKEN: Any = Search(
     experiment="axes",
@@ -40,3 +41,24 @@ def test_a_limit_at_which_the_case_s_own_start_holds_says_so() -> None:
 def test_a_finding_names_the_effects_that_no_scene_called_for() -> None:
     damping = "surplus: angular_damping (the vendor's default of 0.04)"
     assert damping in cell(replace(BROKEN, noticed=(damping,))).hint
+
+
+def test_leads_without_ours_are_of_what_the_others_reach() -> None:
+    """Two pairs that ours alone reaches are none of those that the others share."""
+    counts: Any = {(True, "ours"): (9, 5), (True, "other"): (3, 5), (False, "other"): (10, 2)}
+    leads = [
+        Lead(
+            what="pairs",
+            at="equal time",
+            condition="",
+            ours=ours,
+            engine=engine,
+            alone=alone,
+            shared=shared,
+            of=14 if ours else 12,
+        )
+        for (ours, engine), (alone, shared) in counts.items()
+    ]
+    (row,) = standings(leads)
+    assert (row.of, row.of_with_ours) == (12, 14)
+    assert row.engines["ours"][1] is None

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
@@ -40,10 +41,11 @@ MARK = {"plain": "harness.cli.main", "loaded": "xml.dom.pulldom", "apart": "harn
 def servers(of: int, mark: str) -> list[psutil.Process]:
     """The fork servers that a process has, by a module that they preload."""
     found = []
-    for child in psutil.Process(of).children():
-        line = " ".join(child.cmdline())
-        if "forkserver import main" in line and mark in line:
-            found.append(child)
+    with suppress(psutil.Error):  # what has just ended
+        for child in psutil.Process(of).children():
+            line = " ".join(child.cmdline())
+            if "forkserver import main" in line and mark in line:
+                found.append(child)
     return found
 
 
@@ -63,7 +65,7 @@ def answers(out: Path) -> pd.DataFrame:
 def busy(server: psutil.Process) -> bool:
     try:
         return bool(server.children())
-    except psutil.NoSuchProcess:
+    except psutil.Error:
         return False
 
 

@@ -13,6 +13,8 @@ import pytest
 if TYPE_CHECKING:
     from tests.known_prices import KnownPrices
 
+pytest_plugins = ["tests.stress.ledger"]
+
 PLUGINS = Path(__file__).parent / "stress" / "plugins"
 """A folder with installed-looking plug-ins; on PYTHONPATH it is found like any package."""
 

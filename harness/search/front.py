@@ -1,13 +1,14 @@
 """Which settings to try for work-precision: a coarse design, then steps along the Pareto front, as many for every engine.
 
 For a case on an engine the tracks come first, at each time step of the ladder. Then every knob that the adapter declares for
-such a scene is turned once; one that leaves the error as it was is turned once more at the finest step, since a slop
-or a tolerance may be felt there alone. One that leaves the trajectory as it was, bit for bit, or that the adapter refuses, at
-both, means nothing here and is left alone. From then on each point of the front tries its neighbours: twice and half its time
-step, and the next value to both sides of every knob that matters, those first that moved the error most. Where a round brings
-nothing to the front, exact answers on it are tried at twice their step, then the neighbours of what lies next behind it: an
-engine whose front stays early is given as many points as one whose front goes on. That ends when the experiment's number of
-points is spent, or nothing is left to try; knobs that mean nothing here are not counted.
+such a scene is turned once; one that leaves the error nearly as it was is turned once more at the finest step, since a slop
+or a tolerance may be felt there alone, unless it moved the answer by rounding only. One that leaves the trajectory as it was,
+bit for bit, or that the adapter refuses, at both, means nothing here and is left alone. From then on each point of the front
+tries its neighbours: twice and half its time step, and the next value to both sides of every knob that matters, those first
+that moved the error most. Where a round brings nothing to the front, exact answers on it are tried at twice their step, then
+the neighbours of what lies next behind it: an engine whose front stays early is given as many points as one whose front goes
+on. That ends when the experiment's number of points is spent, or nothing is left to try; knobs that mean nothing here are not
+counted.
 
 Costs are rough: each is clocked beside its accuracy run, in turns with a yardstick, the default track at the case's own step,
 and what is compared are the ratios. They say nothing about differences of a few per cent; what they leave near the front is
@@ -155,16 +156,16 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     if room <= 0 or sum(trial.round > SCREENING for trial in group) >= RUNS * group[0].experiment.sweep:
         return []
     knobs = adapter.knobs_in(group[0].scene(case))
-    live = _live(group, records, here, knobs)
+    felt = _felt(group, records, here, knobs)
     tried = [_key(trial.settings) for trial in group]
     wanted = list(_screening(base, knobs, adapter)) if last == 0 else []
     if last == 1 and (finest := _finest(here, case)) is not None:
-        wanted = list(_screening(finest, [knob for knob in knobs if live.get(knob, 1.0) < TELLING], adapter))
+        wanted = list(_screening(finest, [knob for knob in knobs if knob not in felt or felt[knob].worth_another], adapter))
     screens = any(_key(settings) not in tried for _, settings in wanted)
     if not screens:
         stays = last > SCREENING and not _moved(here, last)
         wanted = list(_coarser_still(here, case)) if stays else []
-        foremost = sorted(live, key=lambda knob: -live[knob])
+        foremost = sorted(felt, key=lambda knob: -felt[knob].ratio)
         for layer in _layers(_apart(here)):
             wanted += _neighbours(layer, foremost, case, adapter)
     found: list[Trial] = []
@@ -228,13 +229,26 @@ def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
     return [value for value in dict.fromkeys((values[0], values[-1])) if value != now]
 
 
-def _live(group: Group, records: Mapping[str, Record], here: Sequence[Point], knobs: Iterable[str]) -> dict[str, float]:
+@dataclass(frozen=True, slots=True)
+class Felt:
+    """What turning a knob did to the error at most: the ratio of two errors, and their difference as a share of the scale."""
+
+    ratio: float
+    shift: float
+
+    @property
+    def worth_another(self) -> bool:
+        """Is it worth another turn at the finest step: moved the error, but not by much?"""
+        return self.shift > SMALLEST and self.ratio < TELLING
+
+
+def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], knobs: Iterable[str]) -> dict[str, Felt]:
     """The knobs that changed a trajectory: two runs whose settings differ in the knob alone gave two answers.
 
-    Returns: by knob, the largest ratio of the errors of two such runs; 1 where no two of them have an error.
+    Returns: by knob, what it did; a ratio of 1 and an infinite shift where no two of them have an error.
     """
     errors = {point.trial.trial: point.error for point in here}
-    live = {}
+    felt = {}
     for knob in knobs:
         answers: dict[str, dict[str, str]] = {}
         for trial in group:
@@ -243,9 +257,12 @@ def _live(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
                 answers.setdefault(_key(_without(trial.settings, knob)), {})[record.trajectory_hash] = trial.trial
         unlike = [found.values() for found in answers.values() if len(found) > 1]
         if unlike:
-            told = [[errors[name] for name in names if name in errors] for names in unlike]
-            live[knob] = max((max(some) / min(some) for some in told if some), default=1.0)
-    return live
+            pairs = [some for names in unlike if (some := [errors[name] for name in names if name in errors])]
+            felt[knob] = Felt(
+                ratio=max((max(some) / min(some) for some in pairs), default=1.0),
+                shift=max((max(some) - min(some) for some in pairs), default=math.inf),
+            )
+    return felt
 
 
 def _without(settings: Settings, knob: str) -> Settings:

@@ -1,7 +1,7 @@
 """The sweep against an engine made of formulas: it tries what matters, leaves what does not, and ends."""
 
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -161,12 +161,26 @@ def test_a_knob_that_is_felt_at_fine_steps_alone_is_turned_on() -> None:
     assert best.settings.dt < 1 / 240
 
 
+@pytest.mark.parametrize(("moved", "steps"), [(1e-12, [1 / 120]), (1e-6, [1 / 120, 1 / 240])])
+def test_a_knob_that_moves_the_answer_by_rounding_alone_is_turned_once(moved: float, steps: Sequence[float]) -> None:
+    """Many knobs of an engine do nothing but round otherwise: turning them again would give it more tries than others."""
+
+    def rounded(trial: Trial) -> Record:
+        told, blue = answer(trial), trial.settings.options.get("colour") == "blue"
+        found = replace(told.measurements[0], value=told.measurements[0].value + blue * moved)
+        return replace(told, trajectory_hash=f"{told.trajectory_hash} {blue}", measurements=(found,))
+
+    trials, _ = unfolded(1, answer=rounded)
+    turned = [t.settings.dt for t in trials if t.settings.options.get("colour") is not None and t.round <= SCREENING]
+    assert turned == steps
+
+
 def test_it_ends_by_itself_and_within_its_number_of_points() -> None:
     """With room to spare it stops when the front does; without, at the number given."""
     free, _ = unfolded(sweep=10_000)
     assert 6 < len(free) < 200
     few, known = unfolded(sweep=7)
-    assert [sum(trial.round == number for trial in few) for number in (0, 1, 2)] == [6, 3, 2]
+    assert [sum(trial.round == number for trial in few) for number in (0, 1, 2)] == [6, 3, 1]
     answers = [{known[t.trial].trajectory_hash for t in few if (t.round > SCREENING) == late} for late in (False, True)]
     assert len(answers[True] - answers[False]) == 7
     none, _ = unfolded(sweep=0)

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from harness.case.alteration import EVERYTHING, REFINED
+from harness.findings.where import differing, in_words
 from harness.search.needless_effects import Consequence, matters, scale_in, told_apart, weighed
 from harness.statistics.ratio import Ratio, ratio
 from harness.store.store import Store
@@ -88,8 +89,8 @@ def _verdicts(store: Store) -> Iterator[Verdict]:
     part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
     part = part.assign(departure=[json.loads(text).get("name", "") for text in part["alteration"]])
     samples = _sampled(store)
-    for _, cells in part.groupby("case", sort=False):
-        named = _where(cells["parameters"])
+    for case, cells in part.groupby("case", sort=False):
+        named = _where(cells["parameters"], store.catalogue["cases"][case]["parameters"])
         for parameters, scenes in cells.groupby("parameters", sort=False):
             needed = _needed(store, scenes)
             for (engine, track), group in scenes.groupby(["engine", "track"], sort=False):
@@ -108,12 +109,11 @@ def _sampled(store: Store) -> Sampled:
     return found
 
 
-def _where(told: Iterable[str]) -> dict[str, str]:
-    """By parameters (JSON) of a case, what tells them apart in words: nothing, where there is but one scene."""
+def _where(told: Iterable[str], own: Mapping[str, Any]) -> dict[str, str]:
+    """By parameters (JSON) of a case, what tells them apart and from the case as it is, in words."""
     read = {text: json.loads(text) for text in dict.fromkeys(told)}
-    names = {name for one in read.values() for name in one}
-    loose = [name for name in sorted(names) if len({repr(one.get(name)) for one in read.values()}) > 1]
-    return {text: ", ".join(f"{name} {one[name]}" for name in loose if name in one) for text, one in read.items()}
+    loose = sorted(differing(read.values(), own))
+    return {text: in_words({name: one[name] for name in loose if name in one}) for text, one in read.items()}
 
 
 def _runs(group: pd.DataFrame) -> dict[str, Any]:

@@ -204,7 +204,8 @@ class Scaling:
     def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
         values = self._values.get(row["trial"], {})
         headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
-        trouble = [text for text in json.loads(row["warnings"]) if str(text).startswith("timing: ")]
+        note = row.get("timing_note")  # a run folder of an older version has no such column
+        trouble = [f"timing: {note}"] if isinstance(note, str) and note else []
         unstable, workers = row["unstable_timing"], int(row.get("workers", 1))
         return Cost(
             case=case,

@@ -100,6 +100,9 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     assert _fall(copy) == (pytest.approx(9.81 / 240), 0)
     motion.write_text(text)
     assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
+    with (copy / "engine" / "rays" / "tiles.py").open("a") as rays:
+        rays.write("# no step is made of this\n")
+    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
 
 
 def _stored(folder: Path) -> Any:

@@ -84,9 +84,10 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch. sun: the light that pictures are taken in.
-    Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for an integrator of free
-        bodies where there are joints or contacts, for initial velocities that a joint forbids, for what the exact solver
-        lacks, and for joints beside contacts where these are swept or solved by sequential impulses.
+    Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for open meshes at a level
+        of detail, for an integrator of free bodies where there are joints or contacts, for initial velocities that a joint
+        forbids, for what the exact solver lacks, and for joints beside contacts where these are swept or solved by sequential
+        impulses.
     """
 
     def __init__(
@@ -100,6 +101,10 @@ class World:
         sun: Sun | None = None,
     ) -> None:
         self.options = options or Options()
+        if self.options.level_of_detail is not None:
+            from engine.build.level_of_detail import at_level
+
+            bodies = at_level(bodies, self.options.level_of_detail)
         joints = elimination_order(bodies, joints)
         self.sun = sun or Sun()
         self.touching = self.options.contacts and _may_touch(bodies)

@@ -80,7 +80,7 @@ def _fall(root: Path) -> tuple[float, int]:
     return float(velocity), hits
 
 
-@pytest.mark.parametrize("script", [TUMBLE, ROLL])
+@pytest.mark.parametrize("script", [TUMBLE, pytest.param(ROLL, marks=pytest.mark.slow)])
 def test_the_process_that_compiles_gets_the_bits_of_those_that_load(copy: Path, script: str) -> None:
     compiled, loaded = _run(copy, script), _run(copy, script)
     assert (compiled[1], loaded[1]) == (0, 1)

@@ -30,7 +30,7 @@ def actuated(plan: Plan, made: Assembly, tree: Tree) -> Actuation | None:
     for k, link in enumerate(tree.links):
         if isinstance(link.joint, Revolute | Prismatic):
             joint = link.joint
-            drive = joint.drive if Effect.DRIVES in plan.scene.effects else None
+            drive = joint.drive if Effect.DRIVES in plan.effects else None
             target = 0.0 if drive is None else drive.target
             if drive is not None and plan.options["drives"] == "motor":
                 motors.append(Actuator(joint.name, k, joint.position, None, drive, target))
@@ -66,7 +66,7 @@ def _footing(plan: Plan, made: Assembly, tree: Tree) -> Footing:
         for link, place in places:
             body = plan.scene.bodies[place]
             if plan.solid and ground.motion == "static" and plan.scene.collides(body, ground):
-                rubs = Effect.FRICTION in plan.scene.effects
+                rubs = Effect.FRICTION in plan.effects
                 friction[link, number] = plan.scene.surface(body, ground).kinetic_friction if rubs else 0.0
     return Footing(friction)
 

@@ -88,7 +88,7 @@ def check_joined(plan: Plan, made: Assembly, place: int) -> None:
     body = plan.scene.bodies[place]
     if damping_of(plan, body) is not None:
         raise Unsupported(f"damping of body '{body.name}'", "a multibody's damping in Bullet is c v (1 + |v|)")
-    if Effect.CONTINUOUS_COLLISION in plan.scene.effects and plan.solid:
+    if Effect.CONTINUOUS_COLLISION in plan.effects and plan.solid:
         notice = "missing: continuous_collision: joined bodies are multibodies, which Bullet cannot sweep"
         made.notices += [] if notice in made.notices else [notice]
 

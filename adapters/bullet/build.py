@@ -100,15 +100,15 @@ def _filter(plan: Plan, made: Assembly) -> None:
 
 def _surplus(plan: Plan, made: Assembly) -> None:
     """Name what is computed although the scene does not call for it, and what is not although it does."""
-    if Effect.CONTINUOUS_COLLISION in plan.scene.effects and not plan.swept:
+    if Effect.CONTINUOUS_COLLISION in plan.effects and not plan.swept:
         made.notices.append("missing: continuous_collision: multibodies, pybullet's default, cannot be swept")
     movable = [k for k, body in enumerate(plan.scene.bodies) if body.movable]
     uneven = any(max(plan.principal[k][0]) > min(plan.principal[k][0]) * (1 + 1e-12) for k in movable)
-    if Effect.GYROSCOPIC not in plan.scene.effects and uneven:
+    if Effect.GYROSCOPIC not in plan.effects and uneven:
         made.notices.append("surplus: gyroscopic (pybullet offers no switch)")
     if plan.options["damping"] == "vendor":
         for effect, name in ((Effect.LINEAR_DAMPING, "linear_damping"), (Effect.ANGULAR_DAMPING, "angular_damping")):
-            if effect not in plan.scene.effects and movable:
+            if effect not in plan.effects and movable:
                 made.notices.append(f"surplus: {name} (the vendor's default of 0.04 on bodies of which the scene says 0)")
 
 

@@ -51,6 +51,6 @@ def damping_of(plan: Plan, body: Body) -> dict[str, float] | None:
         (Effect.ANGULAR_DAMPING, "angular_damping", "angularDamping"),
     ):
         rate = getattr(body, name)
-        if body.movable and effect in plan.scene.effects and rate > 0:
+        if body.movable and effect in plan.effects and rate > 0:
             wanted[key] = -math.expm1(-rate)
     return wanted or None

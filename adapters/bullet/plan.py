@@ -21,16 +21,18 @@ class Plan:
     """A scene, its settings and what follows from both.
 
     Terms:
-        options: all of them, the vendor's where the settings leave them open. touching: do contacts wait until bodies touch?
-        joints: none where the scene does not call for them. law: what each kind of body carries. braked: the kinds that rolling
-        or torsional friction acts on. rubbing: the shapes that each kind meets with friction but without rebound. resting: does
-        nothing move at the start, and no plane slope? principal: of each body its moments [kg m2] and q_BI. greatest: the
-        greatest mass [kg] of what moves. gravity: in W, 0 where the scene does not call for it [m/s2].
+        options: all of them, the vendor's where the settings leave them open. effects: the scene's, worked out once. touching:
+        do contacts wait until bodies touch? joints: none where the scene does not call for them. law: what each kind of body
+        carries. braked: the kinds that rolling or torsional friction acts on. rubbing: the shapes that each kind meets with
+        friction but without rebound. resting: does nothing move at the start, and no plane slope? principal: of each body its
+        moments [kg m2] and q_BI. greatest: the greatest mass [kg] of what moves. gravity: in W, 0 where the scene does not call
+        for it [m/s2].
     """
 
     scene: Scene
     settings: Settings
     options: Mapping[str, Any]
+    effects: Effect
     touching: bool
     joints: Sequence[Joint]
     law: Mapping[Kind, Coefficients]
@@ -44,34 +46,36 @@ class Plan:
     @classmethod
     def of(cls, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> "Plan":
         """The plan of a scene under checked options. Raises: Unsupported."""
+        effects = scene.effects
         # Bullet brakes a body that comes within a contact's margin so that it just touches at the end of the step, and takes
         # that from the rebound: restitution is right only if contacts wait until bodies touch, and if penetration is
         # corrected apart from velocity.
-        touching = options["restitution"] == "touching" and Effect.RESTITUTION in scene.effects
+        touching = options["restitution"] == "touching" and Effect.RESTITUTION in effects
         return cls(
             scene=scene,
             settings=settings,
             options=with_slop(settings, options) if touching else options,
+            effects=effects,
             touching=touching,
-            joints=scene.joints if Effect.JOINTS in scene.effects else (),
+            joints=scene.joints if Effect.JOINTS in effects else (),
             law=coefficients(scene),
             braked=braked(scene),
             rubbing=rubbing(scene),
             resting=stands(scene),
             principal=[principal_frame(body) for body in scene.bodies],
             greatest=max((b.mass for b in scene.bodies if b.movable), default=1.0),
-            gravity=scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0),
+            gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0),
         )
 
     @property
     def solid(self) -> bool:
         """Do bodies touch at all?"""
-        return Effect.CONTACT in self.scene.effects
+        return Effect.CONTACT in self.effects
 
     @property
     def swept(self) -> bool:
         """Are bodies in maximal coordinates swept?"""
-        return Effect.CONTINUOUS_COLLISION in self.scene.effects and self.options["coordinates"] != "multibody"
+        return Effect.CONTINUOUS_COLLISION in self.effects and self.options["coordinates"] != "multibody"
 
     @property
     def h(self) -> float:

@@ -68,7 +68,8 @@ def test_between_two_readings_of_the_clock_only_the_engines_step_runs(engine: st
     one.stop()
     assert trespassers(calls) == set()
     ((called, times),) = ((called, times) for called, times in calls.items() if called.by.startswith("harness/"))
-    assert (called.by, called.file, times) == ("harness/trial/bench.py", f"adapters/{engine}.py", 1)
+    assert (called.by, times) == ("harness/trial/bench.py", 1)
+    assert called.file in (f"adapters/{engine}.py", f"adapters/{engine}/simulation.py")
     assert called.name.endswith(".step")
 
 

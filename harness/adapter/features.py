@@ -61,12 +61,19 @@ def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
 
 def _loops(scene: Scene, joints: tuple[Joint, ...]) -> bool:
     """Do joints, distances apart, hold a body to another, or to what stands still, in two ways?"""
-    from scipy.cluster.hierarchy import DisjointSet  # late: a listing must not pay for it
+    above: dict[str, str] = {}
 
-    still = {"world", *(body.name for body in scene.bodies if body.motion == "static")}
-    held = DisjointSet(["", *(body.name for body in scene.bodies)])
+    def root(name: str) -> str:
+        while (over := above.get(name, name)) != name:
+            above[name] = name = above.get(over, over)  # each walk shortens the next one
+        return name
+
+    still = {body.name for body in scene.bodies if body.motion == "static"}
     for joint in joints:
-        a, b = ("" if name in still else name for name in (joint.parent, joint.child))
-        if not isinstance(joint, Distance) and not held.merge(a, b):
+        if isinstance(joint, Distance):
+            continue
+        a, b = (root("" if name in still or name == "world" else name) for name in (joint.parent, joint.child))
+        if a == b:
             return True
+        above[b] = a
     return False

@@ -23,6 +23,7 @@ from engine.describe.shapes import Placed
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.options import FREE_INTEGRATORS, Options
+from engine.rays.hits import Hits, room_for
 
 if TYPE_CHECKING:
     from engine.images.eye import Eye, Picture
@@ -65,16 +66,6 @@ class Contacts:
     normal: FloatArray
     gap: FloatArray
     force: FloatArray
-
-
-@dataclass(frozen=True, slots=True)
-class Hits:
-    """First hits of rays: distance (r,) m, inf for a miss; body and shape (r,), -1 for a miss; normal (r, 3) in W, outward."""
-
-    distance: FloatArray
-    body: IntArray
-    shape: IntArray
-    normal: FloatArray
 
 
 class World:
@@ -356,23 +347,21 @@ class World:
         o = np.atleast_2d(o)
         if d.ndim != 2 or d.shape[1] != 3 or o.shape not in (d.shape, (1, 3)):
             raise ValueError(f"rays: origins {np.shape(origins)} and directions {d.shape}, expected (r, 3) and (r, 3), or (3,)")
-        hits = _room(len(d))
-        answers = (hits.distance, hits.body, hits.shape, hits.normal)
+        hits = room_for(len(d))
         if method == "brute_force":
             from engine.rays.one_by_one import cast_rays
 
             _check_rays(o, d)
             d = d / np.linalg.norm(d, axis=1, keepdims=True)
-            cast_rays(self._floats, self._ints, np.broadcast_to(o, d.shape).copy(), d, float(max_range), *answers)
-        elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), *answers):
+            cast_rays(self._floats, self._ints, np.broadcast_to(o, d.shape).copy(), d, float(max_range), hits)
+        elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), hits):
             _check_rays(o, d)
         if self._polyhedral:
             from engine.rays.polyhedra import cast_on_polyhedra
             from engine.rays.tree import ray_tree
 
             self._tree = tree = self._tree or ray_tree(self._floats, self._ints)
-            branches = (tree.root, tree.node, tree.link, tree.solid, tree.frame)
-            cast_on_polyhedra(self._floats, self._ints, *branches, o, d, float(max_range), *answers)
+            cast_on_polyhedra(self._floats, self._ints, tree, o, d, float(max_range), hits)
         return hits
 
     def render(self, eye: "Eye", method: str = "rasterised", colour: bool = True, threads: int = 1) -> "Picture":
@@ -439,14 +428,6 @@ class World:
 def _looks(body: Body) -> Sequence[Placed]:
     """What a body is drawn with."""
     return body.shapes if body.visual is None else body.visual
-
-
-def _room(count: int) -> Hits:
-    """Hits to be written, in one piece of memory: asked for in several, it would come back from the system anew each time."""
-    whole = np.empty(6 * count)
-    numbers = whole.view(np.int64)
-    normal = whole[3 * count :].reshape(count, 3)
-    return Hits(whole[:count], numbers[count : 2 * count], numbers[2 * count : 3 * count], normal)
 
 
 def _check_rays(origins: FloatArray, directions: FloatArray) -> None:

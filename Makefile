@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 WORKERS ?= 2
+TESTS ?= tests
+MARKED ?= not slow
 OUT ?= build/compare
 
 .PHONY: compare report test test-all test-nojit mutants lint audit lock clean help
@@ -24,8 +26,8 @@ compare: $(STAMP)  ## the quick study on all engines, ending with the path of th
 report: $(STAMP)   ## the report of the last compare, rebuilt from its store
 	$(BIN)/plumbline report $(OUT)
 
-test: $(STAMP)     ## all tests but the long ones
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m "not slow"
+test: $(STAMP)     ## all tests but the long ones, or those under TESTS=folder
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m "$(MARKED)" $(TESTS)
 
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile

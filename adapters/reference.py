@@ -17,6 +17,8 @@ Deviations:
     * The integrators of free bodies (all but semi-implicit Euler and Runge-Kutta) build no scene with joints or contacts.
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
     * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
+      With the option 'level_of_detail' it collides, and meets rays, as its sphere, box, hull or convex pieces; an open mesh has
+      none, and decomposition needs CoACD: both are `Unsupported`.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart
@@ -101,6 +103,7 @@ OPTIONS: Mapping[str, type] = {
     "broad_phase": str,
     "continuous": str,
     "bounding_volume": str,
+    "level_of_detail": str,
     "threads": int,
     "contact_hertz": float,
     "contact_damping_ratio": float,

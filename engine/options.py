@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from engine.describe.check import not_negative, positive, whole
 
 __all__ = [
-    "ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "SOLVERS", "Options",
+    "ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "LEVELS", "SOLVERS",
+    "Options",
 ]  # fmt: skip
 
 ADAPTIVE = "dormand_prince"
@@ -23,6 +24,7 @@ BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force
 BOUNDING_VOLUMES = ("aabb", "obb", "sphere")
 SOLVERS = ("tgs_soft", "exact", "sequential_impulses")
 CONTINUOUS = ("off", "speculative", "swept")
+LEVELS = ("sphere", "box", "hull", "decomposition", "mesh")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +35,8 @@ class Options:
         dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
         relative error of one step of dormand_prince alone (None: 1e-12); broad_phase (None: by the number of shapes);
-        bounding_volume: what two shapes are compared by, after their axis-aligned boxes; threads: how many, of those that
+        bounding_volume: what two shapes are compared by, after their axis-aligned boxes; level_of_detail: what triangle meshes
+        collide and meet rays as, while pictures show them as they are (None: as they are); threads: how many, of those that
         Numba was started with, share the broad phase, and the islands of a world under the soft solver that is not one of
         spheres alone, without changing a bit of the answer; contact_hertz [Hz] (None: as stiff as a sub-step allows, a quarter
         of its rate) and contact_damping_ratio of the soft contact; max_push [m/s]: fastest correction of penetration;
@@ -57,6 +60,7 @@ class Options:
     step_tolerance: float | None = None
     broad_phase: str | None = None
     bounding_volume: str = "aabb"
+    level_of_detail: str | None = None
     threads: int = 1
     contact_hertz: float | None = None
     contact_damping_ratio: float = 10.0
@@ -92,6 +96,8 @@ class Options:
             raise ValueError(
                 f"options: bounding_volume '{self.bounding_volume}', expected one of {', '.join(BOUNDING_VOLUMES)}"
             )
+        if self.level_of_detail is not None and self.level_of_detail not in LEVELS:
+            raise ValueError(f"options: level_of_detail '{self.level_of_detail}', expected one of {', '.join(LEVELS)}")
         if self.solver not in SOLVERS:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
         if self.continuous not in CONTINUOUS:

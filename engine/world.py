@@ -23,6 +23,7 @@ from engine.describe.shapes import Placed
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.options import FREE_INTEGRATORS, Options
+from engine.rays.hits import Hits, room_for
 
 if TYPE_CHECKING:
     from engine.images.eye import Eye, Picture
@@ -67,16 +68,6 @@ class Contacts:
     force: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class Hits:
-    """First hits of rays: distance (r,) m, inf for a miss; body and shape (r,), -1 for a miss; normal (r, 3) in W, outward."""
-
-    distance: FloatArray
-    body: IntArray
-    shape: IntArray
-    normal: FloatArray
-
-
 class World:
     """A world whose stages are chosen, once, by what it contains.
 
@@ -84,9 +75,10 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch. sun: the light that pictures are taken in.
-    Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for an integrator of free
-        bodies where there are joints or contacts, for initial velocities that a joint forbids, for what the exact solver
-        lacks, and for joints beside contacts where these are swept or solved by sequential impulses.
+    Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for open meshes at a level
+        of detail, for an integrator of free bodies where there are joints or contacts, for initial velocities that a joint
+        forbids, for what the exact solver lacks, and for joints beside contacts where these are swept or solved by sequential
+        impulses.
     """
 
     def __init__(
@@ -100,6 +92,10 @@ class World:
         sun: Sun | None = None,
     ) -> None:
         self.options = options or Options()
+        if self.options.level_of_detail is not None:
+            from engine.build.level_of_detail import at_level
+
+            bodies = at_level(bodies, self.options.level_of_detail)
         joints = elimination_order(bodies, joints)
         self.sun = sun or Sun()
         self.touching = self.options.contacts and _may_touch(bodies)
@@ -351,23 +347,21 @@ class World:
         o = np.atleast_2d(o)
         if d.ndim != 2 or d.shape[1] != 3 or o.shape not in (d.shape, (1, 3)):
             raise ValueError(f"rays: origins {np.shape(origins)} and directions {d.shape}, expected (r, 3) and (r, 3), or (3,)")
-        hits = _room(len(d))
-        answers = (hits.distance, hits.body, hits.shape, hits.normal)
+        hits = room_for(len(d))
         if method == "brute_force":
             from engine.rays.one_by_one import cast_rays
 
             _check_rays(o, d)
             d = d / np.linalg.norm(d, axis=1, keepdims=True)
-            cast_rays(self._floats, self._ints, np.broadcast_to(o, d.shape).copy(), d, float(max_range), *answers)
-        elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), *answers):
+            cast_rays(self._floats, self._ints, np.broadcast_to(o, d.shape).copy(), d, float(max_range), hits)
+        elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), hits):
             _check_rays(o, d)
         if self._polyhedral:
             from engine.rays.polyhedra import cast_on_polyhedra
             from engine.rays.tree import ray_tree
 
             self._tree = tree = self._tree or ray_tree(self._floats, self._ints)
-            branches = (tree.root, tree.node, tree.link, tree.solid, tree.frame)
-            cast_on_polyhedra(self._floats, self._ints, *branches, o, d, float(max_range), *answers)
+            cast_on_polyhedra(self._floats, self._ints, tree, o, d, float(max_range), hits)
         return hits
 
     def render(self, eye: "Eye", method: str = "rasterised", colour: bool = True, threads: int = 1) -> "Picture":
@@ -434,14 +428,6 @@ class World:
 def _looks(body: Body) -> Sequence[Placed]:
     """What a body is drawn with."""
     return body.shapes if body.visual is None else body.visual
-
-
-def _room(count: int) -> Hits:
-    """Hits to be written, in one piece of memory: asked for in several, it would come back from the system anew each time."""
-    whole = np.empty(6 * count)
-    numbers = whole.view(np.int64)
-    normal = whole[3 * count :].reshape(count, 3)
-    return Hits(whole[:count], numbers[count : 2 * count], numbers[2 * count : 3 * count], normal)
 
 
 def _check_rays(origins: FloatArray, directions: FloatArray) -> None:

@@ -9,6 +9,7 @@ from harness.findings.emulations import whose
 from harness.findings.leads import Lead, Reach, reaches
 from harness.findings.limits_found import Search
 from harness.findings.tables.remedies import Remedied
+from harness.findings.where import STEP, in_words
 from reports.contents import cases
 from reports.disputes import disputed
 from reports.figure import Figure
@@ -166,17 +167,9 @@ def _mapped(searches: Sequence[Search]) -> list[list[Search]]:
 
 
 def _beside(one: Search) -> tuple[str, float | None]:
-    """Name and value of the number that stands beside the axis; '' where it is none. 'thickness 0.01', 'dt 1/240 s'."""
-    for word in one.where.split(", "):
-        name, _, value = word.partition(" ")
-        if name == "dt":
-            return "dt", one.dt
-        try:
-            if value not in ("True", "False"):
-                return name, float(value)
-        except ValueError:
-            continue
-    return "", None
+    """Name and value of the number that stands beside the axis, the time step in seconds; '' where it is none."""
+    numbers = ((name, value) for name, value in one.beside if isinstance(value, int | float) and not isinstance(value, bool))
+    return next(numbers, ("", None))
 
 
 def maps(store: "Store", searches: Sequence[Search]) -> list[Figure]:
@@ -202,7 +195,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
                     "engine": labels(store)[one.engine],
                     "track": one.track,
                     "series": f"{one.engine} {one.setting}",
-                    "beside": 1e3 * value if name == "dt" else value,
+                    "beside": 1e3 * value if name == STEP else value,
                     "held": one.held if one.held is not None else one.easy,
                     "broke": one.broke if one.broke is not None else one.extreme,
                     "mark": "held" if one.verdict == "beyond the extreme" else "none holds" if one.held is None else "limit",
@@ -214,7 +207,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
             continue
         style = Marks(store, rows)
         name = _beside(first)[0]
-        title_x = "time step [ms]" if name == "dt" else name.replace("_", " ")
+        title_x = "time step [ms]" if name == STEP else name.replace("_", " ")
         unit = "" if first.unit == "1" else f" [{first.unit}]"
         title_y = f"{first.axis.replace('_', ' ')}{unit}"
         x = logarithmic(alt.X, "beside", title_x, decades(row["beside"] for row in rows))
@@ -266,8 +259,8 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
 
 
 def _rest(one: Search) -> str:
-    """What of `where` is no number: 'continuous True'."""
-    return ", ".join(word for word in one.where.split(", ") if word.endswith((" True", " False")))
+    """What stands beside the axis and is no number, in words: 'continuous True'."""
+    return in_words([(name, value) for name, value in one.beside if isinstance(value, bool)])
 
 
 def tally(remedies: Sequence[Remedied]) -> list[tuple[str, Mapping[str, Tally]]]:

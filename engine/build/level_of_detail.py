@@ -9,21 +9,25 @@ and Tree Search, ACM Transactions on Graphics 41, 2022 (through CoACD).
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.build.solids import mat_quat
+from engine.build.solids import mat_quat, quat_mat, quat_mul
+from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.shapes import Box, ConvexHull, Placed, Sphere, TriangleMesh
+from engine.options import LEVELS
 
-__all__ = ["LEVELS", "Detail", "bounding_box", "bounding_sphere", "collision_shapes", "convex_pieces"]
+__all__ = ["LEVELS", "Detail", "at_level", "bounding_box", "bounding_sphere", "collision_shapes", "convex_pieces"]
 
 FloatArray = NDArray[np.float64]
 
-LEVELS = ("sphere", "box", "hull", "decomposition", "mesh")
+CONCAVITY = 0.05
+"""CoACD's threshold [1] unless set."""
 STEP = 1e-4
 """Share of the size [1] that a point steps off its face: if into another piece, the face is none of the outer surface."""
 BLOCK = 1_000_000
@@ -46,7 +50,9 @@ class Detail:
     lack: float
 
 
-def collision_shapes(mesh: TriangleMesh, level: str, concavity: float = 0.05, samples: int = 2000, seed: int = 0) -> Detail:
+def collision_shapes(
+    mesh: TriangleMesh, level: str, concavity: float = CONCAVITY, samples: int = 2000, seed: int = 0
+) -> Detail:
     """The shapes of a closed mesh at a level, and their error.
 
     Args: level: one of LEVELS. concavity [1]: CoACD's threshold, 0.01 to 1, smaller for more pieces. samples, seed: number of
@@ -62,23 +68,63 @@ def collision_shapes(mesh: TriangleMesh, level: str, concavity: float = 0.05, sa
     rng = np.random.default_rng(seed)
     triangles = vertices[faces]
     on_mesh = np.concatenate([_scatter(triangles, samples, rng)[0], vertices])
-    if level == "sphere":
-        centre, radius = bounding_sphere(vertices)
+    shapes, pieces = _simplified(mesh, level, concavity, seed)
+    if isinstance(ball := shapes[0].shape, Sphere):
+        centre = np.asarray(shapes[0].p_BS)
         way = rng.normal(size=(samples, 3))
-        ball = centre + radius * way / np.linalg.norm(way, axis=1, keepdims=True)
-        out = float(np.linalg.norm(on_mesh - centre, axis=1).max()) - radius
-        ratio = 4 / 3 * math.pi * radius**3 / volume
-        return Detail((Placed(Sphere(radius), tuple(centre)),), ratio, float(_distances(ball, triangles).max()), max(0.0, out))
-    if level == "box":
-        centre, half, axes = bounding_box(vertices)
-        shapes: tuple[Placed, ...] = (Placed(Box(tuple(half)), tuple(centre), tuple(mat_quat(axes))),)
-        signs = np.array([[1 if k >> axis & 1 else -1 for axis in range(3)] for k in range(8)])
-        pieces = [centre + (signs * half) @ axes.T]
-    else:
-        pieces = [vertices] if level == "hull" else convex_pieces(mesh, concavity, seed)
-        shapes = tuple(Placed(ConvexHull(points.tolist())) for points in pieces)
+        skin = centre + ball.radius * way / np.linalg.norm(way, axis=1, keepdims=True)
+        out = float(np.linalg.norm(on_mesh - centre, axis=1).max()) - ball.radius
+        ratio = 4 / 3 * math.pi * ball.radius**3 / volume
+        return Detail(shapes, ratio, float(_distances(skin, triangles).max()), max(0.0, out))
     total, excess, lack = _errors(pieces, triangles, on_mesh, samples, rng)
     return Detail(shapes, total / volume, excess, lack)
+
+
+def _simplified(mesh: TriangleMesh, level: str, concavity: float, seed: int) -> tuple[tuple[Placed, ...], list[FloatArray]]:
+    """The shapes of a mesh at a level other than itself, and the corners (n, 3) of each but a sphere."""
+    vertices = np.asarray(mesh.vertices, float)
+    if level == "sphere":
+        centre, radius = bounding_sphere(vertices)
+        return (Placed(Sphere(radius), tuple(centre)),), []
+    if level == "box":
+        centre, half, axes = bounding_box(vertices)
+        signs = np.array([[1 if k >> axis & 1 else -1 for axis in range(3)] for k in range(8)])
+        return (Placed(Box(tuple(half)), tuple(centre), tuple(mat_quat(axes))),), [centre + (signs * half) @ axes.T]
+    pieces = [vertices] if level == "hull" else convex_pieces(mesh, concavity, seed)
+    return tuple(Placed(ConvexHull(points.tolist())) for points in pieces), pieces
+
+
+def at_level(bodies: Sequence[Body], level: str) -> list[Body]:
+    """The bodies with their triangle meshes at a level; what they look like stays.
+
+    Raises: NotSupported for a mesh that is open or inside out, and where CoACD is not installed.
+    """
+    return [
+        replace(body, shapes=tuple(_simpler(body, level)), visual=body.shapes if body.visual is None else body.visual)
+        if any(isinstance(part.shape, TriangleMesh) for part in body.shapes)
+        else body
+        for body in bodies
+    ]
+
+
+def _simpler(body: Body, level: str) -> Iterator[Placed]:
+    """The shapes of a body, those of its meshes at a level, all in the frame of the body. Raises: as `at_level`."""
+    for placed in body.shapes:
+        if not isinstance(placed.shape, TriangleMesh) or level == "mesh":
+            yield placed
+            continue
+        try:
+            _closed_volume(np.asarray(placed.shape.vertices, float), np.asarray(placed.shape.faces))
+        except ValueError as error:
+            raise NotSupported(f"level of detail '{level}' of body '{body.name}'", str(error)) from error
+        p_BS, q_BS = np.asarray(placed.p_BS, float), np.asarray(placed.q_BS, float)
+        q_BS = q_BS / np.linalg.norm(q_BS)
+        for part in _simplified(placed.shape, level, CONCAVITY, seed=0)[0]:
+            yield Placed(
+                part.shape,
+                (p_BS + quat_mat(q_BS) @ np.asarray(part.p_BS, float)).tolist(),
+                quat_mul(q_BS, np.asarray(part.q_BS, float)).tolist(),
+            )
 
 
 def bounding_sphere(points: FloatArray) -> tuple[FloatArray, float]:
@@ -108,7 +154,7 @@ def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray
     return centre, half, axes
 
 
-def convex_pieces(mesh: TriangleMesh, concavity: float = 0.05, seed: int = 0) -> list[FloatArray]:
+def convex_pieces(mesh: TriangleMesh, concavity: float = CONCAVITY, seed: int = 0) -> list[FloatArray]:
     """The vertices (n, 3) of convex pieces that make up a mesh. Raises: NotSupported where CoACD is not installed."""
     try:
         import coacd

@@ -86,7 +86,7 @@ def most_threads() -> int:
 
 
 def use_cache(directory: str) -> None:
-    """Keep what is compiled in a directory; to be said before the first function is decorated."""
+    """Keep what is decorated from now on in a directory."""
     _config().CACHE_DIR = directory
 
 

@@ -1,7 +1,8 @@
 """Compile a numerical function with Numba, in a cache that can never serve code of an older source.
 
 Numba keys its cache by the file of the outermost function alone, so that an edited callee or another flag would go unnoticed.
-Here the directory itself carries a hash of all sources of this package, the flags and Numba's version.
+Here the directory itself carries a hash of the flags, Numba's version and the sources that the function is made of: its file
+and all that this imports. What an edit cannot reach is not compiled again.
 
 With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
 """
@@ -12,6 +13,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -28,7 +30,7 @@ from engine.compile.compilers import (
     stream_options,
     use_cache,
 )
-from engine.compile.sources import source_digest
+from engine.compile.sources import closure_digest
 
 __all__ = [
     "FLAGS",
@@ -48,20 +50,18 @@ FLAGS: frozenset[str] = frozenset({"contract", "nsz"})
 """Fused multiply-add and unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
 
 
-def cache_directory() -> Path:
-    """The directory for compiled code of exactly these sources, flags and this Numba.
+@cache
+def cache_directory(path: Path) -> Path:
+    """The directory for the compiled functions of a source file, for exactly its sources, these flags and this Numba.
 
     Returns: `$PLUMBLINE_KERNEL_CACHE` or the user's cache directory, with the hash appended.
     """
     import numba
 
-    key = " ".join((source_digest(), *sorted(FLAGS), numba.__version__))
+    key = " ".join((closure_digest(path), *sorted(FLAGS), numba.__version__))
     digest = hashlib.sha256(key.encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
-
-
-use_cache(str(cache_directory()))
 
 
 def kernel(function: Function) -> Function:
@@ -101,7 +101,7 @@ def entry(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use or loaded from the cache.
     """
-    return _kept(_compiled(function, cache=True, **entry_options()))
+    return _kept(function, **entry_options())
 
 
 def parallel_entry(function: Function) -> Function:
@@ -112,7 +112,7 @@ def parallel_entry(function: Function) -> Function:
     """
     no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
     parallel = {"prange": True, **no_more}
-    return _kept(_compiled(function, cache=True, parallel=parallel, **entry_options()))
+    return _kept(function, parallel=parallel, **entry_options())
 
 
 def _compiled(function: Function, **options: bool | type | dict[str, bool] | set[str]) -> Function:
@@ -123,15 +123,16 @@ def _compiled(function: Function, **options: bool | type | dict[str, bool] | set
     return cast(Function, njit(**{"fastmath": set(FLAGS), "error_model": "numpy", "nogil": True, **options})(function))
 
 
-def _kept(function: Function) -> Function:
+def _kept(function: Function, **options: Any) -> Function:
     """The entry with its way from and to the disk."""
-    return loaded_lightly(compiled_under(function, _one_at_a_time))
+    directory = cache_directory(Path(function.__code__.co_filename))
+    use_cache(str(directory))
+    return loaded_lightly(compiled_under(_compiled(function, cache=True, **options), partial(_one_at_a_time, directory)))
 
 
 @contextmanager
-def _one_at_a_time(name: str) -> Iterator[None]:
+def _one_at_a_time(directory: Path, name: str) -> Iterator[None]:
     """A function's compiler behind a lock of its own, which processes share."""
-    directory = cache_directory()
     directory.mkdir(parents=True, exist_ok=True)
     with (directory / f"{name}.lock").open("w") as stream:
         fcntl.flock(stream, fcntl.LOCK_EX)

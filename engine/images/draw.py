@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from engine.describe.errors import NotSupported
 from engine.images.eye import Eye, Picture
-from engine.images.tables import optics_table, sun_row
+from engine.images.tables import lighting_of
 
 if TYPE_CHECKING:
     from engine.describe.bodies import Body
     from engine.describe.optics import Sun
     from engine.images.waves import Cast
-    from engine.world import Hits
+    from engine.rays.hits import Hits
 
 __all__ = ["rasterised", "ray_traced"]
 
@@ -41,7 +41,7 @@ def rasterised(
         name_bodies(ints, tags, body)
         return Picture(depth, body, None)
     painted = np.empty((*size, 3))
-    shade(floats, ints, eye.row, optics_table(bodies), sun_row(sun), depth, tags, body, painted)
+    shade(floats, ints, eye.row, lighting_of(bodies, sun), depth, tags, body, painted)
     return Picture(depth, body, painted)
 
 
@@ -52,7 +52,7 @@ def ray_traced(cast: "Cast", bodies: "Sequence[Body]", sun: "Sun", eye: Eye, col
 
     depth, body = np.empty((eye.height, eye.width)), np.empty((eye.height, eye.width), np.int64)
     painted = np.zeros((eye.height, eye.width, 3)) if colour else None
-    light = Light(optics_table(bodies), sun_row(sun), eye.bounces, eye.sky_rays)
+    light = Light(lighting_of(bodies, sun), eye.bounces, eye.sky_rays)
     points = even_points(eye.samples)
     rows = max(1, BLOCK // eye.width)
     for first in range(0, eye.height, rows):

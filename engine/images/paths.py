@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.describe.optics import Sun
-from engine.images.tables import optics_table, sun_row
+from engine.images.tables import lighting_of
 
 if TYPE_CHECKING:
     from engine.describe.bodies import Body
@@ -44,15 +44,15 @@ def traced_paths(cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, di
     """All pieces of rays with origins (r, 3) m and directions (r, 3) over so many surfaces; scattering ends a way."""
     from engine.images.waves import Light, first_wave, follow
 
-    light = Light(optics_table(bodies), sun_row(Sun(irradiance=0.0)), bounces, 0)
+    light = Light(lighting_of(bodies, Sun(irradiance=0.0)), bounces, 0)
     count = len(directions)
     wave, radiance = first_wave(origins, directions, cast(origins, directions), np.arange(count)), np.zeros((count, 3))
     waves = list(follow(cast, wave, light, 0, radiance))
-    sizes = [len(one.directions) for one in waves]
+    sizes = [len(one.rays.directions) for one in waves]
     shift = np.repeat(np.cumsum([0, 0, *sizes])[: len(sizes)], sizes)
-    way = np.concatenate([one.directions for one in waves])
+    way = np.concatenate([one.rays.directions for one in waves])
     way = way / np.linalg.norm(way, axis=1, keepdims=True)
-    start, roots = np.concatenate([one.origins for one in waves]), np.concatenate([one.roots for one in waves])
+    start, roots = np.concatenate([one.rays.origins for one in waves]), np.concatenate([one.rays.roots for one in waves])
     distance = np.concatenate([one.hits.distance for one in waves])
     with np.errstate(invalid="ignore"):
         end = np.where(np.isfinite(distance)[:, None], start + distance[:, None] * way, np.inf)
@@ -63,5 +63,5 @@ def traced_paths(cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, di
         direction=way,
         end=end,
         body=np.concatenate([one.hits.body for one in waves]),
-        weight=np.concatenate([one.light[:, 0] for one in waves]),
+        weight=np.concatenate([one.rays.light[:, 0] for one in waves]),
     )

@@ -11,19 +11,13 @@ import math
 
 from engine.compile.jit import kernel
 from engine.images.scanlines import flat_row
-from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, store3, sub
+from engine.images.screen import Screen, pixel_range, row_of
+from engine.maths.vec import Floats, Vec, axpy, dot, load3, store3, sub
 
-__all__ = ["draw_polygon", "pixel_range"]
+__all__ = ["draw_polygon"]
 
 GRID = 2.0**20
 """Steps of a pixel that corners are rounded to."""
-
-
-@kernel
-def pixel_range(low: float, high: float, count: int) -> tuple[int, int]:
-    """The pixels of a row of `count` whose centres lie in low <= x < high, from the first to the one after the last."""
-    first, last = math.ceil(min(max(low - 0.5, 0.0), float(count))), math.ceil(min(max(high - 0.5, 0.0), float(count)))
-    return int(first), int(last)
 
 
 @kernel
@@ -48,22 +42,21 @@ def clip_near(count: int, corner: Floats, near: float, kept: Floats) -> int:
 
 
 @kernel
-def draw_polygon(
-    count: int, corner: Floats, n: Vec, view: Floats, u: Floats, v: Floats, tag: int, kept: Floats, depth: Floats, who: Ints
-) -> None:
-    """Draw a convex polygon with corners (count, 3) m in E and the normal n."""
+def draw_polygon(screen: Screen, count: int, corner: Floats, n: Vec, tag: int, kept: Floats) -> None:
+    """Draw a convex polygon with corners (count, 3) m in E and the normal n; kept: room for two corners more."""
+    pinhole = screen.pinhole
     e = dot(n, load3(corner, 0, 0))
-    left_over = clip_near(count, corner, view[0, 4], kept)
+    left_over = clip_near(count, corner, pinhole[0, 4], kept)
     if e == 0.0 or left_over < 3:
         return
     top, bottom = math.inf, -math.inf
     for k in range(left_over):
         x, y, z = load3(kept, k, 0)
-        px, py = view[0, 2] + view[0, 0] * x / z, view[0, 3] + view[0, 1] * y / z
+        px, py = pinhole[0, 2] + pinhole[0, 0] * x / z, pinhole[0, 3] + pinhole[0, 1] * y / z
         px, py = math.floor(px * GRID + 0.5) / GRID, math.floor(py * GRID + 0.5) / GRID
         kept[k, 0], kept[k, 1] = px, py
         top, bottom = min(top, py), max(bottom, py)
-    first_row, last_row = pixel_range(top, bottom, len(v))
+    first_row, last_row = pixel_range(top, bottom, len(screen.v))
     for j in range(first_row, last_row):
         line, left, right = j + 0.5, math.inf, -math.inf
         for k in range(left_over):
@@ -73,5 +66,5 @@ def draw_polygon(
                 slope = (kept[down, 0] - kept[up, 0]) / (kept[down, 1] - kept[up, 1])
                 x = kept[up, 0] + (line - kept[up, 1]) * slope
                 left, right = min(left, x), max(right, x)
-        first, last = pixel_range(left, right, len(u))
-        flat_row(first, last, u, v[j], n, e, 0.0, tag, depth[j], who[j])
+        first, last = pixel_range(left, right, len(screen.u))
+        flat_row(first, last, row_of(screen, j, 0.0), n, e, tag)

@@ -6,14 +6,13 @@ depths are exact to rounding. Nothing is culled by its facing: a solid cut open 
 Source: Catmull, A Subdivision Algorithm for Computer Display of Curved Surfaces, 1974 (the z-buffer).
 """
 
-import math
-
 import numpy as np
 
 from engine.compile.jit import entry, kernel
 from engine.images.polygons import draw_polygon
 from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder
 from engine.images.scanlines import flat_row
+from engine.images.screen import Screen, row_of, screen_of
 from engine.maths.vec import (
     Floats,
     Ints,
@@ -79,10 +78,8 @@ def shape_pose(state: Floats, shape: Floats, shape_kind: Ints, s: int) -> tuple[
 
 
 @kernel
-def draw_box(
-    c: Vec, m: Mat, h: Vec, view: Floats, u: Floats, v: Floats, tag: int, corner: Floats, kept: Floats, depth: Floats, who: Ints
-) -> None:
-    """Draw the six faces of a box; patch 2 k is the face at -h[k], 2 k + 1 the one opposite."""
+def draw_box(screen: Screen, c: Vec, m: Mat, h: Vec, tag: int, corner: Floats, kept: Floats) -> None:
+    """Draw the six faces of a box; patch 2 k is the face at -h[k], 2 k + 1 the one opposite; room as of `draw_polygon`."""
     for face in range(6):
         k, sign = face // 2, (1.0 if face % 2 else -1.0)
         for at in range(4):
@@ -93,7 +90,7 @@ def draw_box(
                 h[2] * (sign if k == 2 else (two if k == 0 else one)),
             )
             store3(corner, at, 0, add(c, mat_vec(m, spot)))
-        draw_polygon(4, corner, (m[k], m[3 + k], m[6 + k]), view, u, v, tag + face, kept, depth, who)
+        draw_polygon(screen, 4, corner, (m[k], m[3 + k], m[6 + k]), tag + face, kept)
 
 
 @entry
@@ -105,14 +102,8 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
     state, shape, shape_kind = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
     vertex, face = floats_of(floats, ints, VERTEX), floats_of(floats, ints, FACE)
     polyhedron, span, loop = ints_of(ints, POLYHEDRON), ints_of(ints, SPAN), ints_of(ints, LOOP)
-    at, turn, view = load3(eye, 0, 0), load9(eye, 0, 3), eye[:, 12:17]
-    near, height, width = view[0, 4], depth.shape[0], depth.shape[1]
-    u, v = np.empty(width), np.empty(height)
-    for i in range(width):
-        u[i] = (i + 0.5 - view[0, 2]) / view[0, 0]
-    for j in range(height):
-        v[j] = (j + 0.5 - view[0, 3]) / view[0, 1]
-    depth[:], tags[:] = math.inf, -1
+    at, turn, pinhole = load3(eye, 0, 0), load9(eye, 0, 3), eye[:, 12:17]
+    screen = screen_of(pinhole, depth, tags)
     most = 4
     for f in range(len(span)):
         most = max(most, span[f, 1])
@@ -127,22 +118,20 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
         )
         m = (x[0], y[0], a[0], x[1], y[1], a[1], x[2], y[2], a[2])
         if kind == SPHERE:
-            draw_ball(c, size[0], view, u, v, tag, depth, tags)
+            draw_ball(screen, c, size[0], tag)
         elif kind == BOX:
-            draw_box(c, m, size, view, u, v, tag, corner, kept, depth, tags)
+            draw_box(screen, c, m, size, tag, corner, kept)
         elif kind == CAPSULE:
-            draw_capsule(c, a, size[0], size[1], view, u, v, tag, depth, tags)
+            draw_capsule(screen, c, a, size[0], size[1], tag)
         elif kind == CYLINDER:
-            draw_cylinder(c, a, size[0], size[1], view, u, v, tag, depth, tags)
+            draw_cylinder(screen, c, a, size[0], size[1], tag)
         elif kind == PLANE:
-            for j in range(height):
-                flat_row(0, width, u, v[j], a, dot(a, c), near, tag, depth[j], tags[j])
+            for j in range(depth.shape[0]):
+                flat_row(0, depth.shape[1], row_of(screen, j, pinhole[0, 4]), a, dot(a, c), tag)
         elif kind in (HULL, TRIANGLE):
             # The second face of a triangle is the first, seen from behind.
             for f in range(polyhedron[s, FACES] if kind == HULL else 1):
                 row = polyhedron[s, FIRST_FACE] + f
                 for k in range(span[row, 1]):
                     store3(corner, k, 0, add(c, mat_vec(m, load3(vertex, loop[span[row, 0] + k, 0], 0))))
-                draw_polygon(
-                    span[row, 1], corner, mat_vec(m, load3(face, row, 0)), view, u, v, tag + f, kept, depth, tags
-                )  # fmt: skip
+                draw_polygon(screen, span[row, 1], corner, mat_vec(m, load3(face, row, 0)), tag + f, kept)

@@ -6,9 +6,9 @@ Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 
 import math
 
 from engine.compile.jit import kernel
-from engine.images.polygons import pixel_range
 from engine.images.scanlines import ball_end_row, ball_row, cap_row, side_row
-from engine.maths.vec import Floats, Ints, Vec, axpy, dot, neg
+from engine.images.screen import Screen, pixel_range, row_of
+from engine.maths.vec import Floats, Vec, axpy, dot, neg
 
 __all__ = ["draw_ball", "draw_capsule", "draw_cylinder"]
 
@@ -49,15 +49,20 @@ def tube_window(a: Vec, b: Vec, radius: float, near: float) -> Window:
 
 
 @kernel
-def pixels_of(window: Window, view: Floats, u: Floats, v: Floats) -> tuple[int, int, int, int]:
+def pixels_of(window: Window, screen: Screen) -> tuple[int, int, int, int]:
     """First and last column, first and last row, with a pixel to spare on each side against rounding."""
-    left, right = pixel_range(view[0, 2] + view[0, 0] * window[0] - 1.0, view[0, 2] + view[0, 0] * window[1] + 1.0, len(u))
-    top, bottom = pixel_range(view[0, 3] + view[0, 1] * window[2] - 1.0, view[0, 3] + view[0, 1] * window[3] + 1.0, len(v))
+    pinhole, u, v = screen.pinhole, screen.u, screen.v
+    left, right = pixel_range(
+        pinhole[0, 2] + pinhole[0, 0] * window[0] - 1.0, pinhole[0, 2] + pinhole[0, 0] * window[1] + 1.0, len(u)
+    )
+    top, bottom = pixel_range(
+        pinhole[0, 3] + pinhole[0, 1] * window[2] - 1.0, pinhole[0, 3] + pinhole[0, 1] * window[3] + 1.0, len(v)
+    )
     return left, right, top, bottom
 
 
 @kernel
-def ball_span(c: Vec, radius: float, y: float, view: Floats, left: int, right: int) -> tuple[int, int]:
+def ball_span(c: Vec, radius: float, y: float, pinhole: Floats, left: int, right: int) -> tuple[int, int]:
     """The columns of a row in which the outline of a ball that lies before the near plane runs, a pixel to spare.
 
     The outline is the conic (d . c)^2 = |d|^2 (c^2 - r^2).
@@ -69,53 +74,49 @@ def ball_span(c: Vec, radius: float, y: float, view: Floats, left: int, right: i
         return left, right
     root = math.sqrt(root)
     first, last = pixel_range(
-        view[0, 2] + view[0, 0] * (-b + root) / a - 1.0, view[0, 2] + view[0, 0] * (-b - root) / a + 1.0, right
+        pinhole[0, 2] + pinhole[0, 0] * (-b + root) / a - 1.0, pinhole[0, 2] + pinhole[0, 0] * (-b - root) / a + 1.0, right
     )
     return max(first, left), last
 
 
 @kernel
-def draw_ball(c: Vec, radius: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints) -> None:
+def draw_ball(screen: Screen, c: Vec, radius: float, tag: int) -> None:
     """Draw the ball about c [m] in E."""
-    near = view[0, 4]
-    left, right, top, bottom = pixels_of(ball_window(c, radius, near), view, u, v)
+    near = screen.pinhole[0, 4]
+    left, right, top, bottom = pixels_of(ball_window(c, radius, near), screen)
     whole = c[2] - radius >= near
     for j in range(top, bottom):
-        first, last = ball_span(c, radius, v[j], view, left, right) if whole else (left, right)
-        ball_row(first, last, u, v[j], c, radius, near, tag, depth[j], who[j])
+        first, last = ball_span(c, radius, screen.v[j], screen.pinhole, left, right) if whole else (left, right)
+        ball_row(first, last, row_of(screen, j, near), c, radius, tag)
 
 
 @kernel
-def draw_cylinder(
-    c: Vec, a: Vec, radius: float, half: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints
-) -> None:
+def draw_cylinder(screen: Screen, c: Vec, a: Vec, radius: float, half: float, tag: int) -> None:
     """Draw the cylinder about c along a: its side, then the ends with the tags that follow."""
-    near, up, low = view[0, 4], axpy(half, a, c), axpy(-half, a, c)
-    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), view, u, v)
+    near, up, low = screen.pinhole[0, 4], axpy(half, a, c), axpy(-half, a, c)
+    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), screen)
     for j in range(top, bottom):
-        side_row(left, right, u, v[j], c, a, radius, half, near, tag, depth[j], who[j])
+        side_row(left, right, row_of(screen, j, near), c, a, radius, half, tag)
     for end in range(2):
         middle = up if end == 0 else low
-        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), view, u, v)
+        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), screen)
         for j in range(top, bottom):
-            cap_row(left, right, u, v[j], middle, a, radius, near, tag + 1 + end, depth[j], who[j])
+            cap_row(left, right, row_of(screen, j, near), middle, a, radius, tag + 1 + end)
 
 
 @kernel
-def draw_capsule(
-    c: Vec, a: Vec, radius: float, half: float, view: Floats, u: Floats, v: Floats, tag: int, depth: Floats, who: Ints
-) -> None:
+def draw_capsule(screen: Screen, c: Vec, a: Vec, radius: float, half: float, tag: int) -> None:
     """Draw the capsule about c along a: the side, and the balls at its ends, whose inner halves the side hides."""
-    near, up, low = view[0, 4], axpy(half, a, c), axpy(-half, a, c)
-    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), view, u, v)
+    near, up, low = screen.pinhole[0, 4], axpy(half, a, c), axpy(-half, a, c)
+    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), screen)
     for j in range(top, bottom):
-        side_row(left, right, u, v[j], c, a, radius, half, near, tag, depth[j], who[j])
+        side_row(left, right, row_of(screen, j, near), c, a, radius, half, tag)
     if min(up[2], low[2]) - radius >= near:
-        draw_ball(up, radius, view, u, v, tag, depth, who)
-        draw_ball(low, radius, view, u, v, tag, depth, who)
+        draw_ball(screen, up, radius, tag)
+        draw_ball(screen, low, radius, tag)
         return
     for end in range(2):
         middle, out = (up, a) if end == 0 else (low, neg(a))
-        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), view, u, v)
+        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), screen)
         for j in range(top, bottom):
-            ball_end_row(left, right, u, v[j], middle, radius, out, near, tag, depth[j], who[j])
+            ball_end_row(left, right, row_of(screen, j, near), middle, radius, out, tag)

@@ -11,7 +11,8 @@ in homogeneous form); Heckbert, Moreton, Interpolation for Polygon Texture Mappi
 import math
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints, Vec, cross, dot
+from engine.images.screen import Row
+from engine.maths.vec import Vec, cross, dot
 
 __all__ = ["ball_end_row", "ball_row", "cap_row", "flat_row", "side_row"]
 
@@ -23,8 +24,9 @@ def root_of(x: float) -> float:
 
 
 @stream
-def flat_row(first: int, last: int, u: Floats, v: float, n: Vec, e: float, near: float, tag: int, z: Floats, who: Ints) -> None:
+def flat_row(first: int, last: int, row: Row, n: Vec, e: float, tag: int) -> None:
     """The plane n . x = e [m]."""
+    u, v, near, z, who = row
     rest = n[1] * v + n[2]
     for i in range(first, last):
         depth = e / (n[0] * u[i] + rest)
@@ -34,10 +36,9 @@ def flat_row(first: int, last: int, u: Floats, v: float, n: Vec, e: float, near:
 
 
 @stream
-def ball_row(
-    first: int, last: int, u: Floats, v: float, c: Vec, radius: float, near: float, tag: int, z: Floats, who: Ints
-) -> None:
+def ball_row(first: int, last: int, row: Row, c: Vec, radius: float, tag: int) -> None:
     """The ball about c: its near side, or its far side where the near one lies before `near`."""
+    u, v, near, z, who = row
     square, rest2, rest = radius * radius, v * v + 1.0, v * c[1] + c[2]
     x2 = (v * c[2] - c[1]) * (v * c[2] - c[1])
     for i in range(first, last):
@@ -52,10 +53,9 @@ def ball_row(
 
 
 @stream
-def ball_end_row(
-    first: int, last: int, u: Floats, v: float, c: Vec, radius: float, a: Vec, near: float, tag: int, z: Floats, who: Ints
-) -> None:
+def ball_end_row(first: int, last: int, row: Row, c: Vec, radius: float, a: Vec, tag: int) -> None:
     """As `ball_row`, only the half of the ball on the side of the unit vector a: for a capsule seen from within."""
+    u, v, near, z, who = row
     square, rest2, rest = radius * radius, v * v + 1.0, v * c[1] + c[2]
     x2 = (v * c[2] - c[1]) * (v * c[2] - c[1])
     rise, least = v * a[1] + a[2], dot(a, c) - 1e-12 * radius
@@ -71,11 +71,9 @@ def ball_end_row(
 
 
 @stream
-def side_row(
-    first: int, last: int, u: Floats, v: float, c: Vec, a: Vec, radius: float, half: float, near: float, tag: int, z: Floats,
-    who: Ints,
-) -> None:  # fmt: skip
+def side_row(first: int, last: int, row: Row, c: Vec, a: Vec, radius: float, half: float, tag: int) -> None:
     """The side of the cylinder about c along the unit vector a, its far side where the near one is cut away."""
+    u, v, near, z, who = row
     square, out, level = radius * radius, cross(c, a), dot(c, a)
     x = v * a[2] - a[1]
     for i in range(first, last):
@@ -90,10 +88,9 @@ def side_row(
 
 
 @stream
-def cap_row(
-    first: int, last: int, u: Floats, v: float, c: Vec, a: Vec, radius: float, near: float, tag: int, z: Floats, who: Ints
-) -> None:
+def cap_row(first: int, last: int, row: Row, c: Vec, a: Vec, radius: float, tag: int) -> None:
     """The disc about c at right angles to a."""
+    u, v, near, z, who = row
     square, e, rest = radius * radius, dot(a, c), v * a[1] + a[2]
     for i in range(first, last):
         depth = e / (u[i] * a[0] + rest)

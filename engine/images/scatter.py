@@ -10,12 +10,18 @@ Sequences, 2018 (the shifts).
 """
 
 import math
+from typing import NamedTuple
 
 from engine.compile.jit import entry, kernel
 from engine.images.fresnel import reflect, reflectance, refract
+from engine.images.tables import Lighting
 from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3
+from engine.rays.hits import Hits
 
-__all__ = ["AIR", "GIVEN", "LEAST", "MIRRORED", "REFLECTED", "REFRACTED", "SCATTERED", "add_unshaded", "scatter"]
+__all__ = [
+    "AIR", "GIVEN", "LEAST", "MIRRORED", "REFLECTED", "REFRACTED", "SCATTERED",
+    "Generation", "ShadowRays", "add_unshaded", "scatter",
+]  # fmt: skip
 
 GIVEN, MIRRORED, REFLECTED, REFRACTED, SCATTERED = 0, 1, 2, 3, 4
 """How a ray came to be."""
@@ -28,28 +34,67 @@ GOLDEN, PLASTIC = 0.6180339887498949, 0.7548776662466927
 """Shares of 1 [1] whose multiples spread evenly in one and, with their squares, in two dimensions."""
 
 
+class Generation(NamedTuple):
+    """Rays of light that are equally many surfaces away from the eye.
+
+    Terms:
+        origins (n, 3) or (1, 3) m, directions (n, 3), light (n, 5): weight in red, green and blue, index of the medium around
+        the ray, and of what is around that; roots (n, 3): row of radiance, ray of the generation before, how it came to be.
+    """
+
+    origins: Floats
+    directions: Floats
+    light: Floats
+    roots: Ints
+
+
+class ShadowRays(NamedTuple):
+    """Points that ask for the sun: origins (n, 3) m, gain (n, 3): radiance if nothing keeps it off; roots (n,): whose it is."""
+
+    origins: Floats
+    gain: Floats
+    roots: Ints
+
+
+class Branch(NamedTuple):
+    """One way on from a surface.
+
+    Terms:
+        kind: how the ray comes to be; origin [m], direction; share [1] of red, green and blue that goes this way; around, outer
+        [1]: index of the medium around the ray, and of what is around that.
+    """
+
+    kind: int
+    origin: Vec
+    direction: Vec
+    share: Vec
+    around: float
+    outer: float
+
+
 @kernel
-def go_on(
-    k: int, parent: int, kind: int, start: Vec, d: Vec, share: float, here: float, outer: float, colour: Vec,
-    light: Floats, roots: Ints, next_origin: Floats, next_way: Floats, next_light: Floats, next_roots: Ints, sky: float,
-    radiance: Floats,
-) -> int:  # fmt: skip
-    """Write ray k of the next generation, or let it see the sky if its weight is too small. Returns: the number of rays."""
-    if share <= 0.0:
+def go_on(k: int, parent: int, branch: Branch, rays: Generation, after: Generation, sky: float, radiance: Floats) -> int:
+    """Write ray k of the generation after, or let it see the sky if its weight is too small. Returns: the number of rays."""
+    light, roots, share = rays.light, rays.roots, branch.share
+    if max(share[0], share[1], share[2]) <= 0.0:
         return k
-    weight = (
-        share * colour[0] * light[parent, 0], share * colour[1] * light[parent, 1], share * colour[2] * light[parent, 2]
-    )  # fmt: skip
+    weight = (share[0] * light[parent, 0], share[1] * light[parent, 1], share[2] * light[parent, 2])
     if max(weight[0], weight[1], weight[2]) < LEAST:
         for c in range(3):
             radiance[roots[parent, 0], c] += weight[c] * sky
         return k
-    store3(next_origin, k, 0, start)
-    store3(next_way, k, 0, d)
-    store3(next_light, k, 0, weight)
-    next_light[k, 3], next_light[k, 4] = here, outer
-    next_roots[k, 0], next_roots[k, 1], next_roots[k, 2] = roots[parent, 0], parent, kind
+    store3(after.origins, k, 0, branch.origin)
+    store3(after.directions, k, 0, branch.direction)
+    store3(after.light, k, 0, weight)
+    after.light[k, 3], after.light[k, 4] = branch.around, branch.outer
+    after.roots[k, 0], after.roots[k, 1], after.roots[k, 2] = roots[parent, 0], parent, branch.kind
     return k + 1
+
+
+@kernel
+def grey(share: float) -> Vec:
+    """The same share [1] of red, green and blue."""
+    return share, share, share
 
 
 @kernel
@@ -65,22 +110,23 @@ def towards_sky(n: Vec, k: int, count: int, place: int) -> Vec:
 
 @entry
 def scatter(
-    origins: Floats, directions: Floats, light: Floats, roots: Ints, distance: Floats, body: Ints, normal: Floats,
-    optics: Floats, sun: Floats, last: bool, sky_rays: int, sample: int, radiance: Floats, next_origin: Floats,
-    next_way: Floats, next_light: Floats, next_roots: Ints, lit_origin: Floats, gain: Floats, lit_root: Ints,
+    rays: Generation, hits: Hits, lighting: Lighting, sky_rays: int, sample: int, radiance: Floats, after: Generation,
+    shadow: ShadowRays,
 ) -> tuple[int, int]:  # fmt: skip
     """Follow rays one surface further.
 
     Args:
-        origins (n, 3) or (1, 3) m, directions (n, 3), light (n, 5): weight in red, green and blue, index of the medium around
-        the ray, and of what is around that; roots (n, 3): row of radiance, ray of the generation before, how it came to be.
-        distance, body, normal (n,): what they meet. optics, sun: see `engine.images.shading.shade`. last: no ray goes on.
-        sky_rays: directions in which a scattering point looks for the sky, another set for each sample of a pixel.
-    Returns: how many rays go on, and how many ask for the sun (lit_origin, with what they gain, gain (n, 3)).
+        hits: what they meet. sky_rays: directions in which a scattering point looks for the sky, another set for each sample of
+        a pixel. radiance (pixels, 3): what the rays bring. after: room for the rays that go on; without any room none does.
+        shadow: room for as many rays as there are.
+    Returns: how many rays go on, and how many ask for the sun.
     """
+    origins, directions, light, roots = rays
+    distance, body, _, normal = hits
+    optics, sun = lighting
     towards, irradiance, sky = load3(sun, 0, 0), sun[0, 3], sun[0, 4]
-    more, asking, white = 0, 0, (1.0, 1.0, 1.0)
-    one = origins.shape[0] == 1
+    more, asking = 0, 0
+    one, last = origins.shape[0] == 1, after.directions.shape[0] == 0
     for r in range(directions.shape[0]):
         root = roots[r, 0]
         b = body[r]
@@ -104,32 +150,27 @@ def scatter(
         else:
             around, outer = light[r, 3], light[r, 4]
             if mirror > 0.0:
-                more = go_on(
-                    more, r, MIRRORED, above, reflect(d, n), mirror, around, outer, white, light, roots, next_origin, next_way,
-                    next_light, next_roots, sky, radiance,
-                )  # fmt: skip
+                branch = Branch(MIRRORED, above, reflect(d, n), grey(mirror), around, outer)
+                more = go_on(more, r, branch, rays, after, sky, radiance)
             if clear > 0.0:
-                before, after = (index, outer) if inside else (around, index)
-                passes, through = refract(d, n, before / after)
-                back = reflectance(-dot(d, n), -dot(through, n), before, after) if passes else 1.0
-                more = go_on(
-                    more, r, REFLECTED, above, reflect(d, n), clear * back, before if inside else around, outer, white, light,
-                    roots, next_origin, next_way, next_light, next_roots, sky, radiance,
-                )  # fmt: skip
+                before, behind = (index, outer) if inside else (around, index)
+                passes, through = refract(d, n, before / behind)
+                back = reflectance(-dot(d, n), -dot(through, n), before, behind) if passes else 1.0
+                branch = Branch(REFLECTED, above, reflect(d, n), grey(clear * back), before if inside else around, outer)
+                more = go_on(more, r, branch, rays, after, sky, radiance)
                 if passes:
-                    more = go_on(
-                        more, r, REFRACTED, below, through, clear * (1.0 - back), after, AIR if inside else around, white,
-                        light, roots, next_origin, next_way, next_light, next_roots, sky, radiance,
-                    )  # fmt: skip
+                    share = grey(clear * (1.0 - back))
+                    branch = Branch(REFRACTED, below, through, share, behind, AIR if inside else around)
+                    more = go_on(more, r, branch, rays, after, sky, radiance)
         if plain <= 0.0:
             continue
         colour = load3(optics, b, 0)
         cosine = dot(n, towards)
         if irradiance > 0.0 and cosine > 0.0:
-            store3(lit_origin, asking, 0, above)
+            store3(shadow.origins, asking, 0, above)
             for c in range(3):
-                gain[asking, c] = light[r, c] * plain * colour[c] * irradiance / math.pi * cosine
-            lit_root[asking] = root
+                shadow.gain[asking, c] = light[r, c] * plain * colour[c] * irradiance / math.pi * cosine
+            shadow.roots[asking] = root
             asking += 1
         if sky_rays == 0 or last or roots[r, 2] == SCATTERED:
             for c in range(3):
@@ -137,17 +178,15 @@ def scatter(
             continue
         for k in range(sky_rays):
             way = towards_sky(n, k, sky_rays, root + 7919 * sample)
-            more = go_on(
-                more, r, SCATTERED, above, way, plain / sky_rays, light[r, 3], light[r, 4], colour, light, roots, next_origin,
-                next_way, next_light, next_roots, sky, radiance,
-            )  # fmt: skip
+            branch = Branch(SCATTERED, above, way, scale(plain / sky_rays, colour), light[r, 3], light[r, 4])
+            more = go_on(more, r, branch, rays, after, sky, radiance)
     return more, asking
 
 
 @entry
-def add_unshaded(distance: Floats, gain: Floats, lit_root: Ints, radiance: Floats) -> None:
-    """Add what each asking point gains from the sun, unless something stands between."""
+def add_unshaded(distance: Floats, shadow: ShadowRays, radiance: Floats) -> None:
+    """Add what each asking point gains from the sun, unless something stands between, at distance (asking,) m."""
     for r in range(len(distance)):
         if distance[r] == math.inf:
             for c in range(3):
-                radiance[lit_root[r], c] += gain[r, c]
+                radiance[shadow.roots[r], c] += shadow.gain[r, c]

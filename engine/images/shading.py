@@ -12,6 +12,7 @@ import numpy as np
 
 from engine.compile.jit import entry, kernel
 from engine.images.rasteriser import TAGS, shape_pose
+from engine.images.tables import Lighting
 from engine.maths.vec import (
     Floats,
     Ints,
@@ -74,12 +75,10 @@ def patch_normal(kind: int, half: float, pose: Floats, face: Floats, first_face:
 
 @entry
 def shade(
-    floats: Floats, ints: Ints, eye: Floats, optics: Floats, sun: Floats, depth: Floats, tags: Ints, body: Ints, colour: Floats
+    floats: Floats, ints: Ints, eye: Floats, lighting: Lighting, depth: Floats, tags: Ints, body: Ints, colour: Floats
 ) -> None:
-    """Write body (h, w) and colour (h, w, 3) of what `rasterise` found.
-
-    Args: optics (bodies, 6): colour, mirror, transmission, index; sun (1, 5): unit vector to it, irradiance, sky.
-    """
+    """Write body (h, w) and colour (h, w, 3) of what `rasterise` found."""
+    optics, sun = lighting
     state, shape, shape_kind = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
     face, polyhedron = floats_of(floats, ints, FACE), ints_of(ints, POLYHEDRON)
     at, turn, towards = load3(eye, 0, 0), load9(eye, 0, 3), load3(sun, 0, 0)

@@ -1,6 +1,7 @@
 """What compiled code is told about the optics of bodies and the sun."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,18 +9,27 @@ from numpy.typing import NDArray
 from engine.describe.bodies import Body
 from engine.describe.optics import Sun
 
-__all__ = ["optics_table", "sun_row"]
+__all__ = ["Lighting", "lighting_of"]
 
 FloatArray = NDArray[np.float64]
 
 
-def optics_table(bodies: Sequence[Body]) -> FloatArray:
-    """(bodies, 6): colour, mirror, transmission, refractive index."""
+class Lighting(NamedTuple):
+    """Terms:
+
+    optics (bodies, 6): colour, mirror, transmission, refractive index; sun (1, 5): unit vector to the sun, irradiance, radiance
+    of the sky.
+    """
+
+    optics: FloatArray
+    sun: FloatArray
+
+
+def lighting_of(bodies: Sequence[Body], sun: Sun) -> Lighting:
+    """What surfaces do to light, and where it comes from."""
     rows = [(*one.optics.colour, one.optics.mirror, one.optics.transmission, one.optics.refractive_index) for one in bodies]
-    return np.array(rows, float).reshape(-1, 6)
-
-
-def sun_row(sun: Sun) -> FloatArray:
-    """(1, 5): unit vector to the sun, irradiance, radiance of the sky."""
     towards = np.asarray(sun.towards_W, float)
-    return np.array([[*(towards / np.linalg.norm(towards)), sun.irradiance, sun.sky]])
+    return Lighting(
+        np.array(rows, float).reshape(-1, 6),
+        np.array([[*(towards / np.linalg.norm(towards)), sun.irradiance, sun.sky]]),
+    )

@@ -8,67 +8,60 @@ Improved Illumination Model for Shaded Display, 1980.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.images.scatter import AIR, GIVEN, add_unshaded, scatter
+from engine.images.scatter import AIR, GIVEN, Generation, ShadowRays, add_unshaded, scatter
+from engine.images.tables import Lighting
+from engine.rays.hits import Hits
 
 __all__ = ["Light", "Wave", "first_wave", "follow"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Cast = Callable[[FloatArray, FloatArray], Any]
+Cast = Callable[[FloatArray, FloatArray], Hits]
 """World.cast of origins and directions."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """One generation of rays: origins (n, 3) or (1, 3) m, directions (n, 3), light (n, 5), roots (n, 3), and what they hit."""
+    """One generation of rays, and what they hit."""
 
-    origins: FloatArray
-    directions: FloatArray
-    light: FloatArray
-    roots: IntArray
-    hits: Any
+    rays: Generation
+    hits: Hits
 
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """How light goes on: optics (bodies, 6), sun (1, 5), most surfaces one after the other, rays to the sky."""
+    """How light goes on: at surfaces and from the sun, most surfaces one after the other, rays to the sky."""
 
-    optics: FloatArray
-    sun: FloatArray
+    lighting: Lighting
     bounces: int
     sky_rays: int
 
 
-def first_wave(origins: FloatArray, directions: FloatArray, hits: Any, pixels: IntArray) -> Wave:
+def first_wave(origins: FloatArray, directions: FloatArray, hits: Hits, pixels: IntArray) -> Wave:
     """Rays of weight 1 in air, each for the pixel of its own."""
     light = np.ones((len(directions), 5))
     light[:, 3:] = AIR
     roots = np.column_stack([pixels, np.full(len(pixels), -1), np.full(len(pixels), GIVEN)])
-    return Wave(origins, directions, light, roots, hits)
+    return Wave(Generation(origins, directions, light, roots), hits)
 
 
 def follow(cast: Cast, wave: Wave, light: Light, sample: int, radiance: FloatArray) -> Iterator[Wave]:
     """Yield each generation, adding to radiance (pixels, 3) what the rays bring."""
     for bounce in range(light.bounces + 1):
-        n, hits = len(wave.directions), wave.hits
-        last = bounce == light.bounces
-        room = 0 if last else n * (3 + light.sky_rays)
-        origins, directions, weights = np.empty((room, 3)), np.empty((room, 3)), np.empty((room, 5))
-        roots, lit, gain, lit_root = np.empty((room, 3), np.int64), np.empty((n, 3)), np.empty((n, 3)), np.empty(n, np.int64)
-        more, asking = scatter(
-            wave.origins, wave.directions, wave.light, wave.roots, hits.distance, hits.body, hits.normal, light.optics,
-            light.sun, last, light.sky_rays, sample, radiance, origins, directions, weights, roots, lit, gain, lit_root,
-        )  # fmt: skip
+        n = len(wave.rays.directions)
+        room = 0 if bounce == light.bounces else n * (3 + light.sky_rays)
+        after = Generation(np.empty((room, 3)), np.empty((room, 3)), np.empty((room, 5)), np.empty((room, 3), np.int64))
+        shadow = ShadowRays(np.empty((n, 3)), np.empty((n, 3)), np.empty(n, np.int64))
+        more, asking = scatter(wave.rays, wave.hits, light.lighting, light.sky_rays, sample, radiance, after, shadow)
         if asking > 0:
-            towards = np.broadcast_to(light.sun[0, :3], (asking, 3)).copy()
-            add_unshaded(cast(lit[:asking], towards).distance, gain, lit_root, radiance)
+            towards = np.broadcast_to(light.lighting.sun[0, :3], (asking, 3)).copy()
+            add_unshaded(cast(shadow.origins[:asking], towards).distance, shadow, radiance)
         yield wave
         if more == 0:
             return
-        origins, directions = origins[:more], directions[:more]
-        wave = Wave(origins, directions, weights[:more], roots[:more], cast(origins, directions))
+        rays = Generation(after.origins[:more], after.directions[:more], after.light[:more], after.roots[:more])
+        wave = Wave(rays, cast(rays.origins, rays.directions))

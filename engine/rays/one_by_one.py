@@ -29,6 +29,7 @@ from engine.memory.arena import (
     TYPE,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.rays.hits import Hits
 
 __all__ = ["cast_rays", "ray_box", "ray_capsule", "ray_cylinder", "ray_plane", "ray_sphere"]
 
@@ -162,17 +163,7 @@ def closest_distance2(o: Vec, half: float) -> float:
 
 
 @entry
-def cast_rays(
-    floats: Floats,
-    ints: Ints,
-    origins: Floats,
-    directions: Floats,
-    max_range: float,
-    distance: Floats,
-    body: Ints,
-    part: Ints,
-    normal: Floats,
-) -> None:
+def cast_rays(floats: Floats, ints: Ints, origins: Floats, directions: Floats, max_range: float, hits: Hits) -> None:
     """As `engine.rays.tiles.cast_tiles`, for finite origins (r, 3) and unit directions (r, 3)."""
     state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
     shape_kind, count = ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
@@ -206,7 +197,7 @@ def cast_rays(
             if t < MISS and (t < best or (t == best and hit_shape < 0)):
                 best, facing, hit_shape = t, mat_vec(m, n), s
         hit = hit_shape >= 0
-        distance[r] = best if hit else math.inf
-        store3(normal, r, 0, facing if hit else (0.0, 0.0, 0.0))
-        body[r] = shape_kind[hit_shape, OWNER] if hit else -1
-        part[r] = shape_kind[hit_shape, PART] if hit else -1
+        hits.distance[r] = best if hit else math.inf
+        store3(hits.normal, r, 0, facing if hit else (0.0, 0.0, 0.0))
+        hits.body[r] = shape_kind[hit_shape, OWNER] if hit else -1
+        hits.shape[r] = shape_kind[hit_shape, PART] if hit else -1

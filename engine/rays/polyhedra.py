@@ -50,6 +50,8 @@ from engine.memory.arena import (
     Q,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.rays.hits import Hits
+from engine.rays.tree import RayTree
 
 __all__ = ["cast_on_polyhedra"]
 
@@ -114,22 +116,11 @@ def box_entry(o: Vec, inverse: Vec, node: Floats, k: int, best: float) -> float:
 
 @entry
 def cast_on_polyhedra(
-    floats: Floats,
-    ints: Ints,
-    root: Ints,
-    node: Floats,
-    link: Ints,
-    solid: Ints,
-    frame: Floats,
-    origins: Floats,
-    directions: Floats,
-    max_range: float,
-    distance: Floats,
-    body: Ints,
-    part: Ints,
-    normal: Floats,
+    floats: Floats, ints: Ints, tree: RayTree, origins: Floats, directions: Floats, max_range: float, hits: Hits
 ) -> None:
-    """As `engine.rays.tiles.cast_tiles`, whose answers it takes and improves; the tree is that of `engine.rays.tree`."""
+    """As `engine.rays.tiles.cast_tiles`, whose answers it takes and improves."""
+    root, node, link, solid, frame = tree
+    distance, body, part, normal = hits
     state, shape = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE)
     vertex, face = floats_of(floats, ints, VERTEX), floats_of(floats, ints, FACE)
     shape_kind, polyhedron = ints_of(ints, SHAPE_KIND), ints_of(ints, POLYHEDRON)

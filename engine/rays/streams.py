@@ -8,12 +8,16 @@ Source: as for `engine.rays.one_by_one`; Wald, Slusallek, Benthin, Wagner, Inter
 """
 
 import math
+from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
 from engine.maths.vec import Floats, Ints, Mat, Vec, mat_vec, tmat_vec
 from engine.memory.arena import BOX, CAPSULE, CYLINDER, SPHERE
 
-__all__ = ["Rays", "meet_box", "meet_capsule", "meet_cylinder", "meet_plane", "meet_sphere", "near_ball", "normals_of"]
+__all__ = [
+    "Primitive", "Rays", "Triple",
+    "meet_box", "meet_capsule", "meet_cylinder", "meet_plane", "meet_sphere", "near_ball", "normals_of",
+]  # fmt: skip
 
 MISS = math.inf
 PARALLEL = 1e-30
@@ -21,6 +25,25 @@ PARALLEL = 1e-30
 
 Rays = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 """Origins x, y, z [m] and unit directions x, y, z of rays, in W."""
+Triple = tuple[Floats, Floats, Floats]
+"""Vectors in W: x, y, z."""
+
+
+class Primitive(NamedTuple):
+    """One shape with a closed form.
+
+    Terms: number: among all with closed forms; owner, part: whose it is, and which of that body's shapes; centre [m], axes: its
+    pose in W; size, ball [m]: its sizes and the radius of its bounding ball.
+    """
+
+    number: int
+    kind: int
+    owner: int
+    part: int
+    centre: Vec
+    axes: Mat
+    size: Vec
+    ball: float
 
 
 @kernel
@@ -92,10 +115,11 @@ def through(enter: float, leave: float) -> float:
 
 
 @stream
-def meet_box(n: int, rays: Rays, c: Vec, m: Mat, size: Vec, t: Floats) -> None:
-    """Slabs : the last entry, or the first exit from inside."""
+def meet_box(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+    """Slabs: the last entry, or the first exit from inside."""
+    size = shape.size
     for i in range(n):
-        o, d = ray_in(rays, i, c, m)
+        o, d = ray_in(rays, i, shape.centre, shape.axes)
         near, far = slab(o[0], d[0], size[0])
         enter, leave = slab(o[1], d[1], size[1])
         near, far = (near if near > enter else enter), (far if far < leave else leave)
@@ -115,11 +139,11 @@ def tube(o: Vec, d: Vec, radius: float) -> tuple[float, float]:
 
 
 @stream
-def meet_cylinder(n: int, rays: Rays, c: Vec, m: Mat, size: Vec, t: Floats) -> None:
-    """The tube cut by the two caps, ."""
-    radius, half = size[0], size[1]
+def meet_cylinder(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+    """The tube cut by the two caps."""
+    radius, half = shape.size[0], shape.size[1]
     for i in range(n):
-        o, d = ray_in(rays, i, c, m)
+        o, d = ray_in(rays, i, shape.centre, shape.axes)
         near, far = tube(o, d, radius)
         within = (d[0] * d[0] + d[1] * d[1] < PARALLEL) & (o[0] * o[0] + o[1] * o[1] <= radius * radius)
         near, far = (-MISS if within else near), (MISS if within else far)
@@ -129,14 +153,12 @@ def meet_cylinder(n: int, rays: Rays, c: Vec, m: Mat, size: Vec, t: Floats) -> N
 
 
 @stream
-def meet_capsule(n: int, rays: Rays, c: Vec, m: Mat, size: Vec, t: Floats) -> None:
-    """The union of the tube between the caps and the two end spheres, : first entry, or last exit from
-    inside.
-    """
-    radius, half = size[0], size[1]
+def meet_capsule(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+    """The union of the tube between the caps and the two end spheres: first entry, or last exit from inside."""
+    radius, half = shape.size[0], shape.size[1]
     square = radius * radius
     for i in range(n):
-        o, d = ray_in(rays, i, c, m)
+        o, d = ray_in(rays, i, shape.centre, shape.axes)
         beyond = abs(o[2]) - half
         beyond = beyond if beyond > 0.0 else 0.0
         inside = o[0] * o[0] + o[1] * o[1] + beyond * beyond < square
@@ -162,11 +184,10 @@ def end_sphere(o: Vec, d: Vec, end: float, square: float, sign: float) -> float:
 
 
 @stream
-def normals_of(
-    n: int, rays: Rays, t: Floats, kind: int, c: Vec, m: Mat, size: Vec, facing: tuple[Floats, Floats, Floats]
-) -> None:
+def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) -> None:
     """Outward unit normals in W where rays end on a shape: the direction in which its distance grows fastest."""
-    nx, ny, nz = facing
+    nx, ny, nz = normal
+    kind, c, m, size = shape.kind, shape.centre, shape.axes, shape.size
     if kind in (SPHERE, CAPSULE):
         half = size[1] if kind == CAPSULE else 0.0
         for i in range(n):

@@ -4,7 +4,9 @@ from numba import prange
 
 from engine.compile.jit import parallel_entry
 from engine.maths.vec import Floats, Ints
-from engine.rays.tiles import cast_tile_range, layout
+from engine.rays.hits import Hits
+from engine.rays.tiles import cast_tile_range
+from engine.rays.tiling import Bundle, Tiling, tiling_of
 
 __all__ = ["cast_tiles_parallel"]
 
@@ -13,17 +15,13 @@ SHARE = 32
 
 
 @parallel_entry
-def cast_tiles_parallel(
-    floats: Floats, ints: Ints, origins: Floats, directions: Floats, max_range: float,
-    distance: Floats, body: Ints, part: Ints, normal: Floats,
-) -> bool:  # fmt: skip
+def cast_tiles_parallel(floats: Floats, ints: Ints, origins: Floats, directions: Floats, max_range: float, hits: Hits) -> bool:
     """As `cast_tiles`."""
-    row, wide, tiles = layout(directions)
+    row, wide, tiles = tiling_of(directions)
     bad = 0
     for share in prange((tiles + SHARE - 1) // SHARE):
         first, last = share * SHARE, min(share * SHARE + SHARE, tiles)
-        done = cast_tile_range(
-            floats, ints, origins, directions, row, wide, first, last, max_range, distance, body, part, normal
-        )  # fmt: skip
+        bundle, tiling = Bundle(origins, directions, max_range), Tiling(row, wide, tiles)
+        done = cast_tile_range(floats, ints, bundle, tiling, first, last, hits)
         bad += 0 if done else 1
     return bad == 0

@@ -5,7 +5,7 @@ Each node halves its solids at the median of their middles, along the longest si
 Source: Ericson, Real-Time Collision Detection, section 6.2 (top-down construction, median cut).
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,10 @@ PADDING = 1e-9
 """Share of a body's size [1] by which boxes are widened, against rounding."""
 
 
-@dataclass(frozen=True, slots=True)
-class RayTree:
-    """Terms:
+class RayTree(NamedTuple):
+    """The trees of all bodies, one after the other.
 
-    root (b, 2): body and root node; node (k, 6) m: least and greatest corner of a box in B; link (k, 2): first of two
+    Terms: root (b, 2): body and root node; node (k, 6) m: least and greatest corner of a box in B; link (k, 2): first of two
     neighbouring children and 0, or first place in `solid` and number of solids of a leaf; solid (s,): row of the table of
     shapes; frame (s, 12): its origin and rotation matrix in B.
     """

@@ -41,6 +41,7 @@ from enum import Flag, auto
 from typing import Any, Literal, Protocol
 
 from harness.adapter.many_worlds import Batch, Turns
+from harness.intake.mendable import Mendable
 from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
@@ -124,7 +125,7 @@ class Diverged(Exception):
     """The engine's state stopped being finite, or the engine reset or repaired it."""
 
 
-class SettingsError(ValueError):
+class SettingsError(Mendable, ValueError):
     """A setting that the adapter does not know, or a value outside its range; names field, value and expectation."""
 
 

@@ -59,6 +59,11 @@ class Alteration:
             narrow=(scene.narrow & ~self.widen) | self.narrow,
         )
 
+    @property
+    def single(self) -> Effect:
+        """The effects that are left out, or taken in; none where nothing but others are faintly there, or the step is finer."""
+        return self.narrow | self.widen
+
     def retelling(self, scene: Scene, duration: float) -> Retelling | None:
         """How a scene, altered already, is told in a run of `duration` [s]; None as it is."""
         match self.told:

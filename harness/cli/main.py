@@ -12,6 +12,7 @@ from harness.cli.listing import print_csv, print_json, print_markdown, print_tab
 from harness.findings import tables
 from harness.intake.allowance import allowing
 from harness.intake.documents import document
+from harness.intake.mendable import Mendable
 from harness.intake.safe_text import one_line, quoted, readable
 from harness.run.interrupt import listen
 
@@ -29,18 +30,7 @@ _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
 
 
-_CODES = {
-    "NoRun": _USAGE,
-    "FolderTaken": _USAGE,
-    "StoreError": _MACHINE,
-    "StudyError": _USAGE,
-    "SceneError": _USAGE,
-    "InputError": _USAGE,
-    "AllowanceError": _USAGE,
-    "PluginError": _USAGE,
-    "SettingsError": _USAGE,
-}
-"""By the names of errors, whose modules are not imported for it."""
+_CODES = {"usage": _USAGE, "machine": _MACHINE}
 
 
 def _stop(code: int, message: str) -> NoReturn:
@@ -88,11 +78,8 @@ class _Guarded(click.Group):
             _stop(_MACHINE, f"{error.filename or 'machine'}: {error.strerror or error}")
         except MemoryError:
             _stop(_MACHINE, "no memory is left for this process; free some, and go on with --resume")
-        except Exception as error:
-            code = next((_CODES[kind.__name__] for kind in type(error).__mro__ if kind.__name__ in _CODES), None)
-            if code is None:
-                raise
-            _stop(code, str(error))
+        except Mendable as error:
+            _stop(_CODES[error.lies_in], str(error))
 
 
 @click.group(cls=_Guarded, context_settings={"help_option_names": ["-h", "--help"]})

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from harness.case import Axis
+from harness.findings.where import STEP, differing, in_words
 from harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from harness.store.store import Store
 from harness.study.stored_study import experiments_of
@@ -32,12 +33,17 @@ class Hold:
     cost: float | None
 
 
+Beside = tuple[tuple[str, Any], ...]
+"""Parameters with their values, and the time step [s] by the name `STEP`."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
     """One search: a case on an engine under one group of settings.
 
     Terms:
-        where: the parameters, and the time step, that the experiment sets to other values than the case's own. axis, unit,
+        beside: the parameters, and the time step [s], that the experiment sets to other values than the case's own, each with
+        its value. where: the same in words. axis, unit,
         easy, extreme: what was made harder. held, broke: the ends of the bracket; None where it has none on that side. share:
         of the members that held at `broke`. signs: by what the others broke. verdict: 'limit', 'beyond the extreme', 'not even
         the easiest', 'stopped' (a run without an answer: `reason`), 'unsupported', 'unavailable'. members: starts of each
@@ -53,6 +59,7 @@ class Search:
     experiment: str
     case: str
     where: str
+    beside: Beside
     engine: str
     track: str
     dt: float
@@ -150,13 +157,12 @@ def _searches(store: Store) -> Iterator[Search]:
         )
         part = part.assign(step=0.0 if by.axis.parameter == "dt" else part["outer"])
         plain = part[part["remedied"] == ""]
-        named = _telling(plain["others"], plain["step"], store.catalogue["cases"][str(case)])
+        beside = _beside(plain["others"], plain["step"], store.catalogue["cases"][str(case)])
         for (others, step, engine, track, parts, remedy, remedied), group in part.groupby(
             ["others", "step", "engine", "track", "parts", "remedy", "remedied"], sort=False
         ):
-            where = named.get((others, step), "")
             side = (engine, track, int(parts))
-            yield _search(str(name), str(case), where, side, (remedy, remedied), group, by, measured)
+            yield _search(str(name), str(case), beside.get((others, step), ()), side, (remedy, remedied), group, by, measured)
 
 
 def _outer(part: pd.DataFrame) -> list[float]:
@@ -168,24 +174,22 @@ def _outer(part: pd.DataFrame) -> list[float]:
     ]
 
 
-def _telling(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]) -> dict[tuple[str, float], str]:
-    """What tells the cells of an experiment apart, and from the case as it is, in words."""
+def _beside(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]) -> dict[tuple[str, float], Beside]:
+    """What tells the cells of an experiment apart, and from the case as it is."""
     cells = list(dict.fromkeys(zip(others, steps, strict=True)))
     told = [json.loads(text) for text, _ in cells]
-    own = case["parameters"]
-    loose = [name for name in (told[0] if told else {}) if any(one.get(name) != own.get(name) for one in told)]
+    loose = differing(told, case["parameters"])
     many = any(step not in (0.0, case["dt"]) for _, step in cells)
-    found = {}
-    for cell, one in zip(cells, told, strict=True):
-        words = [f"{name} {one[name]}" for name in loose] + ([f"dt 1/{1 / cell[1]:.4g} s"] if many else [])
-        found[cell] = ", ".join(words)
-    return found
+    return {
+        cell: tuple((name, one[name]) for name in loose) + (((STEP, float(cell[1])),) if many else ())
+        for cell, one in zip(cells, told, strict=True)
+    }
 
 
 def _search(
     name: str,
     case: str,
-    where: str,
+    beside: Beside,
     side: tuple[str, str, int],
     help_: tuple[str, str],
     group: pd.DataFrame,
@@ -209,7 +213,8 @@ def _search(
     return Search(
         experiment=name,
         case=case,
-        where=where,
+        where=in_words(beside),
+        beside=beside,
         engine=side[0],
         track=side[1],
         dt=float(last.outer),

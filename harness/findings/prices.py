@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 
 from harness.findings.effort import Ended, efforts
+from harness.findings.where import in_words, other_values
 from harness.statistics.order import fit_order
 from harness.statistics.pareto import on_front, price
 from harness.store.store import Store
@@ -163,8 +164,7 @@ class Prices:
         trials = self._store.asked
         for (case, parameters), part in trials.groupby(["case", "parameters"], sort=False):
             own = self._cases.get(case, {}).get("parameters", {})
-            given = {n: v for n, v in json.loads(parameters).items() if own.get(n) != v and n != "seed"}
-            yield case, ", ".join(f"{n} {v}" for n, v in given.items()), part
+            yield case, in_words(other_values(json.loads(parameters), own)), part
 
     @cached_property
     def points(self) -> tuple[Point, ...]:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 
+from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted
 
 __all__ = ["VARIABLE", "Allowance", "AllowanceError", "allowance", "allowing", "beyond", "raised"]
@@ -15,7 +16,7 @@ VARIABLE = "PLUMBLINE_LIMITS"
 """The environment variable that sets limits, like 'bodies=200000,bytes=1e8'; processes that are started inherit it."""
 
 
-class AllowanceError(ValueError):
+class AllowanceError(Mendable, ValueError):
     """A limit that is none; the message names it, its value and those that there are."""
 
 

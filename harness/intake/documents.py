@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.intake.allowance import Allowance, AllowanceError, allowance, beyond
+from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted, readable
 
 __all__ = ["InputError", "document", "named", "parsed", "read", "regular"]
@@ -41,7 +42,7 @@ _CHAIN = rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{3,}}+"
 """A dotted key of four parts or more: shorter ones may as well be numbers, of which there are many."""
 
 
-class InputError(ValueError):
+class InputError(Mendable, ValueError):
     """A file that cannot be read, or holds more than is allowed; the message names it, the place and what was expected."""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import WithJsonSchema, field_serializer, field_validator
 from pydantic.dataclasses import dataclass
 
+from harness.intake.mendable import Mendable
 from harness.scene.appearance import Sun
 from harness.scene.body import Body
 from harness.scene.effect import Effect
@@ -25,7 +26,7 @@ EARTH_GRAVITY = (0.0, 0.0, -9.81)
 _EFFECT_NAMES = WithJsonSchema({"type": "array", "items": {"enum": list(Effect(~0).names)}})
 
 
-class SceneError(ValueError):
+class SceneError(Mendable, ValueError):
     """A scene or scene file that breaks a rule; the message names element, field, value and expectation."""
 
 

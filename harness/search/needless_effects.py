@@ -23,6 +23,7 @@ Where several effects do not matter one by one, they are left out together, one 
 difference: what remains is the minimal set, which is what is proposed for a scene of the user's own.
 """
 
+import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -32,7 +33,7 @@ from numpy.typing import NDArray
 
 from harness.adapter import Adapter
 from harness.case import Case
-from harness.case.alteration import EVERYTHING, FINER, FINEST, REFINED, Alteration
+from harness.case.alteration import FINER, FINEST, REFINED, Alteration
 from harness.scene import Effect
 from harness.store.record import Record
 from harness.store.store import Store
@@ -45,11 +46,11 @@ __all__ = [
     "Consequence",
     "Scale",
     "compared",
+    "departure",
     "matters",
     "next_trials",
     "scale_in",
     "scale_of",
-    "told_apart",
     "weighed",
 ]
 
@@ -181,7 +182,7 @@ def scale_in(store: Store, runs: Mapping[str, Any]) -> Scale | None:
     def read(run: Any) -> Mapping[str, Any] | None:
         return store.trajectory(run.trajectory_hash, NAMES) if run is not None and run.status in ANSWERED else None
 
-    single = (read(run) for name, run in runs.items() if len(told_apart(name)) == 1)
+    single = (read(run) for run in runs.values() if run is not None and len(departure(run).single.names) == 1)
     here = read(plain)
     assert here is not None
     return scale_of(here, read(runs.get(FINER)), read(runs.get(FINEST)), (one for one in single if one is not None))
@@ -201,8 +202,16 @@ def matters(store: Store, plain: Any, other: Any, scale: Scale | None) -> Conseq
     return replace(found, matters=True) if flips else found
 
 
-def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared: Collection[str]) -> Consequence | None:
-    """The consequence of the departure `name` from a scene that declares these effects, where motion is not what counts.
+def departure(run: Any) -> Alteration:
+    """What a run departed in, of a record or a row of the table of trials."""
+    said = run.alteration
+    return Alteration.from_plain(json.loads(said) if isinstance(said, str) else said)
+
+
+def weighed(
+    departed: Alteration, found: Consequence | None, plain: Any, run: Any, declared: Collection[str]
+) -> Consequence | None:
+    """The consequence of a departure from a scene that declares these effects, where motion is not what counts.
 
     Gravity that presses bodies together shows in forces. Continuous collision is a means to an end: it is missing where it
     mends a check, since where within a step a contact is found moves everything a little. What is off, and changes nothing
@@ -210,11 +219,11 @@ def weighed(name: str, found: Consequence | None, plain: Any, run: Any, declared
     """
     if found is None:
         return None
-    if name == "without gravity" and "contact" in declared:
+    if departed.narrow == Effect.GRAVITY and "contact" in declared:
         return replace(found, matters=True)
-    if name == "with continuous_collision":
+    if departed.widen == Effect.CONTINUOUS_COLLISION:
         return replace(found, matters=plain.status == "failed" and run.status == "passed")
-    if name.startswith("with ") and found.matters is None and found.moved <= FLOOR:
+    if departed.widen and found.matters is None and found.moved <= FLOOR:
         return replace(found, matters=False)
     return found
 
@@ -255,7 +264,8 @@ def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record
         name = f"without {', '.join(effects)}"
         if name not in known:
             return None
-        found = weighed(name, matters(store, here, known[name], scale), here, known[name], declared)
+        run = known[name]
+        found = None if run is None else weighed(departure(run), matters(store, here, run, scale), here, run, declared)
         return found is not None and found.matters is False
 
     declared = case.scene(**plain.parameters).effects.names
@@ -272,10 +282,3 @@ def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record
         if verdict:
             dropped.append(one)
     return None
-
-
-def told_apart(name: str) -> tuple[str, ...]:
-    """The effects that an alteration's name leaves out or takes in; none for the scene as it is and for everything on."""
-    if name in ("", EVERYTHING, *REFINED):
-        return ()
-    return tuple(name.partition(" ")[2].split(", "))

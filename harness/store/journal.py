@@ -11,8 +11,9 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
+from harness.intake.mendable import LiesIn, Mendable
 from harness.store import disk
 from harness.store.record import SCHEMA_VERSION, Record, Timing
 
@@ -21,16 +22,22 @@ __all__ = ["FolderTaken", "Journal", "NoRun", "StoreError", "Written", "read_jou
 Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 
 
-class StoreError(Exception):
+class StoreError(Mendable):
     """A run folder that cannot be read or written; the message names the path and what to do."""
+
+    lies_in: ClassVar[LiesIn] = "machine"
 
 
 class NoRun(StoreError):
     """What was asked for is not there: a run folder, a trial or a recording; the message says what there is."""
 
+    lies_in = "usage"
+
 
 class FolderTaken(StoreError):
     """The folder that a new run was given holds a run already."""
+
+    lies_in = "usage"
 
 
 @dataclass(slots=True)

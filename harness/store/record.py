@@ -121,7 +121,7 @@ class Record:
         clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.
         sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`.
         answered_on, clocked_on: the digests of the machines of the accuracy run, and rough cost, and of the timing run; see
-        `harness.store.machine_fingerprint`.
+        `harness.store.machine_fingerprint`. timing_note: what went wrong under the clock, as the warnings say too.
     """
 
     trial: str
@@ -167,6 +167,7 @@ class Record:
     sources: Mapping[str, str] = field(default_factory=dict)
     answered_on: str = ""
     clocked_on: str = ""
+    timing_note: str = ""
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 
@@ -179,7 +180,7 @@ class Record:
         """The same record with the outcome of its timing run."""
         kept = {f.name: getattr(timing, f.name) for f in dataclasses.fields(timing) if f.name not in {"trial", "note"}}
         notes = (*self.warnings, f"timing: {timing.note}") if timing.note else self.warnings
-        return dataclasses.replace(self, warnings=notes, **kept)
+        return dataclasses.replace(self, warnings=notes, timing_note=timing.note, **kept)
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Record":

@@ -14,6 +14,7 @@ from typing import Any
 
 from harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from harness.case import Case
+from harness.intake.mendable import Mendable
 from harness.metric import Metric
 from harness.scene import Scene
 from harness.study.strangers import points, trouble
@@ -37,7 +38,7 @@ SCENE_PREFIX = "scene:"
 """How the name of a case says that it lies in a file."""
 
 
-class PluginError(Exception):
+class PluginError(Mendable):
     """A plug-in that breaks its contract; the message names it and what was expected."""
 
 

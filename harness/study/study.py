@@ -18,6 +18,7 @@ from harness.case.alteration import ALONE, AS_IT_IS, REFINED, Alteration, depart
 from harness.case.forces import wrench_after
 from harness.intake.allowance import beyond
 from harness.intake.documents import InputError, document, named
+from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
 from harness.scene import Scene
@@ -79,7 +80,7 @@ BEYOND = 4.0
 """A limit along the time step is sought up to so many times the coarsest step of a case's ladder."""
 
 
-class StudyError(ValueError):
+class StudyError(Mendable, ValueError):
     """A study file that breaks a rule; the message names file, element, value and expectation."""
 
 

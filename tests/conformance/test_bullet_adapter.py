@@ -742,7 +742,7 @@ def test_depth_of_a_plane_is_right_at_the_centres_of_the_pixels(axis: tuple[floa
 
 def test_a_state_that_is_no_number_is_never_silent(monkeypatch: pytest.MonkeyPatch) -> None:
     """The door lets no such number in; Bullet makes one from a NaN that is let past it, and says nothing."""
-    monkeypatch.setattr("adapters.bullet.check_wrench", lambda *_: None)
+    monkeypatch.setattr("adapters.bullet.simulation.check_wrench", lambda *_: None)
     for joints in ((), (Ball(name="j", parent=WORLD, child="body", anchor_W=NOWHERE),)):
         scene = Scene(bodies=(Body(name="body", p_WB=(1.0, 0.0, 0.0)),), joints=joints)
         with built(scene, TUNED) as simulation:

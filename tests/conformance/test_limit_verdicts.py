@@ -54,6 +54,7 @@ def test_where_a_case_passes_its_axis_is_not_broken(name: str, engine: str) -> N
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1500)  # a heap of a thousand contacts takes minutes
 @pytest.mark.parametrize("track", ["tuned", "default"])
 @pytest.mark.parametrize("place", [0.0, 0.5])
 @pytest.mark.parametrize("engine", NAMES)

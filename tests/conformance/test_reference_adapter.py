@@ -162,3 +162,20 @@ def test_a_linkage_goes_through_its_singular_pose_wherever_the_steps_fall(subste
         assert not answer.broken, (dt, answer.broken)
         # What a round leaves that was taken back is of the second order in the way of a step.
         assert answer["joint_gap_max"] < 1e-9
+
+
+def test_a_level_of_detail_is_taken_where_it_is_asked_for_alone() -> None:
+    """The slab of the case is convex, so that its hull stops the ball as the mesh does; unset, nothing is said of levels."""
+    case = plugins.case("tunnel_thin_mesh")
+    scene = case.scene(**{**case.parameters, "phases": 1})
+    plain = ADAPTER.build(scene, ADAPTER.tracks["default"])
+    assert "level_of_detail" not in plain.resolved.options
+    asked = replace(ADAPTER.tracks["default"], options={"level_of_detail": "hull"})
+    hull = ADAPTER.build(scene, asked)
+    assert hull.resolved.options["level_of_detail"] == "hull"
+    assert ADAPTER.build(scene, hull.resolved).resolved == hull.resolved
+    ends = [_end(simulation, scene, 60) for simulation in (plain, hull)]
+    assert ends[1].p_WB == pytest.approx(ends[0].p_WB, abs=1e-3)
+    for wrong in ("cube", 3):
+        with pytest.raises(SettingsError, match="level_of_detail"):
+            ADAPTER.build(scene, replace(asked, options={"level_of_detail": wrong}))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.case import Case
 from harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.known_prices import PLUGINS
@@ -23,6 +24,29 @@ from tests.tracks import (
 )
 
 CASES = plugins.cases()
+LONG = frozenset(
+    {
+        "friction_backspin",
+        "friction_creep",
+        "friction_static_kinetic",
+        "joint_chain",
+        "joint_double_pendulum_chaotic",
+        "joint_long_run",
+        "orbit_kepler",
+        "sensor_camera_optics",
+        "sensor_camera_pinhole",
+        "sensor_depth_noise",
+        "sensor_depth_spheres",
+        "sensor_imu_noise",
+        "sensor_lidar_noise",
+        "stack_arch",
+        "stack_heavy_on_two",
+        "stack_overlap_recovery",
+        "stack_stirred",
+        "stack_ten_minutes",
+    }
+)
+"""The cases that take two thirds of the time of the whole catalogue; `make test-all` runs them."""
 ENGINES = pytest.mark.parametrize("name", NAMES)
 
 
@@ -100,21 +124,26 @@ def test_an_engine_that_was_deliberately_detuned_is_noticed(tmp_path: Path, monk
     assert [one.partition(":")[0] for one in disagreements(worse["detuned"], {})] == ["not listed in trade_offs"]
 
 
+def test_every_case_is_compared_in_one_of_the_two_parts() -> None:
+    assert set(CASES) > LONG
+
+
 @ENGINES
 def test_every_trade_off_names_a_case(name: str) -> None:
     assert {one.removesuffix(LADDER) for one in adapter(name).trade_offs} <= set(CASES)
 
 
-def _run(folder: Path, ladder: bool) -> Mapping[str, Sequence[Comparison]]:
+def _run(folder: Path, ladder: bool, cases: Mapping[str, Case] = CASES) -> Mapping[str, Sequence[Comparison]]:
     """Comparisons by engine, of every engine that is there."""
     engines = {name: adapter(name) for name in NAMES if not why_unavailable(name)}
-    return comparisons(run_both_tracks(folder, CASES, engines, ladder), CASES)
+    return comparisons(run_both_tracks(folder, cases, engines, ladder), cases)
 
 
-@pytest.fixture(scope="session")
-def own_steps(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Sequence[Comparison]]:
-    """The whole catalogue at each case's own time step."""
-    return _run(tmp_path_factory.mktemp("own") / "run", ladder=False)
+@pytest.fixture(scope="session", params=[False, pytest.param(True, marks=pytest.mark.slow)], ids=["brief", "long"])
+def own_steps(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Sequence[Comparison]]:
+    """The whole catalogue at each case's own time step, in two parts."""
+    part = {name: case for name, case in CASES.items() if (name in LONG) == request.param}
+    return _run(tmp_path_factory.mktemp("own") / "run", ladder=False, cases=part)
 
 
 @pytest.fixture(scope="session")
@@ -131,8 +160,9 @@ def test_tuned_is_never_worse_than_default_but_where_the_adapter_says_why(
     if why_unavailable(name):
         pytest.skip(why_unavailable(name))
     compared = own_steps[name]
-    assert {one.case for one in compared} == set(CASES)
-    listed = {one: reason for one, reason in adapter(name).trade_offs.items() if not one.endswith(LADDER)}
+    cases = {one.case for one in compared}
+    assert cases in (set(LONG), set(CASES) - LONG)
+    listed = {one: reason for one, reason in adapter(name).trade_offs.items() if one in cases}
     found = disagreements({one.case: str(one) for one in compared if one.worse}, listed)
     assert not found, "\n".join(found)
 

@@ -106,7 +106,7 @@ def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
     process = start(study, out, with_plugins)
     if before is not None:
         signal.signal(signal.SIGINT, before)
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 200.0
     journal = out / "journal.jsonl"
     while time.monotonic() < deadline and not (journal.is_file() and b'"kind": "accuracy"' in journal.read_bytes()):
         time.sleep(0.02)

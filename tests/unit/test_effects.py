@@ -1,21 +1,23 @@
 """The audit of effects, carried out for real on small scenes: what is needed, a planted surplus and a planted gap."""
 
+import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.case import Case, Check
-from harness.case.alteration import EVERYTHING, FINER, FINEST
+from harness.case.alteration import EVERYTHING, FINER, Alteration
 from harness.conformance.faults import Wrapped, plant
 from harness.findings.tables.effects import NOT_JUDGED, Verdict, audit, rows, savings, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
 from harness.run.campaign import carry_out
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
-from harness.search.needless_effects import FLOOR, Consequence, Scale, compared, scale_of, told_apart, weighed
+from harness.search.needless_effects import FLOOR, Consequence, Scale, compared, departure, scale_of, weighed
 from harness.store.record import Record
 from harness.store.store import Store
 from harness.study import plugins
@@ -202,10 +204,11 @@ def test_a_lost_engine_does_not_know_what_does_not_matter() -> None:
 
 
 def test_an_effect_that_is_off_and_would_change_nothing_is_no_gap_whoever_says_so() -> None:
+    spun, unspun = Alteration(widen=Effect.GYROSCOPIC), Alteration(narrow=Effect.GYROSCOPIC)
     unknown = Consequence(0.0, 3.1, matters=None)
-    assert weighed("with gyroscopic", unknown, None, None, ["gravity"]) == replace(unknown, matters=False)
-    assert weighed("with gyroscopic", replace(unknown, moved=1.0), None, None, ["gravity"]).matters is None  # type: ignore[union-attr]
-    assert weighed("without gyroscopic", unknown, None, None, ["gravity"]) == unknown
+    assert weighed(spun, unknown, None, None, ["gravity"]) == replace(unknown, matters=False)
+    assert weighed(spun, replace(unknown, moved=1.0), None, None, ["gravity"]).matters is None  # type: ignore[union-attr]
+    assert weighed(unspun, unknown, None, None, ["gravity"]) == unknown
 
 
 def test_a_run_that_ended_early_is_far_off() -> None:
@@ -312,10 +315,14 @@ def test_a_turn_is_seen_and_the_sign_of_a_quaternion_is_not() -> None:
     assert compared(plain, other, still).moved == pytest.approx(0.2)
 
 
-def test_names_say_which_effects_they_are_about() -> None:
-    assert told_apart("without friction, gyroscopic") == ("friction", "gyroscopic")
-    assert told_apart("with continuous_collision") == ("continuous_collision",)
-    assert told_apart(EVERYTHING) == told_apart(FINER) == told_apart(FINEST) == told_apart("") == ()
+def test_a_departure_says_which_effects_it_is_about_in_a_record_and_in_a_table() -> None:
+    both = Alteration(name="any words", narrow=Effect.FRICTION | Effect.GYROSCOPIC)
+    for said in (both.plain(), json.dumps(both.plain())):
+        assert departure(SimpleNamespace(alteration=said)) == both
+    assert both.single.names == ("friction", "gyroscopic")
+    assert Alteration(widen=Effect.CONTINUOUS_COLLISION).single.names == ("continuous_collision",)
+    assert not Alteration(name=EVERYTHING, present=Effect.FRICTION).single
+    assert not Alteration(name=FINER).single
 
 
 def test_the_saving_is_a_mean_of_ratios_and_a_ratio_of_sums() -> None:

@@ -133,3 +133,32 @@ def test_open_and_inverted_meshes_and_unknown_levels_are_refused() -> None:
         collision_shapes(engine.TriangleMesh(ELL.vertices, faces[:, ::-1].tolist()), "hull")
     with pytest.raises(ValueError, match="level of detail 'cube'"):
         collision_shapes(ELL, "cube")
+
+
+@pytest.mark.parametrize(("level", "seen"), [(None, math.inf), ("mesh", math.inf), ("hull", math.inf), ("box", 4.0)])
+def test_a_world_takes_its_meshes_at_the_level_asked_for_and_shows_them_as_they_are(level: str | None, seen: float) -> None:
+    """Turned by a quarter about z and shifted by (7, 0, 0), the L reaches x = 5..7, its notch x < 6 and y > 1.
+
+    A ray down from z = 5 at (5.2, 1.8), y right of the hull's cut from (5, 1) to (6, 2), meets the top of the box at z = 1.
+    """
+    half = math.sqrt(0.5)
+    ell = engine.Body(name="ell", motion="static", shapes=[engine.Placed(ELL, (7, 0, 0), (half, 0, 0, half))])
+    world = engine.World([ell], options=engine.Options(level_of_detail=level))
+    down = [[0.0, 0.0, -1.0]]
+    assert world.cast([[5.2, 1.8, 5.0]], down).distance[0] == pytest.approx(seen)
+    assert world.cast([[6.5, 0.5, 5.0]], down).distance[0] == pytest.approx(4.0)
+    assert world.cast([[5.2, 1.8, 5.0]], down, geometry="visual").distance[0] == math.inf
+
+
+def test_a_level_lets_forces_move_a_mesh_and_asks_for_a_closed_one() -> None:
+    """The hull of an L falls by 2 cm onto its lower face, .5 m below a centre of mass at (.8, .8, .5) of the L, and rests."""
+    ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
+    ell = engine.Body(name="ell", shapes=[engine.Placed(ELL, (-0.8, -0.8, -0.5))], p_WB=(0, 0, 0.52))
+    world = engine.World([ground, ell], options=engine.Options(level_of_detail="hull"))
+    world.step(240)
+    assert world.state()[1, 2] == pytest.approx(0.5, abs=1e-3)
+    torn = engine.TriangleMesh(ELL.vertices, np.asarray(ELL.faces)[1:].tolist())
+    with pytest.raises(engine.NotSupported, match=r"level of detail 'hull' of body 'ell': .* has one face"):
+        engine.World([engine.Body(name="ell", shapes=[engine.Placed(torn)])], options=engine.Options(level_of_detail="hull"))
+    with pytest.raises(ValueError, match="level_of_detail 'cube', expected one of sphere, box"):
+        engine.Options(level_of_detail="cube")

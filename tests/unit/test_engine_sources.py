@@ -1,22 +1,83 @@
-"""The digest that names the engine's code follows every one of its files."""
+"""The digests that name the engine's code follow every file that they are about, and no other."""
 
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-import engine.compile.sources
-from engine.compile.sources import source_digest
+import engine
+import engine.compile.sources as sources
+
+ROOT = Path(engine.__file__).parent
+FILES = {
+    "__init__.py": "from engine.a import one\n",
+    "a.py": "one = 1\n",
+    "b.py": "two = 2\n",
+    "room/__init__.py": "",
+    "room/direct.py": "from engine.a import (\n    one,\n)\n",
+    "room/late.py": "def f():\n    from engine import b as other\n    return other\n",
+    "room/through.py": "import engine.room.late\n",
+    "room/alone.py": "import math\n",
+}
+
+Digest = Callable[[str], str]
 
 
-def test_another_byte_in_any_file_is_another_digest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    inner = tmp_path / "narrow"
-    inner.mkdir()
-    for name in ("a.py", "narrow/a.py"):
-        (tmp_path / name).write_text("x = 1\n")
-    monkeypatch.setattr(engine.compile.sources, "__file__", str(tmp_path / "compile" / "sources.py"))
-    first = source_digest()
-    assert source_digest() == first
-    (inner / "a.py").write_text("x = 2\n")
-    second = source_digest()
-    (inner / "a.py").rename(inner / "b.py")
-    assert len({first, second, source_digest()}) == 3
+@pytest.fixture
+def digest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Digest:
+    """The digest of a file of a small package, '' for all of it; files may be written in between."""
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.setattr(sources, "__file__", str(tmp_path / "compile" / "sources.py"))
+
+    def now(name: str) -> str:
+        for kept in (sources._modules, sources._content, sources._imported):
+            kept.cache_clear()
+        return sources.closure_digest(tmp_path / name) if name else sources.source_digest()
+
+    return now
+
+
+def test_another_byte_in_any_file_is_another_digest(digest: Digest, tmp_path: Path) -> None:
+    first = digest("")
+    assert digest("") == first
+    (tmp_path / "room" / "alone.py").write_text("x = 2\n")
+    second = digest("")
+    (tmp_path / "room" / "alone.py").rename(tmp_path / "room" / "other.py")
+    assert len({first, second, digest("")}) == 3
+
+
+@pytest.mark.parametrize(
+    ("edited", "reached"),
+    [
+        ("a.py", {"room/direct.py", "room/late.py", "room/through.py"}),  # by the face too, of which `late` takes a module
+        ("b.py", {"room/late.py", "room/through.py"}),
+        ("room/late.py", {"room/late.py", "room/through.py"}),
+        ("room/alone.py", {"room/alone.py"}),
+        ("room/__init__.py", {"room/alone.py", "room/direct.py", "room/late.py", "room/through.py"}),
+    ],
+)
+def test_an_edit_is_seen_by_what_imports_it_and_by_nothing_else(
+    edited: str, reached: set[str], digest: Digest, tmp_path: Path
+) -> None:
+    names = [name for name in FILES if name.startswith("room/") and not name.endswith("__init__.py")]
+    before = {name: digest(name) for name in names}
+    (tmp_path / edited).write_text(FILES[edited] + "# edited\n")
+    assert {name for name in names if digest(name) != before[name]} == reached
+
+
+@pytest.mark.parametrize(
+    "module", ["engine.steps.contact", "engine.rays.tiles", "engine.broad.parallel.octree", "engine.swept.strike"]
+)
+def test_what_an_import_really_loads_is_in_the_closure(module: str) -> None:
+    script = "import engine, sys; before = set(sys.modules); __import__(sys.argv[1]); print(*sorted(set(sys.modules) - before))"
+    done = subprocess.run([sys.executable, "-c", script, module], capture_output=True, text=True, check=True, cwd=ROOT.parent)
+    loaded = {name for name in done.stdout.split() if name.startswith("engine.")}
+    path = ROOT.joinpath(*module.split(".")[1:]).with_suffix(".py")
+    files = {str(Path(name).relative_to(ROOT)) for name in sources.closure(path)}
+    inside = {"engine." + name.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for name in files}
+    assert module in loaded
+    assert loaded <= inside

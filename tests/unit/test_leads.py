@@ -18,6 +18,7 @@ def search(engine: str, parts: int, *holds: tuple[float, float, float | None], s
         experiment="e",
         case="c",
         where="",
+        beside=(),
         engine=engine,
         track="tuned" if parts else "default",
         dt=STEP,

@@ -11,6 +11,7 @@ BROKEN: Any = Search(
     experiment="axes",
     case="wall",
     where="",
+    beside=(),
     engine="one",
     track="default",
     dt=0.01,

@@ -21,6 +21,7 @@ from harness.findings.sensor_readings.lag import lag_by_law, lag_of
 from harness.findings.sensor_readings.noise import SILENT, Noise
 from harness.findings.sensor_readings.picture import Picture, first_picture
 from harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
+from harness.findings.where import in_words, other_values
 from harness.scene import Lidar, Scene
 from harness.scene.file import parse
 from harness.store.store import Store, StoreError
@@ -130,11 +131,11 @@ def _findings(store: Store) -> Iterator[Finding]:
     trials = concerned(store)
     for (case, parameters, engine, track), part in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
         about = told.get(case, {})
-        given = {n: v for n, v in json.loads(parameters).items() if about.get("parameters", {}).get(n) != v and n != "seed"}
+        given = other_values(json.loads(parameters), about.get("parameters", {}))
         row = _nearest(part, about.get("dt"))
         plain = Finding(
             case=case,
-            where=", ".join(f"{n} {v}" for n, v in given.items()),
+            where=in_words(given),
             engine=engine,
             track=track,
             dt=float(row["dt"]),

@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from harness.case.alteration import EVERYTHING, REFINED
-from harness.search.needless_effects import Consequence, matters, scale_in, told_apart, weighed
+from harness.findings.where import differing, in_words
+from harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
 from harness.statistics.ratio import Ratio, ratio
 from harness.store.store import Store
 
@@ -88,8 +89,8 @@ def _verdicts(store: Store) -> Iterator[Verdict]:
     part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
     part = part.assign(departure=[json.loads(text).get("name", "") for text in part["alteration"]])
     samples = _sampled(store)
-    for _, cells in part.groupby("case", sort=False):
-        named = _where(cells["parameters"])
+    for case, cells in part.groupby("case", sort=False):
+        named = _where(cells["parameters"], store.catalogue["cases"][case]["parameters"])
         for parameters, scenes in cells.groupby("parameters", sort=False):
             needed = _needed(store, scenes)
             for (engine, track), group in scenes.groupby(["engine", "track"], sort=False):
@@ -108,12 +109,11 @@ def _sampled(store: Store) -> Sampled:
     return found
 
 
-def _where(told: Iterable[str]) -> dict[str, str]:
-    """By parameters (JSON) of a case, what tells them apart in words: nothing, where there is but one scene."""
+def _where(told: Iterable[str], own: Mapping[str, Any]) -> dict[str, str]:
+    """By parameters (JSON) of a case, what tells them apart and from the case as it is, in words."""
     read = {text: json.loads(text) for text in dict.fromkeys(told)}
-    names = {name for one in read.values() for name in one}
-    loose = [name for name in sorted(names) if len({repr(one.get(name)) for one in read.values()}) > 1]
-    return {text: ", ".join(f"{name} {one[name]}" for name in loose if name in one) for text, one in read.items()}
+    loose = sorted(differing(read.values(), own))
+    return {text: in_words({name: one[name] for name in loose if name in one}) for text, one in read.items()}
 
 
 def _runs(group: pd.DataFrame) -> dict[str, Any]:
@@ -134,10 +134,11 @@ def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
     runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
     declared = store.catalogue["cases"][scenes["case"].iloc[0]]["effects"]
     scale, found = scale_in(store, runs), {}
-    for name, run in runs.items():
-        effects = told_apart(name)
+    for run in runs.values():
+        departed = departure(run)
+        effects = departed.single.names
         one = matters(store, runs.get(""), run, scale) if len(effects) == 1 else None
-        one = weighed(name, one, runs.get(""), run, declared)
+        one = weighed(departed, one, runs.get(""), run, declared)
         if one is not None and scale is not None:
             found[effects[0]] = _Need(one.matters, f"{JUDGE}: {scale.doubt}" if one.matters is None else "")
     return found
@@ -189,18 +190,19 @@ def _of_side(
     surplus = {one: text for text in said if text.startswith("surplus") for one in _named(text)}
     missing = {one: text for text in said if text.startswith("missing") for one in _named(text)}
     for name, run in runs.items():
-        if name in ("", *REFINED) or (name.startswith("with ") and told_apart(name)[0] in surplus):
+        departed = departure(run)
+        effects = departed.single.names
+        if name in ("", *REFINED) or (departed.widen and effects[0] in surplus):
             continue  # what cannot be switched off is told by its notice, below
         if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
-            yield row(", ".join(told_apart(name)) or name, run, None, run.status, None, run.reason)
+            yield row(", ".join(effects) or name, run, None, run.status, None, run.reason)
             continue
-        found = weighed(name, matters(store, plain, run, scale), plain, run, declared)
+        found = weighed(departed, matters(store, plain, run, scale), plain, run, declared)
         if name == EVERYTHING:
             yield row(name, run, found, name, _price(run, plain, samples))
             continue
-        taken_in = name.startswith("with ")
+        taken_in = bool(departed.widen)
         price = _price(run, plain, samples) if taken_in else _price(plain, run, samples)
-        effects = told_apart(name)
         own = _Need(None) if found is None else _Need(found.matters, doubt if found.matters is None else "")
         if len(effects) > 1:
             verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"

@@ -10,7 +10,7 @@ from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
 
-COLUMNS = tuple(field.name for field in fields(Search) if field.name not in ("remedy", "remedied", "holds"))
+COLUMNS = tuple(field.name for field in fields(Search) if field.name not in ("beside", "remedy", "remedied", "holds"))
 
 
 def rows(store: Store) -> list[dict[str, Any]]:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import pandas as pd
 
+from harness.findings.where import in_words, other_values
 from harness.statistics.order import Order, falls_short, fit_order
 from harness.store.store import Store
 
@@ -74,8 +75,7 @@ def convergences(store: Store) -> list[Convergence]:
     for (case, parameters, engine, track), ladder in trials.groupby(keys, sort=False):
         if ladder["dt"].nunique() >= 3:
             about = cases.get(case, {})
-            own = _seedless(json.dumps(about.get("parameters"), default=str))
-            where = "" if parameters == own else str(parameters)
+            where = in_words(other_values(_object(str(parameters)), about.get("parameters") or {}))
             rows.append(_row(str(case), where, str(engine), str(track), about, engines.get(engine, {}), ladder))
     return rows
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from harness.findings.where import differing, other_values
 from harness.statistics.order import FEWEST, fit_order
 from harness.statistics.ratio import Ratio, ratio
 from harness.store.store import Store
@@ -180,16 +181,11 @@ class Scaling:
         own: Mapping[str, Any] = self._store.catalogue.get("cases", {}).get(case, {}).get("parameters", {})
         return own
 
-    def _swept(self, case: str, given: Sequence[Mapping[str, Any]]) -> list[str]:
-        """The parameters that differ among trials or from the case's own values; never the seed."""
-        names = dict.fromkeys(name for one in given for name in one if name != "seed")
-        return [n for n in names if len({json.dumps(one.get(n)) for one in (*given, self._own(case))}) > 1]
-
     def _groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """Trials that were clocked together: one case at one set of parameters and one time step."""
         for (case, _), part in self._store.asked.groupby(["case", "experiment"], sort=False):
             given = _given(part)
-            swept = self._swept(case, given)
+            swept = differing(given, self._own(case))
             where = [", ".join(_named(name, one.get(name)) for name in swept) for one in given]
             keyed = part.assign(where=where, given=given, size=[[_size(one.get(name)) for name in swept] for one in given])
             for (place, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
@@ -208,7 +204,8 @@ class Scaling:
     def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
         values = self._values.get(row["trial"], {})
         headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
-        trouble = [text for text in json.loads(row["warnings"]) if str(text).startswith("timing: ")]
+        note = row.get("timing_note")  # a run folder of an older version has no such column
+        trouble = [f"timing: {note}"] if isinstance(note, str) and note else []
         unstable, workers = row["unstable_timing"], int(row.get("workers", 1))
         return Cost(
             case=case,
@@ -307,7 +304,7 @@ class Scaling:
             _whole(
                 Sweep(
                     case=case,
-                    where=", ".join(_named(n, v) for n, v in json.loads(others).items() if self._own(case).get(n) != v),
+                    where=", ".join(_named(n, v) for n, v in other_values(json.loads(others), self._own(case)).items()),
                     unit=unit,
                     parameter=name,
                     rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),

@@ -1,0 +1,35 @@
+"""What has been put into a world of Bullet: its numbers of the bodies, by their places in the scene."""
+
+from dataclasses import dataclass, field
+
+from adapters.bullet.drives import Actuation
+from adapters.bullet.vendor import Port
+from harness.scene import Vector3
+from harness.trajectory import Floats
+
+__all__ = ["Assembly"]
+
+
+@dataclass(slots=True)
+class Assembly:
+    """A world as far as it is made; each function of the builder adds its own.
+
+    Terms:
+        unseen: the visual shape without an extent that every body has: pictures are drawn in a twin of this world, and told
+        nothing, pybullet would make one of each collision shape. q_IB (n, 4): turns I against B.
+        bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
+        drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
+        address: (number, link) -> place. waiting: (number, link) of bodies whose contacts wait until they touch.
+        notices: what the engine computes beside the scene, in words.
+    """
+
+    port: Port
+    unseen: int
+    q_IB: Floats
+    bases: list[tuple[int, int]] = field(default_factory=list)
+    linked: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    actuators: dict[int, Actuation] = field(default_factory=dict)
+    prescribed: list[tuple[int, int, Vector3]] = field(default_factory=list)
+    address: dict[tuple[int, int], int] = field(default_factory=dict)
+    waiting: set[tuple[int, int]] = field(default_factory=set)
+    notices: list[str] = field(default_factory=list)

@@ -1,0 +1,128 @@
+"""A scene becomes a world of Bullet: everything in its order."""
+
+from collections.abc import Mapping
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from adapters.bullet.assembly import Assembly
+from adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
+from adapters.bullet.closures import close_loop
+from adapters.bullet.coordinates import maximal
+from adapters.bullet.frames import conjugate
+from adapters.bullet.multibodies import put_multibody
+from adapters.bullet.options import resolved_settings, set_parameters
+from adapters.bullet.plan import Plan
+from adapters.bullet.shapes import check_shapes, unseen_shape
+from adapters.bullet.simulation import BulletSimulation
+from adapters.bullet.trees import constrained_joints, spanning_trees
+from adapters.bullet.vendor import Port
+from harness.adapter import Settings, Unsupported
+from harness.scene import WORLD, Distance, Effect, Scene
+from harness.trajectory import State
+
+__all__ = ["build_world"]
+
+
+def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> BulletSimulation:
+    """Exactly this scene in an empty world; the initial state is read back at the end. Raises: Unsupported, SettingsError."""
+    plan = Plan.of(scene, settings, options)
+    made = Assembly(port, unseen_shape(port), np.array([conjugate(q) for _, q in plan.principal]))
+    _check(plan)
+    set_parameters(port, settings, plan.options, plan.touching)
+    _put_bodies(plan, made)
+    port.call("setGravity", *plan.gravity)
+    _filter(plan, made)
+    _surplus(plan, made)
+    simulation = BulletSimulation(scene, resolved_settings(port, settings, plan.options), made)
+    _verify(plan, made, simulation)
+    return simulation
+
+
+def _check(plan: Plan) -> None:
+    """Refuse shapes and joints that Bullet has nothing for. Raises: Unsupported."""
+    for body in plan.scene.bodies:
+        check_shapes(body)
+    for joint in plan.joints:
+        if isinstance(joint, Distance):
+            raise Unsupported(f"distance joint '{joint.name}'", "Bullet has no constraint that keeps two points at a distance")
+
+
+def _put_bodies(plan: Plan, made: Assembly) -> None:
+    """Bodies in maximal coordinates first, then what stands still, bodies in multibody coordinates, trees and constraints."""
+    bodies = plan.scene.bodies
+    constrained = constrained_joints(plan.scene, plan.joints, plan.options["joints"])
+    trees = spanning_trees(plan.scene, plan.joints, constrained)
+    held = {name for joint in plan.joints if joint.name in constrained for name in (joint.parent, joint.child)}
+    single = [tree.base for tree in trees if tree.base is not None and not tree.links]
+    free = [place for place in single if bodies[place].name not in held]
+    loose = sorted(place for place in free if maximal(plan, place))
+    for place in loose:
+        put_free(plan, made, place, maximal=True)
+    renew_inertia(plan, made)
+    for place, body in enumerate(bodies):
+        if body.motion == "static":
+            put_static(plan, made, place, maximal=bool(loose))
+    # pybullet ties bodies in maximal coordinates to nothing but each other, so what a constraint holds is a multibody.
+    for place in sorted(set(single) - set(loose)):
+        if bodies[place].name in held:
+            check_joined(plan, made, place)
+        put_free(plan, made, place, maximal=False)
+    for tree in trees:
+        if tree.links:
+            put_multibody(plan, made, tree)
+    for tree in trees:
+        for joint in tree.closures:
+            close_loop(plan, made, joint)
+
+
+def _filter(plan: Plan, made: Assembly) -> None:
+    """Keep joined bodies, materials that are apart, and prescribed bodies and what stands still, from colliding."""
+    if not plan.solid:
+        return
+    by_name = {plan.scene.bodies[place].name: key for key, place in made.address.items()}
+    apart = {tuple(sorted(pair)) for pair in plan.scene.joined() if WORLD not in pair}
+    still = [b.name for b in plan.scene.bodies if b.motion != "dynamic"]
+    prescribed = [b.name for b in plan.scene.bodies if b.motion == "kinematic"]
+    apart |= {tuple(sorted((a, b))) for a in prescribed for b in still if a != b}
+    solid = [body for body in plan.scene.bodies if body.collision] if plan.scene.apart else []
+    apart |= {
+        tuple(sorted((a.name, b.name)))
+        for a, b in combinations(solid, 2)
+        if (a.movable or b.movable) and not plan.scene.collides(a, b)
+    }
+    for a, b in sorted(apart):
+        if a in by_name and b in by_name:
+            (first, i), (second, j) = by_name[a], by_name[b]
+            made.port.call("setCollisionFilterPair", first, second, i, j, 0)
+
+
+def _surplus(plan: Plan, made: Assembly) -> None:
+    """Name what is computed although the scene does not call for it, and what is not although it does."""
+    if Effect.CONTINUOUS_COLLISION in plan.effects and not plan.swept:
+        made.notices.append("missing: continuous_collision: multibodies, pybullet's default, cannot be swept")
+    movable = [k for k, body in enumerate(plan.scene.bodies) if body.movable]
+    uneven = any(max(plan.principal[k][0]) > min(plan.principal[k][0]) * (1 + 1e-12) for k in movable)
+    if Effect.GYROSCOPIC not in plan.effects and uneven:
+        made.notices.append("surplus: gyroscopic (pybullet offers no switch)")
+    if plan.options["damping"] == "vendor":
+        for effect, name in ((Effect.LINEAR_DAMPING, "linear_damping"), (Effect.ANGULAR_DAMPING, "angular_damping")):
+            if effect not in plan.effects and movable:
+                made.notices.append(f"surplus: {name} (the vendor's default of 0.04 on bodies of which the scene says 0)")
+
+
+def _verify(plan: Plan, made: Assembly, simulation: BulletSimulation) -> None:
+    """Do the joint rates give the velocities that the scene says? Raises: Unsupported."""
+    if not made.linked:
+        return
+    got, wanted = State.empty(len(plan.scene.bodies)), State.initial(plan.scene)
+    simulation.state(got)
+    for name in ("p_WB", "v_WB", "w_WB"):
+        miss = np.abs(getattr(got, name) - getattr(wanted, name)).max(axis=1)
+        worst = int(miss.argmax())
+        if miss[worst] > 1e-7 * (1 + np.abs(getattr(wanted, name)).max()):
+            raise Unsupported(
+                f"{name} of body '{plan.scene.bodies[worst].name}'",
+                f"misses what its joints allow by {miss[worst]:.3g}; Bullet's multibodies have no other motion",
+            )

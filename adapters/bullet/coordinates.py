@@ -1,0 +1,56 @@
+"""Maximal or multibody coordinates: which of the two a body without joints is put in."""
+
+import math
+
+from adapters.bullet.plan import Plan
+from adapters.bullet.surfaces import gathers
+from harness.adapter import Unsupported
+from harness.scene import Body, Effect
+
+__all__ = ["damping_of", "maximal"]
+
+FAST_TURN = 0.05
+"""The angle [rad] a step beyond which a body of uneven inertia stays out of multibody coordinates: from 0.1 on it explodes."""
+
+
+def maximal(plan: Plan, place: int) -> bool:
+    """Is this body without joints put in maximal coordinates? As the option prefers, unless an effect decides.
+
+    Raises: Unsupported.
+    """
+    body = plan.scene.bodies[place]
+    needed = "damping" if damping_of(plan, body) is not None else "continuous collision" if plan.swept and body.movable else ""
+    braked = (body.material, body.movable) in plan.braked and body.movable
+    if needed and braked:
+        raise Unsupported(
+            f"{needed} with rolling or torsional friction on body '{body.name}'",
+            "Bullet has the one in maximal coordinates alone, where it brakes at one contact of each pair only",
+        )
+    if needed or body.motion == "kinematic":
+        return True
+    preferred = plan.options["coordinates"]
+    return not braked and preferred != "multibody" and not (preferred == "scene" and _slides(plan, place))
+
+
+def _slides(plan: Plan, place: int) -> bool:
+    """Would maximal coordinates brake this body too much, and are multibody ones safe for it?"""
+    body, moments = plan.scene.bodies[place], plan.principal[place][0]
+    even = max(moments) <= min(moments) * (1 + 1e-12)
+    turned = math.hypot(*body.w_WB) * plan.settings.dt / (plan.settings.substeps or 1)
+    if plan.coefficients(body).restitution > 0 or not (even or turned <= FAST_TURN):
+        return False
+    met = plan.rubbing.get((body.material, body.movable), frozenset())
+    return any(gathers(type(placed.shape), other, plan.resting) for placed in body.collision for other in met)
+
+
+def damping_of(plan: Plan, body: Body) -> dict[str, float] | None:
+    """Bullet's coefficients b = 1 - exp(-c) in maximal coordinates: v (1 - b)^dt = v exp(-c dt). None: no damping."""
+    wanted = {}
+    for effect, name, key in (
+        (Effect.LINEAR_DAMPING, "linear_damping", "linearDamping"),
+        (Effect.ANGULAR_DAMPING, "angular_damping", "angularDamping"),
+    ):
+        rate = getattr(body, name)
+        if body.movable and effect in plan.effects and rate > 0:
+            wanted[key] = -math.expm1(-rate)
+    return wanted or None

@@ -1,0 +1,123 @@
+"""Springs and drives of one multibody: the efforts that are held over a (sub)step."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from adapters.bullet.mobility import Footing, Skeleton
+from adapters.bullet.vendor import Port
+from harness.scene import Drive, Spring, Vector3
+from harness.trajectory import Floats
+
+__all__ = ["Actuation", "Actuator"]
+
+
+@dataclass(slots=True)
+class Actuator:
+    """A spring and a drive on one joint of one multibody."""
+
+    joint: str
+    link: int
+    position: float
+    spring: Spring | None
+    drive: Drive | None
+    target: float
+
+    def effort(self, q: float, rate: float) -> float:
+        """The torque or force [N m or N] at joint coordinate q (from the initial pose) and its rate."""
+        x, total = self.position + q, 0.0
+        if self.spring is not None:
+            total -= self.spring.stiffness * (x - self.spring.rest) + self.spring.damping * rate
+        if self.drive is not None:
+            pull = self.drive.stiffness * (self.target - x) + self.drive.damping * (self.drive.target_velocity - rate)
+            limit = self.drive.limit
+            total += pull if limit is None else min(max(pull, -limit), limit)
+        return total
+
+
+@dataclass(slots=True)
+class Actuation:
+    """The springs and drives of one multibody, as efforts that are held over a step of h.
+
+    Where some pose may let the efforts of the step's start reverse a velocity within the step, they are those of its end:
+    tau = tau(q + h v', v') with v' = v + h (a + W tau). W is the mobility of the joints, with the points held that stand on
+    something; a, the accelerations by all else (gravity, limits, inertial forces, contacts that come and go), is what it was in
+    the step before. At the start, and when other points are held than before, it is gravity's.
+
+    Source: Tan, Liu, Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31 (2011) 34; there a comes from the equations
+    of motion, which know nothing of contacts.
+
+    Terms:
+        skeleton: None where the efforts of the step's start will do. reach (a,): how far coordinates may move [rad or m] before
+        the mobility is worked out anew; what else it was enters a, so that a mobility of a while ago makes no error but one of
+        the step's own order.
+    """
+
+    actuators: tuple[Actuator, ...]
+    h: float
+    skeleton: Skeleton | None
+    reach: Floats
+    footing: Footing
+    gravity: Vector3
+    motors: tuple[Actuator, ...] = ()
+    """Drives that are left to Bullet's own motors."""
+    pose: Floats | None = None
+    """Where the mobility was worked out."""
+    stance: tuple[tuple[int, int], ...] = ()
+    """The links that were held there, and in how many directions each point."""
+    fall: Floats = field(init=False)
+    """The accelerations by gravity there."""
+    push: Floats = field(init=False)
+    """The mobility times h: changes of the rates by unit efforts held over a step."""
+    yielding: Floats = field(init=False)
+    """1/(1 + push impedance), with no drive at its limit."""
+    unpushed: Floats | None = None
+    """The rates that the efforts of the step before alone would have led to."""
+    springs: Floats = field(init=False)
+    """Stiffness, damping and rest, (3, a)."""
+    drives: Floats = field(init=False)
+    """Stiffness, damping, target velocity and limit, (4, a)."""
+
+    def __post_init__(self) -> None:
+        if not self.actuators:
+            return
+        springs = [a.spring or Spring() for a in self.actuators]
+        drives = [a.drive or Drive() for a in self.actuators]
+        self.springs = np.array([(s.stiffness, s.damping, s.rest) for s in springs]).T
+        limits = [math.inf if d.limit is None else d.limit for d in drives]
+        self.drives = np.array(
+            [(d.stiffness, d.damping, d.target_velocity, limit) for d, limit in zip(drives, limits, strict=True)]
+        ).T
+
+    def efforts(self, port: Port, number: int) -> list[float]:
+        """The torques or forces (a,) N m or N of the coming step."""
+        if not self.actuators:
+            return []
+        states = port.bullet.getJointStates(number, [a.link for a in self.actuators], physicsClientId=port.client)
+        if self.skeleton is None:
+            return [a.effort(state[0], state[1]) for a, state in zip(self.actuators, states, strict=True)]
+        x = np.array([a.position + state[0] for a, state in zip(self.actuators, states, strict=True)])
+        v = np.array([state[1] for state in states])
+        (k, c, free), (stiff, damped, target_velocity, limit), h = self.springs, self.drives, self.h
+        passive, active = c + h * k, damped + h * stiff
+        held = self.footing.held(port, number, start=self.pose is None)
+        stance = tuple(sorted((one.link, len(one.rows)) for one in held))
+        if self.pose is None or stance != self.stance or (np.abs(x - self.pose) > self.reach).any():
+            mobility, self.fall = self.skeleton.response(port, number, self.gravity, held)
+            self.yielding = np.linalg.inv(np.eye(len(x)) + h * mobility * (passive + active))
+            if self.pose is None or stance != self.stance:
+                self.unpushed = None
+            self.pose, self.push, self.stance = x, h * mobility, stance
+        rest, pull = k * (x - free), stiff * ([a.target for a in self.actuators] - x) + damped * target_velocity
+        onward = v + h * self.fall if self.unpushed is None else 2 * v - self.unpushed
+        end = self.yielding @ (onward + self.push @ (pull - rest))
+        # A drive beyond its limit is a constant, which may bring the next one to its own.
+        while (beyond := np.abs(pull - active * end) > limit).any():
+            pull = np.where(beyond, np.copysign(limit, pull - active * end), pull)
+            active = np.where(beyond, 0.0, active)
+            end = np.linalg.solve(np.eye(len(x)) + self.push * (passive + active), onward + self.push @ (pull - rest))
+        total = pull - active * end - rest - passive * end
+        self.unpushed = v + self.push @ total
+        efforts: list[float] = total.tolist()
+        return efforts

@@ -1,0 +1,174 @@
+"""The law of contact: what each kind of body carries so that Bullet's products give each pair of kinds its value."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.adapter import Unsupported
+from harness.scene import Body, Box, Capsule, Effect, Plane, Scene, Sphere, Surface, multiply, rotate
+
+__all__ = ["Coefficients", "Kind", "braked", "coefficients", "gathers", "rubbing", "stands"]
+
+GREATEST_FRICTION = 10.0
+"""btManifoldResult clamps every combined coefficient to this."""
+SLOPE = 1e-6
+"""The least cosine between gravity and a plane's normal, and between gravity and the plane, that counts as a slope."""
+
+Kind = tuple[str, bool]
+"""A material, and whether the bodies of it move: statics may carry another number than movable bodies of the same material."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coefficients:
+    """The numbers that one kind of body carries, so that Bullet's combination gives each pair its value."""
+
+    friction: float = 0.0
+    restitution: float = 0.0
+    rolling: float = 0.0
+    torsional: float = 0.0
+
+
+def _pairs(scene: Scene) -> dict[tuple[Kind, Kind], Surface]:
+    """The kinds that can touch, with their law."""
+    solid: dict[Kind, list[Body]] = {}
+    for body in scene.bodies:
+        if body.collision:
+            solid.setdefault((body.material, body.movable), []).append(body)
+    kinds, apart = sorted(solid), {frozenset(pair) for pair in scene.apart}
+    return {
+        (a, b): scene.surface(solid[a][0], solid[b][0])
+        for i, a in enumerate(kinds)
+        for b in kinds[i:]
+        if (a[1] or b[1]) and (a != b or len(solid[a]) > 1) and frozenset((a[0], b[0])) not in apart
+    }
+
+
+def _factors(values: Mapping[tuple[Kind, Kind], float], what: str) -> dict[Kind, float]:
+    """Numbers x >= 0 with x_a x_b = value for every pair; a linear problem in logarithms. Raises: Unsupported."""
+    kinds = sorted({kind for pair in values for kind in pair})
+    positive = sorted({kind for pair, value in values.items() if value > 0 for kind in pair})
+    for (a, b), value in values.items():
+        if value == 0 and a in positive and b in positive:
+            raise Unsupported(
+                f"surface {a[0]}/{b[0]}", f"Bullet multiplies the {what} of the two bodies; both are above 0 elsewhere"
+            )
+    rows = [(pair, value) for pair, value in values.items() if value > 0]
+    if not rows:
+        return dict.fromkeys(kinds, 0.0)
+    place = {kind: k for k, kind in enumerate(positive)}
+    matrix, logarithms = np.zeros((len(rows), len(positive))), np.zeros(len(rows))
+    for row, ((a, b), value) in enumerate(rows):
+        matrix[row, place[a]] += 1
+        matrix[row, place[b]] += 1
+        logarithms[row] = math.log(value)
+    solution = np.linalg.lstsq(matrix, logarithms, rcond=None)[0]
+    misfit = np.abs(matrix @ solution - logarithms)
+    if misfit.max() > 1e-12:
+        (a, b), value = rows[int(misfit.argmax())]
+        raise Unsupported(
+            f"surface {a[0]}/{b[0]}",
+            f"Bullet multiplies the {what} of the two bodies; no numbers give {value:g} and the other pairs",
+        )
+    return {kind: math.exp(solution[place[kind]]) if kind in place else 0.0 for kind in kinds}
+
+
+def _levers(values: Mapping[tuple[Kind, Kind], float], friction: Mapping[Kind, float], what: str) -> dict[Kind, float]:
+    """Numbers r >= 0 with r_a mu_b + r_b mu_a = value [m] for every pair (btManifoldResult). Raises: Unsupported."""
+    from scipy.optimize import nnls  # late: a listing must not pay for it
+
+    kinds = sorted({kind for pair in values for kind in pair})
+    if not any(values.values()):
+        return dict.fromkeys(kinds, 0.0)
+    place = {kind: k for k, kind in enumerate(kinds)}
+    matrix, target = np.zeros((len(values), len(kinds))), np.zeros(len(values))
+    for row, ((a, b), value) in enumerate(values.items()):
+        matrix[row, place[a]] += friction[b]
+        matrix[row, place[b]] += friction[a]
+        target[row] = value
+    solution, misfit = nnls(matrix, target)
+    if misfit > 1e-12 * target.max():
+        raise Unsupported(what, "Bullet combines it as r_a mu_b + r_b mu_a; no numbers give every pair its value")
+    return {kind: float(solution[place[kind]]) for kind in kinds}
+
+
+def coefficients(scene: Scene) -> dict[Kind, Coefficients]:
+    """The coefficients of each kind of body. Raises: Unsupported."""
+    effects = scene.effects
+    if Effect.CONTACT not in effects:
+        return {}
+    pairs = _pairs(scene)
+
+    def values(effect: Effect, name: str) -> dict[tuple[Kind, Kind], float]:
+        return {pair: getattr(law, name) if effect in effects else 0.0 for pair, law in pairs.items()}
+
+    kinetic = values(Effect.FRICTION, "kinetic_friction")
+    for (a, b), law in pairs.items():
+        where = f"surface {a[0]}/{b[0]}"
+        if Effect.FRICTION in effects and law.static_friction > law.kinetic_friction:
+            raise Unsupported(where, "Bullet has one coefficient of friction; static and kinetic differ")
+        if kinetic[a, b] > GREATEST_FRICTION:
+            raise Unsupported(where, f"Bullet clamps friction to {GREATEST_FRICTION:g}")
+    friction = _factors(kinetic, "friction")
+    restitution = _factors(values(Effect.RESTITUTION, "restitution"), "restitution")
+    rolling = _levers(values(Effect.ROLLING_FRICTION, "rolling_friction"), friction, "rolling friction")
+    torsional = _levers(values(Effect.TORSIONAL_FRICTION, "torsional_friction"), friction, "torsional friction")
+    return {kind: Coefficients(friction[kind], restitution[kind], rolling[kind], torsional[kind]) for kind in friction}
+
+
+def braked(scene: Scene) -> frozenset[Kind]:
+    """The kinds of body that rolling or torsional friction acts on; which body of a pair carries its lever does not matter."""
+    acting = [
+        name
+        for effect, name in (
+            (Effect.ROLLING_FRICTION, "rolling_friction"),
+            (Effect.TORSIONAL_FRICTION, "torsional_friction"),
+        )
+        if effect in scene.effects
+    ]
+    if not acting or Effect.CONTACT not in scene.effects:
+        return frozenset()
+    return frozenset(
+        kind for pair, law in _pairs(scene).items() if any(getattr(law, name) > 0 for name in acting) for kind in pair
+    )
+
+
+def stands(scene: Scene) -> bool:
+    """Does nothing move at the start, and is gravity along or across the normal of every plane?"""
+    if any(any(body.v_WB) or any(body.w_WB) for body in scene.bodies):
+        return False
+    pull = np.asarray(scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
+    for body in scene.bodies:
+        for placed in body.collision:
+            if isinstance(placed.shape, Plane):
+                along = abs(float(pull @ rotate(multiply(body.q_WB, placed.q_BS), placed.shape.normal)))
+                if SLOPE < along / max(float(np.linalg.norm(pull)), 1e-300) < math.sqrt(1 - SLOPE**2):
+                    return False
+    return True
+
+
+def rubbing(scene: Scene) -> dict[Kind, frozenset[type]]:
+    """The shapes that each kind of body can meet with friction but without rebound."""
+    if Effect.FRICTION not in scene.effects or Effect.CONTACT not in scene.effects:
+        return {}
+    shapes: dict[Kind, set[type]] = {}
+    for body in scene.bodies:
+        shapes.setdefault((body.material, body.movable), set()).update(type(placed.shape) for placed in body.collision)
+    met: dict[Kind, set[type]] = {}
+    for (a, b), law in _pairs(scene).items():
+        if law.kinetic_friction > 0:
+            met.setdefault(a, set()).update(shapes[b])
+            met.setdefault(b, set()).update(shapes[a])
+    return {kind: frozenset(types) for kind, types in met.items()}
+
+
+def gathers(a: type, b: type, stands: bool) -> bool:
+    """Does Bullet find the contact of these two shapes one point a step, though it takes several?
+
+    All but balls, whose contact is a point, capsules, which find both their ends, and two boxes. A box on a plane that stands
+    still keeps the points that it has gathered.
+    """
+    if {a, b} & {Sphere, Capsule} or a is b is Box:
+        return False
+    return not (stands and {a, b} == {Box, Plane})

@@ -1,0 +1,27 @@
+"""Where a scene stands beside its case: the parameters that were given other values than the case's own, and the time step."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+__all__ = ["STEP", "differing", "other_values", "in_words"]
+
+STEP = "dt"
+"""The name that a time step [s] stands by among parameters."""
+
+
+def differing(given: Iterable[Mapping[str, Any]], own: Mapping[str, Any]) -> list[str]:
+    """The parameters that differ from the case's own values in one of these scenes at least; never the seed."""
+    scenes = list(given)
+    names = dict.fromkeys(name for one in scenes for name in one if name != "seed")
+    return [name for name in names if any(one.get(name) != own.get(name) for one in scenes)]
+
+
+def other_values(given: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """What one scene was given in place of the case's own values, by name."""
+    return {name: given[name] for name in differing([given], own)}
+
+
+def in_words(values: Mapping[str, Any] | Sequence[tuple[str, Any]]) -> str:
+    """'thickness 0.01, continuous True, dt 1/240 s'; nothing for a case as it is."""
+    pairs = values.items() if isinstance(values, Mapping) else values
+    return ", ".join(f"{name} 1/{1 / value:.4g} s" if name == STEP else f"{name} {value}" for name, value in pairs)

@@ -1,1 +1,1 @@
-"""Adapters: one engine, one file, found by walking this folder; each ends in ADAPTER."""
+"""Adapters: one engine, one file or package, found by walking this folder; each ends in ADAPTER."""

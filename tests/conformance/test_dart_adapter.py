@@ -45,7 +45,9 @@ from harness.trajectory import Floats, State
 
 pytest.importorskip("dartpy", reason="DART is not installed")
 
-from adapters.dart import ADAPTER, DETECTORS, SOLVERS
+from adapters.dart import ADAPTER
+from adapters.dart.detectors import DETECTORS
+from adapters.dart.solvers import SOLVERS
 from cases import friction_wall_pinch, joint_conical_pendulum, spin_heavy_top, stand_quadruped
 from tests.conformance.put import put
 

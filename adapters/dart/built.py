@@ -1,0 +1,45 @@
+"""What a scene became in DART."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from adapters.dart.drives import Motor
+from harness.adapter import Settings
+from harness.scene import Scene
+from harness.trajectory import Floats
+
+__all__ = ["Built"]
+
+
+@dataclass(slots=True)
+class Built:
+    """One DART world with the scene that it was made of.
+
+    Terms:
+        nodes: one BodyNode for each body. free: bodies alone under a FreeJoint; linked: all other moving ones. belts: joints of
+        kinematic bodies with (w_WB, v_WB). damped: (body, linear, angular damping [1/s]) that act as forces. shapes: for rays.
+        loops: (place of the body, point in B [m]) of what a constraint holds together.
+        cone: the solver of the exact friction cone.
+    """
+
+    scene: Scene
+    dart: Any
+    world: Any
+    resolved: Settings
+    nodes: list[Any]
+    # The first skeletons belong to the bodies of `free`, in their order.
+    free: list[int] = field(default_factory=list)
+    linked: list[int] = field(default_factory=list)
+    skeletons: list[Any] = field(default_factory=list)
+    belts: list[tuple[Any, Floats]] = field(default_factory=list)
+    damped: list[tuple[int, float, float]] = field(default_factory=list)
+    motors: dict[str, Motor] = field(default_factory=dict)
+    shapes: list[Any] = field(default_factory=list)
+    loops: list[tuple[tuple[int, Floats], ...]] = field(default_factory=list)
+    cone: Any = None
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def substeps(self) -> int:
+        """How many steps DART takes for one of the scene's."""
+        return self.resolved.substeps or 1

@@ -1,0 +1,74 @@
+"""The contacts of a world: as DART reports them, and those of sleeping bodies as they were last seen."""
+
+import math
+from dataclasses import fields
+
+import numpy as np
+
+from adapters.dart.built import Built
+from adapters.dart.vendor import body_of
+from harness.trajectory import Contacts, Floats
+
+__all__ = ["FIRST_STEPS", "MOST_CONTACTS", "SLOW", "LastSeen", "reported"]
+
+MOST_CONTACTS = 1000
+"""CollisionOption::maxNumContacts; dartpy hands out a copy of the option, so that it cannot be raised.
+
+Beyond it the touching pairs share the budget, each keeping its deepest contact (ConstraintSolver.cpp).
+"""
+SLOW = 0.1
+"""Below this [rad/s and m/s] a body may be put to sleep; the vendor's thresholds are 0.05 and 0.01."""
+REMEMBERED_EVERY = 0.1
+"""How often [s] the contacts of slow bodies are kept; a body falls asleep after 0.5 s of rest."""
+FIRST_STEPS = 4
+"""What rests from the start sleeps from the second step on, so that its contacts must be caught at once."""
+STILL = 1e-3
+"""A body that has moved less [m] since its contacts were last seen still rests on them."""
+
+
+def reported(built: Built) -> Contacts:
+    """What DART reports of the last step."""
+    rows: list[tuple[int, int, Floats, Floats, float, Floats]] = []
+    for contact in built.world.getLastCollisionResult().getContacts():
+        # Normal and force belong to the first object, whichever body a detector puts there.
+        b = body_of(contact.collisionObject1)
+        a = body_of(contact.collisionObject2)
+        if built.scene.bodies[a].movable or built.scene.bodies[b].movable:
+            rows.append((a, b, contact.point, contact.normal, -contact.penetrationDepth, contact.force))
+    if not rows:
+        return Contacts.none()
+    a_, b_, point, normal, gap, force = zip(*rows, strict=True)
+    return Contacts.of(a_, b_, np.array(point), np.array(normal), np.array(gap), np.array(force))
+
+
+class LastSeen:
+    """The contacts of slow bodies, kept before they fall asleep, after which DART reports them no more."""
+
+    def __init__(self, built: Built) -> None:
+        self._built = built
+        self._time, self._contacts = -math.inf, Contacts.none()
+        self._places = np.array([body.p_WB for body in built.scene.bodies])
+
+    def look(self, steps: int) -> None:
+        """Keep what is reported now, after so many steps, with the bodies' places; not at every look."""
+        now = self._built.world.getTime()
+        if steps <= FIRST_STEPS or now - self._time >= REMEMBERED_EVERY:
+            contacts = reported(self._built)
+            if len(contacts):
+                self._time, self._contacts, self._places = now, contacts, _places(self._built)
+
+    def beside(self, now: Contacts) -> Contacts:
+        """The contacts of now, with those kept of bodies that report none and rest where they were."""
+        seen = self._contacts
+        if not len(seen):
+            return now
+        awake = set(zip(now.body_A.tolist(), now.body_B.tolist(), strict=True))
+        still = np.linalg.norm(_places(self._built) - self._places, axis=1) < STILL
+        keep = [still[a] and still[b] and (a, b) not in awake for a, b in zip(seen.body_A, seen.body_B, strict=True)]
+        names = [f.name for f in fields(Contacts)]
+        return Contacts(*(np.concatenate((getattr(now, n), getattr(seen, n)[keep])) for n in names))
+
+
+def _places(built: Built) -> Floats:
+    """p_WB of every body, (n, 3) m."""
+    return np.array([node.getWorldTransform().translation() for node in built.nodes])

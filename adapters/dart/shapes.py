@@ -1,0 +1,99 @@
+"""The shapes of a body: for contact if the scene has any, else for rays alone."""
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, assert_never
+
+import numpy as np
+
+from adapters.dart.built import Built
+from adapters.dart.surfaces import Kind
+from adapters.dart.vectors import tangents
+from adapters.dart.vendor import pose
+from harness.adapter import Unsupported
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Plane, Shape, Sphere, TriangleMesh
+from harness.trajectory import Floats, Integers
+
+__all__ = ["SLAB", "add_shapes"]
+
+SLAB = 1e3
+"""Under the Bullet detector, which holds a solid on a plane at one point, a plane is a slab of these half extents [m]."""
+
+
+def add_shapes(built: Built, place: int, coefficients: Mapping[Kind, tuple[float, float]]) -> None:
+    """Give the body at that place of the scene its shapes. Args: coefficients: (friction, restitution) of its kind [1]."""
+    body, node = built.scene.bodies[place], built.nodes[place]
+    for k, placed in enumerate(body.collision):
+        shape_node = node.createShapeNode(_shape(built.dart, placed.shape), f"{place}/{k}")
+        X_BS = pose(built.dart, placed.p_BS, placed.q_BS)
+        shape_node.setRelativeTransform(X_BS)
+        built.shapes.append(shape_node)
+        if isinstance(placed.shape, Plane) and built.resolved.options["detector"] == "bullet":
+            # Rays still meet the plane itself.
+            shape_node = node.createShapeNode(_shape(built.dart, Box(half_extents=(SLAB, SLAB, SLAB))), f"{place}/{k}/slab")
+            down = built.dart.math.Isometry3()
+            normal = np.array(placed.shape.normal)
+            down.set_rotation(np.vstack((tangents(normal), normal)).T)
+            down.set_translation(-SLAB * normal)
+            shape_node.setRelativeTransform(X_BS.multiply(down))
+        if Effect.CONTACT in built.scene.effects:
+            shape_node.createCollisionAspect()
+            shape_node.createDynamicsAspect()
+            friction, restitution = coefficients[body.material, body.movable]
+            aspect = shape_node.getDynamicsAspect()
+            aspect.setFrictionCoeff(friction)
+            aspect.setRestitutionCoeff(restitution)
+
+
+def _shape(dart: Any, shape: Shape) -> Any:
+    dynamics = dart.dynamics
+    match shape:
+        case Sphere(radius=r):
+            return dynamics.SphereShape(r)
+        case Box(half_extents=half):
+            return dynamics.BoxShape(2 * np.array(half))
+        case Capsule(radius=r, half_length=h):
+            return dynamics.CapsuleShape(r, 2 * h)
+        case Cylinder(radius=r, half_length=h):
+            return dynamics.CylinderShape(r, 2 * h)
+        case Plane(normal=n):
+            return dynamics.PlaneShape(np.array(n), 0.0)
+        case ConvexHull(vertices=vertices):
+            return _mesh(dart, *_surface(np.asarray(vertices)))
+        case TriangleMesh(vertices=vertices, faces=faces):
+            return _mesh(dart, np.asarray(vertices), np.asarray(faces))
+        case _:
+            assert_never(shape)
+
+
+def _mesh(dart: Any, vertices: Floats, faces: Integers) -> Any:
+    """A MeshShape: dartpy cannot make one from arrays, but its URDF reader can from a file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mesh.obj"
+        lines = ["v {:.17g} {:.17g} {:.17g}".format(*v) for v in vertices.tolist()]
+        lines += ["f {} {} {}".format(*f) for f in (faces + 1).tolist()]
+        path.write_text("\n".join(lines) + "\n", encoding="ascii")
+        urdf = (
+            '<robot name="mesh"><link name="mesh"><collision><geometry>'
+            f'<mesh filename="{path.as_uri()}"/></geometry></collision></link></robot>'
+        )
+        reader, files = dart.utils.DartLoader(), dart.common.LocalResourceRetriever()
+        skeleton = reader.parseSkeletonString(urdf, dart.common.Uri("file:///"), files)
+    if skeleton is None:
+        raise Unsupported("mesh", f"dartpy's reader refused {len(vertices)} vertices and {len(faces)} faces")
+    return skeleton.getBodyNode(0).getShapeNode(0).getShape()
+
+
+def _surface(points: Floats) -> tuple[Floats, Integers]:
+    """Vertices and faces, counter-clockwise from outside, of the convex hull of points (n, 3) m."""
+    from scipy.spatial import ConvexHull as Hull
+
+    hull = Hull(points)
+    faces = np.array(hull.simplices, dtype=np.int64)
+    corners = points[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = np.einsum("ij,ij->i", across, hull.equations[:, :3]) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    used = np.unique(faces)
+    return points[used], np.searchsorted(used, faces).astype(np.int64)

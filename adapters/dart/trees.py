@@ -1,0 +1,153 @@
+"""The graph of joints: what becomes trees of skeletons, and which joints are constraints instead."""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+
+from adapters.dart.tops import spins
+from harness.adapter import Unsupported
+from harness.scene import Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
+from harness.trajectory import Floats
+
+__all__ = ["WORLD_FRAME", "Edge", "check_velocities", "constrained_joints", "cuttable", "ends", "forest"]
+
+WORLD_FRAME = -1
+"""The place of the world, and of every static body, in the graph of joints."""
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """A body in its skeleton: `joint` holds it to `parent`, `sign` is -1 where the scene's parent hangs on its child."""
+
+    body: int
+    parent: int
+    joint: Joint | None
+    sign: float
+
+
+def forest(scene: Scene, joints: tuple[Joint, ...], constrained: list[Joint]) -> tuple[list[Edge], list[Joint]]:
+    """The bodies that are not static, parents first, and all joints that are constraints: those given and what closes a loop.
+
+    Raises: Unsupported.
+    """
+    moving = [i for i, b in enumerate(scene.bodies) if b.motion != "static"]
+    group = {i: i for i in (WORLD_FRAME, *moving)}
+    anchored = {WORLD_FRAME, *(i for i in moving if not scene.bodies[i].movable)}
+
+    def root(i: int) -> int:
+        while group[i] != i:
+            group[i] = group[group[i]]
+            i = group[i]
+        return i
+
+    kept: dict[int, list[tuple[int, Joint, float]]] = {i: [] for i in group}
+    cut = list(constrained)
+    for joint in sorted((joint for joint in joints if joint not in cut), key=cuttable):
+        parent, child = ends(scene, joint)
+        a, b = root(parent), root(child)
+        if a == b or (a in anchored and b in anchored):
+            if not cuttable(joint):
+                raise Unsupported(
+                    f"joint '{joint.name}'",
+                    f"it closes a loop, and DART has no such constraint for {joint.type} joints, limits, springs and drives",
+                )
+            cut.append(joint)
+            continue
+        group[a if b in anchored else b] = b if b in anchored else a
+        kept[parent].append((child, joint, 1.0))
+        kept[child].append((parent, joint, -1.0))
+    edges: list[Edge] = []
+    seen = {WORLD_FRAME}
+    for start in (WORLD_FRAME, *sorted(moving, key=lambda i: scene.bodies[i].movable)):
+        if start in seen and start != WORLD_FRAME:
+            continue
+        if start != WORLD_FRAME:
+            edges.append(Edge(start, WORLD_FRAME, None, 1.0))
+            seen.add(start)
+        queue = deque([start])
+        while queue:
+            i = queue.popleft()
+            for k, joint, sign in kept[i]:
+                if k not in seen:
+                    seen.add(k)
+                    edges.append(Edge(k, i, joint, sign))
+                    queue.append(k)
+    return edges, cut
+
+
+def constrained_joints(scene: Scene, joints: tuple[Joint, ...], how: str) -> list[Joint]:
+    """The joints that shall be constraints on free bodies: none, all that can be, or ('auto') those of tops.
+
+    DART's explicit step turns the velocities of a BallJoint, which are those in the body, and so lengthens them by (W h)^2/2 a
+    step, W the rate of the wobble; those of a FreeJoint are in W, where a top's spin turns nothing. Without spin coordinates
+    are better: they leave no gap.
+    """
+    if how == "coordinates":
+        return []
+    return [joint for joint in joints if (_holds_a_top(scene, joint) if how == "auto" else cuttable(joint))]
+
+
+def _holds_a_top(scene: Scene, joint: Joint) -> bool:
+    """Is this a ball joint of a body that spins?"""
+    if not isinstance(joint, Ball):
+        return False
+    held = [scene.bodies[i] for i in ends(scene, joint) if i != WORLD_FRAME]
+    return any(body.movable and spins(scene, body, joint.anchor_W) for body in held)
+
+
+def ends(scene: Scene, joint: Joint) -> tuple[int, int]:
+    """The places of parent and child; static bodies are the world."""
+    places = []
+    for name in (joint.parent, joint.child):
+        place = next((i for i, b in enumerate(scene.bodies) if b.name == name), WORLD_FRAME)
+        places.append(WORLD_FRAME if place >= 0 and scene.bodies[place].motion == "static" else place)
+    return places[0], places[1]
+
+
+def cuttable(joint: Joint) -> bool:
+    """Has DART a loop-closing constraint for it?"""
+    if isinstance(joint, Revolute):
+        return joint.limits is None and joint.spring is None and joint.drive is None
+    return isinstance(joint, Fixed | Ball)
+
+
+def check_velocities(scene: Scene, joint: Joint) -> None:
+    """Do the initial velocities obey the joint? Raises: Unsupported."""
+    if isinstance(joint, Distance):
+        raise Unsupported(
+            f"joint '{joint.name}'", "DART has no distance joint and no constraint that keeps or bounds a distance"
+        )
+    parent, child = (None if i == WORLD_FRAME else scene.bodies[i] for i in ends(scene, joint))
+    held = child if child is not None else parent
+    assert held is not None
+    anchor = np.array(held.p_WB if isinstance(joint, Fixed) else joint.anchor_W)
+    (v_P, w_P), (v_C, w_C) = _velocity_at(parent, anchor), _velocity_at(child, anchor)
+    dv, dw = v_C - v_P, w_C - w_P
+    match joint:
+        case Fixed():
+            wrong = np.concatenate((dv, dw))
+        case Ball():
+            wrong = dv
+        case Revolute(axis_W=axis):
+            wrong = np.concatenate((dv, np.cross(axis, dw)))
+        case Prismatic(axis_W=axis):
+            wrong = np.concatenate((np.cross(axis, dv), dw))
+        case _:
+            assert_never(joint)
+    speed = max(float(np.abs(np.concatenate((v_P, w_P, v_C, w_C))).max()), 1.0)
+    if float(np.abs(wrong).max()) > 1e-6 * speed:
+        raise Unsupported(
+            f"joint '{joint.name}'",
+            f"DART holds a joint by its coordinates; the initial velocities of '{joint.parent}' and '{joint.child}' break it "
+            f"by {float(np.abs(wrong).max()):.3g}, expected velocities that the joint allows",
+        )
+
+
+def _velocity_at(body: Body | None, point: Floats) -> tuple[Floats, Floats]:
+    """(v, w) in W of the point [m, in W] that is fixed in the body at time 0; None is the world."""
+    if body is None:
+        return np.zeros(3), np.zeros(3)
+    w = np.array(body.w_WB)
+    return np.array(body.v_WB) + np.cross(w, point - np.array(body.p_WB)), w

@@ -5,19 +5,16 @@ Source: Ericson, Real-Time Collision Detection, sections 4.2 (axis-aligned boxes
 
 import math
 
+from engine.broad.collision_filter import CollisionFilter, kept_apart
 from engine.compile.jit import inlined, kernel
 from engine.maths.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
 from engine.memory.arena import (
-    APART,
     BALL_RADIUS,
     BOX,
     CAPSULE,
-    DYNAMIC,
     GRAVITY,
     HULL,
     MARGIN,
-    MATERIAL,
-    MOTION,
     OFFSET,
     OWNER,
     PLANE,
@@ -32,7 +29,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 
-__all__ = ["boxes_overlap", "brute_force", "kept_apart", "overlap", "pose_shapes", "reaches_plane", "write_bounds"]
+__all__ = ["boxes_overlap", "brute_force", "overlap", "pose_shapes", "reaches_plane", "write_bounds"]
 
 
 @kernel
@@ -107,22 +104,6 @@ def reaches_plane(bounds: Floats, pose: Floats, plane: int, other: int) -> bool:
 
 
 @inlined
-def kept_apart(
-    shape_kind: Ints, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, i: int, j: int
-) -> bool:  # fmt: skip
-    """Whether shapes i and j never touch: neither can move, or they belong to one body, or a joint or material parts them."""
-    a, b = shape_kind[i, OWNER], shape_kind[j, OWNER]
-    if a == b or (kind[a, MOTION] != DYNAMIC and kind[b, MOTION] != DYNAMIC):
-        return True
-    if surface[shape_kind[i, MATERIAL] * materials + shape_kind[j, MATERIAL], APART] == 1.0:
-        return True
-    for e in range(exclusions):
-        if (excluded[e, 0] == a and excluded[e, 1] == b) or (excluded[e, 0] == b and excluded[e, 1] == a):
-            return True
-    return False
-
-
-@inlined
 def overlap(bounds: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> bool:
     """Whether the bounds of shapes i and j overlap, or those of one reach the plane that the other is."""
     if shape_kind[i, TYPE] == PLANE or shape_kind[j, TYPE] == PLANE:
@@ -133,26 +114,15 @@ def overlap(bounds: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> b
 
 
 @kernel
-def brute_force(
-    bounds: Floats,
-    shape_kind: Ints,
-    kind: Ints,
-    surface: Floats,
-    materials: int,
-    excluded: Ints,
-    exclusions: int,
-    pose: Floats,
-    shapes: int,
-    pair: Ints,
-) -> int:
+def brute_force(rules: CollisionFilter, bounds: Floats, pose: Floats, shapes: int, pair: Ints) -> int:
     """Write every overlapping pair, by i and then j > i. Returns: their number, perhaps beyond the room in `pair`."""
-    found = 0
+    pairs = 0
     for i in range(shapes):
         for j in range(i + 1, shapes):
-            if kept_apart(shape_kind, kind, surface, materials, excluded, exclusions, i, j):
+            if kept_apart(rules, i, j):
                 continue
-            if overlap(bounds, shape_kind, pose, i, j):
-                if found < pair.shape[0]:
-                    pair[found, 0], pair[found, 1] = i, j
-                found += 1
-    return found
+            if overlap(bounds, rules.shape_kind, pose, i, j):
+                if pairs < pair.shape[0]:
+                    pair[pairs, 0], pair[pairs, 1] = i, j
+                pairs += 1
+    return pairs

@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from engine.broad.bounds import kept_apart, overlap, pose_shapes, reaches_plane, write_bounds
+from engine.broad.bounds import overlap, pose_shapes, reaches_plane, write_bounds
+from engine.broad.collision_filter import collision_filter_of, kept_apart
 from engine.compile.jit import inlined, kernel
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
@@ -21,11 +22,8 @@ from engine.memory.arena import (
     CANDIDATES,
     COUNT,
     DYNAMIC,
-    EXCLUDED,
-    EXCLUSIONS,
     FAT,
     KINEMATIC,
-    MATERIALS,
     MOTION,
     OWNER,
     PAIR,
@@ -38,7 +36,6 @@ from engine.memory.arena import (
     SHAPE_KIND,
     SHAPES,
     STATE,
-    SURFACE,
     TALLY,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
@@ -100,16 +97,15 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
 
     Returns: 0, or 2 if the arena has no room for them.
     """
-    surface, kind, shape_kind = floats_of(floats, ints, SURFACE), ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
-    excluded, count, candidate = ints_of(ints, EXCLUDED), ints_of(ints, COUNT), ints_of(ints, CANDIDATE)
-    progress, shapes = ints_of(ints, PROGRESS), count[0, SHAPES]
+    rules, candidate = collision_filter_of(floats, ints), ints_of(ints, CANDIDATE)
+    progress, shapes = ints_of(ints, PROGRESS), ints_of(ints, COUNT)[0, SHAPES]
     if found > candidate.shape[0]:
         progress[0, CANDIDATES] = -1
         return 2
     kept = 0
     for c in range(found):
         i, j = candidate[c, 0], candidate[c, 1]
-        if not kept_apart(shape_kind, kind, surface, count[0, MATERIALS], excluded, count[0, EXCLUSIONS], i, j):
+        if not kept_apart(rules, i, j):
             candidate[kept, 0], candidate[kept, 1] = i, j
             kept += 1
     start, second = np.zeros(shapes + 1, np.int64), np.empty(kept, np.int64)

@@ -117,7 +117,8 @@ def assemble_world(
         for joint in joints
         if not joint.collide and joint.parent in index and joint.child in index
     ]
-    float_rooms, int_rooms = _convex_rooms([polyhedron for _, polyhedron in polyhedra], ns, pairs if convex else 0, convex)
+    solids, swept = [polyhedron for _, polyhedron in polyhedra], options.continuous == "swept"
+    float_rooms, int_rooms = _convex_rooms(solids, ns, pairs if convex else 0, convex, swept)
     island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options, islands)
     float_shapes = [
         (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
@@ -197,12 +198,15 @@ def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tu
 
 
 def _convex_rooms(
-    polyhedra: Sequence[Polyhedron], shapes: int, pairs: int, convex: bool
+    polyhedra: Sequence[Polyhedron], shapes: int, pairs: int, convex: bool, swept: bool
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
-    """Rows and columns of the tables of the convex narrow phase, empty where a world has none."""
+    """Rows and columns of the tables of the convex narrow phase, empty where a world has none.
+
+    Swept collision measures all shapes by GJK and EPA.
+    """
     faces, corners = sum(len(one.loops) for one in polyhedra), sum(len(loop) for one in polyhedra for loop in one.loops)
     widest = max((len(loop) for one in polyhedra for loop in one.loops), default=0)
-    work, polygon = (560, 3 * (2 * max(widest, 16) + 2)) if convex else (0, 0)
+    work, polygon = 560 if convex or swept else 0, 3 * (2 * max(widest, 16) + 2) if convex else 0
     vertices = sum(len(one.vertices) for one in polyhedra)
     return (
         [(vertices, 3), (faces, 3), (pairs, 3), (4 * pairs, 32), (work, 10), (polygon, 3)],

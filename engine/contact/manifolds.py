@@ -10,7 +10,8 @@ GDC 2005.
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, add, axpy, cross, dot, load3, norm, store3, sub
+from engine.contact.tables import OldContacts, Pairs, Rules
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, store3, sub
 from engine.memory.arena import (
     ARM_A,
     BALL_RADIUS,
@@ -34,11 +35,13 @@ from engine.memory.arena import (
     OFFSET,
     OLD_MANIFOLDS,
     OWNER,
+    PAIRS,
     PLACE,
     POINTS,
     SEPARATION,
     SHAPE_A,
     SHAPE_B,
+    SHAPES,
     SIZE,
     SLIPS,
     SPHERE,
@@ -55,15 +58,16 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Bodies, Contacts
 from engine.narrow.box_box import FACE_OF_B
 from engine.narrow.collide import collide, is_convex_pair
+from engine.narrow.point import CORNERS_OF_B, Points
+from engine.narrow.support import Solids
 from engine.respond.soft import prepare
-from engine.swept.begin import begins
+from engine.swept.begin import FAST, begins
 
-__all__ = ["CORNERS_OF_B", "build_manifolds", "keep_old", "look_ahead", "ordered", "start_anew", "thinnest"]
+__all__ = ["build_manifolds", "keep_old", "look_ahead", "ordered", "start_anew", "thinnest"]
 
-CORNERS_OF_B = 1 << 24
-"""Features of convex pairs from here belong to corners of B on a face of A."""
 NEAR = 0.02
 """Share of half the thickness of the thinner shape [1] within which points of different features match."""
 AT_REST = 1e-6
@@ -71,29 +75,26 @@ AT_REST = 1e-6
 
 
 @kernel
-def keep_old(
-    count: Ints, body_kind: Ints, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, old: Floats,
-    old_key: Ints, old_point: Floats, old_point_key: Ints, head: Ints, following: Ints, shapes: int,
-) -> None:  # fmt: skip
+def keep_old(kind: Ints, count: Ints, new: Contacts, old: OldContacts) -> None:
     """Move the last step's manifolds aside and list them by their first shape; those of still bodies whole."""
     n = count[0, MANIFOLDS]
     count[0, OLD_MANIFOLDS] = n
-    for s in range(shapes):
-        head[s, 0] = -1
+    for s in range(count[0, SHAPES]):
+        old.head[s, 0] = -1
     for m in range(n):
-        for c in range(old.shape[1]):
-            old[m, c] = manifold[m, c]
-        for c in range(old_key.shape[1]):
-            old_key[m, c] = manifold_key[m, c]
-        still = body_kind[manifold_key[m, BODY_A], STILL] == 1 and body_kind[manifold_key[m, BODY_B], STILL] == 1
-        for at in range(4 * m, 4 * m + manifold_key[m, POINTS]):
-            for c in range(0 if still else NORMAL_IMPULSE, old_point.shape[1] if still else TANGENT_IMPULSE + 3):
-                old_point[at, c] = point[at, c]
-            store3(old_point, at, PLACE, load3(point, at, PLACE))
-            old_point_key[at, 0] = point_key[at, 0]
-        s = manifold_key[m, SHAPE_A]
-        following[m, 0] = head[s, 0]
-        head[s, 0] = m
+        for c in range(old.manifold.shape[1]):
+            old.manifold[m, c] = new.manifold[m, c]
+        for c in range(old.key.shape[1]):
+            old.key[m, c] = new.key[m, c]
+        still = kind[new.key[m, BODY_A], STILL] == 1 and kind[new.key[m, BODY_B], STILL] == 1
+        for at in range(4 * m, 4 * m + new.key[m, POINTS]):
+            for c in range(0 if still else NORMAL_IMPULSE, old.point.shape[1] if still else TANGENT_IMPULSE + 3):
+                old.point[at, c] = new.point[at, c]
+            store3(old.point, at, PLACE, load3(new.point, at, PLACE))
+            old.point_key[at, 0] = new.point_key[at, 0]
+        s = new.key[m, SHAPE_A]
+        old.following[m, 0] = old.head[s, 0]
+        old.head[s, 0] = m
 
 
 @kernel
@@ -136,32 +137,38 @@ def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, s
 
 
 @kernel
-def matching_point(point: Floats, key: Ints, i: int, old: Floats, old_key: Ints, first: int, count: int, near: float) -> int:
-    """The row of the old point with the feature of point i, else of the closest one within `near` [m], else -1."""
+def last_manifold(old: OldContacts, a: int, b: int) -> int:
+    """The row of the manifold that shapes a and b had in the last step, or -1."""
+    m = old.head[a, 0]
+    while m >= 0 and old.key[m, SHAPE_B] != b:
+        m = old.following[m, 0]
+    return int(m)
+
+
+@kernel
+def matching_point(new: Contacts, i: int, old: OldContacts, m: int, near: float) -> int:
+    """The row of the point of old manifold m with the feature of point i, else of the closest within `near` [m], else -1."""
     best, closest = -1, near
-    for other in range(first, first + count):
-        if old_key[other, 0] == key[i, 0]:
+    for other in range(4 * m, 4 * m + old.key[m, POINTS]):
+        if old.point_key[other, 0] == new.point_key[i, 0]:
             return other
-        apart = norm(sub(load3(old, other, PLACE), load3(point, i, PLACE)))
+        apart = norm(sub(load3(old.point, other, PLACE), load3(new.point, i, PLACE)))
         if apart < closest:
             best, closest = other, apart
     return best
 
 
 @kernel
-def take_over(
-    found: int, manifold: Floats, manifold_key: Ints, point: Floats, point_key: Ints, m: int, old: Floats, old_key: Ints,
-    old_point: Floats, old_point_key: Ints,
-) -> None:  # fmt: skip
-    """Take an old manifold over as it was, into row `found`."""
-    for c in range(old.shape[1]):
-        manifold[found, c] = old[m, c]
-    for c in range(old_key.shape[1]):
-        manifold_key[found, c] = old_key[m, c]
-    for k in range(old_key[m, POINTS]):
-        for c in range(old_point.shape[1]):
-            point[4 * found + k, c] = old_point[4 * m + k, c]
-        point_key[4 * found + k, 0] = old_point_key[4 * m + k, 0]
+def take_over(new: Contacts, row: int, old: OldContacts, m: int) -> None:
+    """Take old manifold m over as it was."""
+    for c in range(old.manifold.shape[1]):
+        new.manifold[row, c] = old.manifold[m, c]
+    for c in range(old.key.shape[1]):
+        new.key[row, c] = old.key[m, c]
+    for k in range(old.key[m, POINTS]):
+        for c in range(old.point.shape[1]):
+            new.point[4 * row + k, c] = old.point[4 * m + k, c]
+        new.point_key[4 * row + k, 0] = old.point_key[4 * m + k, 0]
 
 
 @kernel
@@ -176,79 +183,101 @@ def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) ->
 
 
 @kernel
+def find_points(t: Solids, pairs: Pairs, p: int, a: int, b: int, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Write the contact points of pair p, shapes a and b, from row `at` on: as answered, or by their closed form.
+
+    Returns: as `collide`.
+    """
+    if not is_convex_pair(t.shape_kind[a, TYPE], t.shape_kind[b, TYPE]):
+        return collide(t, a, b, margin, out, at)
+    points = pairs.points[p, 0]
+    for k in range(points):
+        store3(out.point, at + k, PLACE, load3(pairs.point, 4 * p + k, PLACE))
+        out.point[at + k, FIRST_GAP], out.key[at + k, 0] = pairs.point[4 * p + k, FIRST_GAP], pairs.point_key[4 * p + k, 0]
+    return points, load3(pairs.normal, p, 0)
+
+
+@kernel
+def begin_manifold(t: Solids, rules: Rules, a: int, b: int, points: int, normal: Vec, new: Contacts, row: int) -> None:
+    """Write what the narrow phase found of shapes a and b into a row, and clear the rest of it and of its points."""
+    at = 4 * row
+    for k in range(points):
+        for c in range(new.point.shape[1]):
+            if c != FIRST_GAP and not PLACE <= c < PLACE + 3:
+                new.point[at + k, c] = 0.0
+    for c in range(new.manifold.shape[1]):
+        new.manifold[row, c] = 0.0
+    store3(new.manifold, row, NORMAL, normal)
+    law = t.shape_kind[a, MATERIAL] * rules.numbers[0, MATERIALS] + t.shape_kind[b, MATERIAL]
+    for c in range(5):
+        new.manifold[row, LAW + c] = rules.surface[law, c]
+    new.key[row, SHAPE_A], new.key[row, SHAPE_B] = a, b
+    new.key[row, BODY_A], new.key[row, BODY_B] = t.shape_kind[a, OWNER], t.shape_kind[b, OWNER]
+    new.key[row, POINTS], new.key[row, SLIPS] = points, 0
+    corners_of_b = t.shape_kind[a, TYPE] == BOX and t.shape_kind[b, TYPE] == BOX and new.point_key[at, 0] < FACE_OF_B
+    new.key[row, LEADS] = 1 if corners_of_b or new.point_key[at, 0] >= CORNERS_OF_B else 0
+
+
+@kernel
+def start_slip(state: Floats, new: Contacts, row: int) -> None:
+    """Let a new manifold slip or stick by the velocity of its first point."""
+    i, j, n = new.key[row, BODY_A], new.key[row, BODY_B], load3(new.manifold, row, NORMAL)
+    x = load3(new.point, 4 * row, PLACE)
+    va = add(load3(state, i, V), cross(load3(state, i, W), sub(x, load3(state, i, P))))
+    vb = add(load3(state, j, V), cross(load3(state, j, W), sub(x, load3(state, j, P))))
+    u = sub(vb, va)
+    new.key[row, SLIPS] = 1 if norm(axpy(-dot(u, n), n, u)) > AT_REST else 0
+
+
+@kernel
+def carry_over(new: Contacts, row: int, old: OldContacts, m: int, near: float) -> None:
+    """Start a manifold with the impulses of old manifold m, point by point; points within `near` [m] match."""
+    new.key[row, SLIPS] = old.key[m, SLIPS]
+    store3(new.manifold, row, SPIN_IMPULSE, load3(old.manifold, m, SPIN_IMPULSE))
+    for i in range(4 * row, 4 * row + new.key[row, POINTS]):
+        twin = matching_point(new, i, old, m, near)
+        if twin >= 0:
+            new.point[i, NORMAL_IMPULSE] = old.point[twin, NORMAL_IMPULSE]
+            store3(new.point, i, TANGENT_IMPULSE, load3(old.point, twin, TANGENT_IMPULSE))
+
+
+@kernel
 def build_manifolds(
-    state: Floats, body: Floats, turned: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats,
-    surface: Floats, setting: Floats, count: Ints, pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats,
-    point_key: Ints, old: Floats, old_key: Ints, old_point: Floats, old_point_key: Ints, head: Ints, following: Ints,
-    clip: Floats, clip_key: Ints, convex_normal: Floats, convex_point: Floats, convex_key: Ints, convex_point_key: Ints,
+    bodies: Bodies, t: Solids, rules: Rules, pairs: Pairs, new: Contacts, old: OldContacts, out: Points
 ) -> None:  # fmt: skip
     """Run the narrow phase on all pairs, match the points found with the old ones, and prepare them.
 
     Manifolds between still bodies stay what they were.
+
+    Args: out: the points of the new contacts, and scratch.
     """
-    found, new = 0, 0
-    for p in range(pairs):
-        a, b = ordered(shape_kind, pair[p, 0], pair[p, 1])
-        i, j = shape_kind[a, OWNER], shape_kind[b, OWNER]
-        m = head[a, 0]
-        while m >= 0 and old_key[m, SHAPE_B] != b:
-            m = following[m, 0]
-        if m >= 0 and body_kind[i, STILL] == 1 and body_kind[j, STILL] == 1:
-            take_over(found, manifold, manifold_key, point, point_key, m, old, old_key, old_point, old_point_key)
-            start_anew(state, found, found + 1, manifold_key, point)
-            body_kind[i, TOUCHED] = 1
-            body_kind[j, TOUCHED] = 1
-            found += 1
+    state, kind, setting, count = bodies.state, bodies.kind, rules.setting, rules.numbers
+    row, fresh = 0, 0
+    for p in range(count[0, PAIRS]):
+        a, b = ordered(t.shape_kind, pairs.pair[p, 0], pairs.pair[p, 1])
+        i, j, m = t.shape_kind[a, OWNER], t.shape_kind[b, OWNER], last_manifold(old, a, b)
+        if m >= 0 and kind[i, STILL] == 1 and kind[j, STILL] == 1:
+            take_over(new, row, old, m)
+            start_anew(state, row, row + 1, new.key, new.point)
+            kind[i, TOUCHED] = 1
+            kind[j, TOUCHED] = 1
+            row += 1
             continue
-        margin = look_ahead(state, shape, shape_kind, a, b, setting, count[0, CONTINUOUS])
-        at = 4 * found
-        if is_convex_pair(shape_kind[a, TYPE], shape_kind[b, TYPE]):
-            points, normal = convex_key[p, 0], load3(convex_normal, p, 0)
-            for k in range(points):
-                store3(point, at + k, PLACE, load3(convex_point, 4 * p + k, PLACE))
-                point[at + k, FIRST_GAP], point_key[at + k, 0] = (
-                    convex_point[4 * p + k, FIRST_GAP],
-                    convex_point_key[4 * p + k, 0],
-                )
-        else:
-            points, normal = collide(shape, shape_kind, pose, a, b, margin, point, point_key, at, clip, clip_key)
+        margin = look_ahead(state, t.shape, t.shape_kind, a, b, setting, count[0, CONTINUOUS])
+        points, normal = find_points(t, pairs, p, a, b, margin, out, 4 * row)
         if points <= 0:
             continue
-        if count[0, CONTINUOUS] == SWEPT and not begins(state, setting, i, j, normal, point, at, points, margin):
+        fast = count[0, CONTINUOUS] == SWEPT and not margin <= FAST * setting[0, MARGIN]
+        if fast and not begins(state, setting, i, j, normal, new.point, 4 * row, points):
             continue
-        for k in range(points):
-            for c in range(point.shape[1]):
-                if c != FIRST_GAP and not PLACE <= c < PLACE + 3:
-                    point[at + k, c] = 0.0
-        for c in range(manifold.shape[1]):
-            manifold[found, c] = 0.0
-        store3(manifold, found, NORMAL, normal)
-        law = shape_kind[a, MATERIAL] * count[0, MATERIALS] + shape_kind[b, MATERIAL]
-        for c in range(5):
-            manifold[found, LAW + c] = surface[law, c]
-        manifold_key[found, SHAPE_A], manifold_key[found, SHAPE_B] = a, b
-        manifold_key[found, BODY_A], manifold_key[found, BODY_B] = i, j
-        manifold_key[found, POINTS], manifold_key[found, SLIPS] = points, 0
-        corners_of_b = shape_kind[a, TYPE] == BOX and shape_kind[b, TYPE] == BOX and point_key[at, 0] < FACE_OF_B
-        manifold_key[found, LEADS] = 1 if corners_of_b or point_key[at, 0] >= CORNERS_OF_B else 0
-        body_kind[i, TOUCHED] = 1
-        body_kind[j, TOUCHED] = 1
+        begin_manifold(t, rules, a, b, points, normal, new, row)
+        kind[i, TOUCHED] = 1
+        kind[j, TOUCHED] = 1
         if m < 0:
-            new += 1
-            place = load3(point, at, PLACE)
-            va = add(load3(state, i, V), cross(load3(state, i, W), sub(place, load3(state, i, P))))
-            vb = add(load3(state, j, V), cross(load3(state, j, W), sub(place, load3(state, j, P))))
-            u = sub(vb, va)
-            manifold_key[found, SLIPS] = 1 if norm(axpy(-dot(u, normal), normal, u)) > AT_REST else 0
+            fresh += 1
+            start_slip(state, new, row)
         else:
-            manifold_key[found, SLIPS] = old_key[m, SLIPS]
-            store3(manifold, found, SPIN_IMPULSE, load3(old, m, SPIN_IMPULSE))
-            near = NEAR * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))
-            for k in range(points):
-                twin = matching_point(point, point_key, at + k, old_point, old_point_key, 4 * m, old_key[m, POINTS], near)
-                if twin >= 0:
-                    point[at + k, NORMAL_IMPULSE] = old_point[twin, NORMAL_IMPULSE]
-                    store3(point, at + k, TANGENT_IMPULSE, load3(old_point, twin, TANGENT_IMPULSE))
-        prepare(state, body, turned, shape, shape_kind, pose, found, manifold, manifold_key, point)
-        found += 1
-    count[0, MANIFOLDS], count[0, NEW] = found, new
+            carry_over(new, row, old, m, NEAR * min(thinnest(t.shape, t.shape_kind, a), thinnest(t.shape, t.shape_kind, b)))
+        prepare(state, bodies.body, bodies.turned, t.shape, t.shape_kind, t.pose, row, new.manifold, new.key, new.point)
+        row += 1
+    count[0, MANIFOLDS], count[0, NEW] = row, fresh

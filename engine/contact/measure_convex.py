@@ -3,12 +3,11 @@
 import math
 
 from engine.compile.jit import entry
-from engine.contact.collide_convex import solids
 from engine.maths.vec import Floats, Ints, axpy, load3, store3, sub
-from engine.memory.arena import BALL_RADIUS, SIMPLEX, SIMPLEX_KEY
-from engine.memory.carve import floats_of, ints_of
+from engine.memory.arena import BALL_RADIUS
 from engine.narrow.convex import part_cores
-from engine.narrow.support import core_radius
+from engine.narrow.gjk import simplex_of
+from engine.narrow.support import core_radius, solids_of
 
 __all__ = ["measure_convex"]
 
@@ -19,15 +18,14 @@ def measure_convex(floats: Floats, ints: Ints, a: int, b: int, pose_a: Floats, p
 
     Args: a, b: shapes; pose_a, pose_b (k, 12): position and rotation matrix by rows in W; out (k, 10).
     """
-    t = solids(floats, ints)
-    work, key = floats_of(floats, ints, SIMPLEX), ints_of(ints, SIMPLEX_KEY)
+    t, simplex = solids_of(floats, ints), simplex_of(floats, ints)
     ra, rb = core_radius(t, a), core_radius(t, b)
     size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
     for k in range(pose_a.shape[0]):
         for c in range(12):
             t.pose[a, c], t.pose[b, c] = pose_a[k, c], pose_b[k, c]
         pa = load3(pose_a, k, 0)
-        gap, n, qa, qb = part_cores(t, a, b, sub(load3(pose_b, k, 0), pa), size, math.inf, work, key)
+        gap, n, qa, qb = part_cores(t, a, b, sub(load3(pose_b, k, 0), pa), size, math.inf, simplex)
         out[k, 0] = gap - ra - rb
         store3(out, k, 1, n)
         store3(out, k, 4, axpy(1.0, pa, axpy(ra, n, qa)))

@@ -4,9 +4,10 @@ Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative 
 """
 
 from engine.broad.bounds import brute_force, pose_shapes, write_bounds
+from engine.broad.collision_filter import collision_filter_of
 from engine.compile.jit import kernel
 from engine.contact.manifolds import AT_REST, look_ahead
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, load9, norm, scale, store3, sub
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, scale, store3, sub
 from engine.memory.arena import (
     BODIES,
     BODY,
@@ -14,12 +15,12 @@ from engine.memory.arena import (
     BOUNDS,
     BOX,
     BROAD,
+    CLIP,
+    CLIP_KEY,
     CONTINUOUS,
     COUNT,
     DT,
     DYNAMIC,
-    EXCLUDED,
-    EXCLUSIONS,
     FIRST_GAP,
     GRAVITY,
     INV_INERTIA,
@@ -85,22 +86,21 @@ from engine.memory.arena import (
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.box_pairs import sphere_box
+from engine.narrow.point import Points
 from engine.narrow.round_pairs import sphere_plane
+from engine.narrow.solid import solid_of
+from engine.narrow.support import Solids, solids_of
 
 __all__ = ["find_touches"]
 
 
 @kernel
-def against_static(
-    shape: Floats, shape_kind: Ints, pose: Floats, a: int, b: int, margin: float, point: Floats, key: Ints
-) -> tuple[int, Vec]:  # fmt: skip
-    """Sphere a against box or plane b, written on row 0 of `point`. Returns: points, normal."""
-    mb = load9(pose, b, 3)
-    if shape_kind[b, TYPE] == BOX:
-        return sphere_box(
-            load3(pose, a, 0), shape[a, SIZE], load3(pose, b, 0), mb, load3(shape, b, SIZE), margin, point, key, 0, 0
-        )
-    return sphere_plane(load3(pose, a, 0), shape[a, SIZE], load3(pose, b, 0), (mb[2], mb[5], mb[8]), margin, point, key, 0, 0)
+def against_static(t: Solids, a: int, b: int, margin: float, out: Points) -> tuple[int, Vec]:
+    """Sphere a against box or plane b, written on row 0 of `out`. Returns: points, normal."""
+    one, two = solid_of(t, a), solid_of(t, b)
+    if t.shape_kind[b, TYPE] == BOX:
+        return sphere_box(one, two, margin, out, 0)
+    return sphere_plane(one, two, margin, out, 0)
 
 
 @kernel
@@ -118,12 +118,15 @@ def gather(floats: Floats, ints: Ints) -> None:
 @kernel
 def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     """Run the narrow phase on all pairs and take over the impulses of those that touched in the last step."""
-    shape, pose, surface = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, SURFACE)
+    solids, surface = solids_of(floats, ints), floats_of(floats, ints, SURFACE)
+    shape, pose, shape_kind = solids.shape, solids.pose, solids.shape_kind
     touch, rest, old = floats_of(floats, ints, TOUCH), floats_of(floats, ints, TOUCH_REST), floats_of(floats, ints, OLD_TOUCH)
     state, mover, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, MOVER), floats_of(floats, ints, SETTING)
-    point, point_key = floats_of(floats, ints, POINT), ints_of(ints, POINT_KEY)
+    points = Points(
+        floats_of(floats, ints, POINT), ints_of(ints, POINT_KEY), floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY)
+    )  # fmt: skip
     key, old_key, pair = ints_of(ints, TOUCH_KEY), ints_of(ints, OLD_TOUCH_KEY), ints_of(ints, PAIR)
-    kind, shape_kind, count = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
+    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
     last, shapes, materials, continuous = count[0, MANIFOLDS], count[0, SHAPES], count[0, MATERIALS], count[0, CONTINUOUS]
     least, dt = setting[0, MARGIN], setting[0, DT]
     fall = dt * norm(load3(setting, 0, GRAVITY))
@@ -152,10 +155,10 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
         else:
             is_round, rb = 0, 0.0
             margin = look_ahead(state, shape, shape_kind, a, b, setting, continuous)
-            points, n = against_static(shape, shape_kind, pose, a, b, margin, point, point_key)
-            if points == 0:
+            touching, n = against_static(solids, a, b, margin, points)
+            if touching == 0:
                 continue
-            gap, place = point[0, FIRST_GAP], load3(point, 0, PLACE)
+            gap, place = points.point[0, FIRST_GAP], load3(points.point, 0, PLACE)
         la, lb = ra + 0.5 * gap, rb + 0.5 * gap
         mass = mover[i, M_INV_MASS] + mover[j, M_INV_MASS]
         store3(touch, t, 0, n)
@@ -197,14 +200,13 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
 def find_touches(floats: Floats, ints: Ints) -> int:
     """Find the contacts of this step and mark the bodies they touch. Returns: 0, or 2 if the arena must grow first."""
     shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
-    state, surface, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SURFACE), floats_of(floats, ints, SETTING)
-    kind, shape_kind, count = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
-    excluded, pair = ints_of(ints, EXCLUDED), ints_of(ints, PAIR)
-    shapes, materials, exclusions = count[0, SHAPES], count[0, MATERIALS], count[0, EXCLUSIONS]
+    state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
+    shape_kind, pair, count = ints_of(ints, SHAPE_KIND), ints_of(ints, PAIR), ints_of(ints, COUNT)
+    shapes = count[0, SHAPES]
     if count[0, BROAD] == 0:
         pose_shapes(state, shape, shape_kind, shapes, pose)
         write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
-        count[0, PAIRS] = brute_force(bounds, shape_kind, kind, surface, materials, excluded, exclusions, pose, shapes, pair)
+        count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, pose, shapes, pair)
         if count[0, PAIRS] > pair.shape[0]:
             return 2
     gather(floats, ints)

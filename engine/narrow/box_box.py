@@ -7,8 +7,9 @@ and 8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test bet
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
-from engine.narrow.point import put_point
+from engine.maths.vec import Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
+from engine.narrow.point import Points, put_point
+from engine.narrow.solid import Solid
 
 __all__ = ["FACE_OF_B", "box_box"]
 
@@ -41,11 +42,10 @@ def between(ma: Mat, mb: Mat) -> Mat:
 
 
 @kernel
-def box_box(
-    pa: Vec, ma: Mat, ha: Vec, pb: Vec, mb: Mat, hb: Vec, margin: float, point: Floats, key: Ints, at: int, clip: Floats,
-    clip_key: Ints,
-) -> tuple[int, Vec]:  # fmt: skip
-    """Box A against box B. Returns: number of points, normal from A to B."""
+def box_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Box A against box B."""
+    pa, ma, ha = a
+    pb, mb, hb = b
     d = sub(pb, pa)
     smallest = min(min(min(ha[0], ha[1]), ha[2]), min(min(hb[0], hb[1]), hb[2]))
     tie = HANDICAP * smallest
@@ -86,59 +86,60 @@ def box_box(
         i, j = (code - 6) // 3, (code - 6) % 3
         n = cross(column(ma, i), column(mb, j))
         normal = scale(math.copysign(1.0 / norm(n), way), n)
-        return edge_edge(pa, ma, ha, i, pb, mb, hb, j, normal, best, point, key, at, code), normal
-    on_a = code < 3
-    face = code if on_a else code - 3
-    pr, mr, hr, pi, mi, hi = (pa, ma, ha, pb, mb, hb) if on_a else (pb, mb, hb, pa, ma, ha)
-    normal = scale(1.0 if way >= 0.0 else -1.0, column(mr, face))
-    outward = normal if on_a else neg(normal)
-    return face_face(pr, mr, hr, face, outward, pi, mi, hi, margin, point, key, at, clip, clip_key, code), normal
+        return edge_edge(a, b, code, normal, best, out, at), normal
+    reference, incident = (a, b) if code < 3 else (b, a)
+    normal = scale(1.0 if way >= 0.0 else -1.0, column(reference.m, code % 3))
+    outward = normal if code < 3 else neg(normal)
+    return face_face(reference, incident, code, outward, margin, out, at), normal
 
 
 @kernel
-def edge_edge(
-    pa: Vec, ma: Mat, ha: Vec, i: int, pb: Vec, mb: Mat, hb: Vec, j: int, n: Vec, gap: float, point: Floats, key: Ints, at: int,
-    code: int,
-) -> int:  # fmt: skip
-    """One point, midway between the two edges that face each other along n."""
-    a, b = pa, pb
+def edge_edge(a: Solid, b: Solid, code: int, n: Vec, gap: float, out: Points, at: int) -> int:
+    """One point, midway between the two edges that face each other along n.
+
+    Args: code: 6 + 3 i + j, where n is the cross product of axis i of A and axis j of B. Returns: the number of points.
+    """
+    i, j = (code - 6) // 3, (code - 6) % 3
+    (x, ma, ha), (y, mb, hb) = a, b
     for k in range(3):
         if k != i:
-            a = axpy(math.copysign(ha[k], dot(column(ma, k), n)), column(ma, k), a)
+            x = axpy(math.copysign(ha[k], dot(column(ma, k), n)), column(ma, k), x)
         if k != j:
-            b = axpy(-math.copysign(hb[k], dot(column(mb, k), n)), column(mb, k), b)
+            y = axpy(-math.copysign(hb[k], dot(column(mb, k), n)), column(mb, k), y)
     ua, ub = column(ma, i), column(mb, j)
     c = dot(ua, ub)
-    d = sub(b, a)
+    d = sub(y, x)
     s = (dot(d, ua) - c * dot(d, ub)) / (1.0 - c * c)
     t = (c * dot(d, ua) - dot(d, ub)) / (1.0 - c * c)
     s, t = min(max(s, -ha[i]), ha[i]), min(max(t, -hb[j]), hb[j])
-    place = scale(0.5, add(axpy(s, ua, a), axpy(t, ub, b)))
-    put_point(point, key, at, place, gap, EDGES + code)
+    place = scale(0.5, add(axpy(s, ua, x), axpy(t, ub, y)))
+    put_point(out, at, place, gap, EDGES + code)
     return 1
 
 
 @kernel
-def face_face(
-    pr: Vec, mr: Mat, hr: Vec, face: int, n: Vec, pi: Vec, mi: Mat, hi: Vec, margin: float, point: Floats, key: Ints, at: int,
-    clip: Floats, clip_key: Ints, code: int,
-) -> int:  # fmt: skip
+def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: float, out: Points, at: int) -> int:
     """Points of the incident box under the face of the reference box whose outward normal is n.
 
     The polygon lives in the two in-plane coordinates of the reference face and the height above it.
+
+    Args: code: the axis of that face, and 3 more if it is one of B. Returns: the number of points.
     """
+    (pr, mr, hr), (pi, mi, hi) = reference, incident
+    clip, clip_key = out.polygon, out.polygon_key
+    face = code % 3
     one, two = (face + 1) % 3, (face + 2) % 3
     u, v = column(mr, one), column(mr, two)
     origin = axpy(hr[face], n, pr)
     local = tmat_vec(mi, n)
-    incident = 0
-    if abs(local[1]) > abs(local[incident]):
-        incident = 1
-    if abs(local[2]) > abs(local[incident]):
-        incident = 2
-    sign = -1.0 if local[incident] > 0.0 else 1.0
-    i1, i2 = (incident + 1) % 3, (incident + 2) % 3
-    middle = axpy(sign * hi[incident], column(mi, incident), pi)
+    facing = 0
+    if abs(local[1]) > abs(local[facing]):
+        facing = 1
+    if abs(local[2]) > abs(local[facing]):
+        facing = 2
+    sign = -1.0 if local[facing] > 0.0 else 1.0
+    i1, i2 = (facing + 1) % 3, (facing + 2) % 3
+    middle = axpy(sign * hi[facing], column(mi, facing), pi)
     for corner in range(4):
         s1 = 1.0 if corner == 0 or corner == 3 else -1.0
         s2 = 1.0 if corner < 2 else -1.0
@@ -175,28 +176,29 @@ def face_face(
         base, count = into, kept
         if count == 0:
             return 0
-    found = 0
+    points = 0
     for c in range(count):
         if clip[base + c, 2] <= margin:
             for m in range(3):
-                clip[base + found, m] = clip[base + c, m]
-            clip_key[base + found, 0] = clip_key[base + c, 0]
-            found += 1
-    found = keep_four(clip, clip_key, base, found, 1e-9)
-    marker = 32 * (2 * (3 * code + incident) + (1 if sign > 0.0 else 0))
-    for c in range(found):
+                clip[base + points, m] = clip[base + c, m]
+            clip_key[base + points, 0] = clip_key[base + c, 0]
+            points += 1
+    points = keep_four(out, base, points, 1e-9)
+    marker = 32 * (2 * (3 * code + facing) + (1 if sign > 0.0 else 0))
+    for c in range(points):
         height = clip[base + c, 2]
         place = axpy(clip[base + c, 0], u, axpy(clip[base + c, 1], v, axpy(0.5 * height, n, origin)))
-        put_point(point, key, at + c, place, height, marker + clip_key[base + c, 0])
-    return found
+        put_point(out, at + c, place, height, marker + clip_key[base + c, 0])
+    return points
 
 
 @kernel
-def keep_four(clip: Floats, clip_key: Ints, base: int, count: int, tie: float) -> int:
+def keep_four(out: Points, base: int, count: int, tie: float) -> int:
     """Keep the deepest point (by more than `tie` [m]), the one farthest from it, and the two that span most area at its sides.
 
-    Returns: their number.
+    Args: base, count: the rows of the polygon. Returns: their number.
     """
+    clip, clip_key = out.polygon, out.polygon_key
     if count <= 4:
         return count
     first = 0

@@ -6,8 +6,9 @@ Source: Ericson, Real-Time Collision Detection, sections 5.1.3 (closest point of
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Mat, Vec, add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from engine.narrow.point import put_point
+from engine.maths.vec import Vec, add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from engine.narrow.point import Points, put_point
+from engine.narrow.solid import Solid, axis_of, moved
 
 __all__ = ["box_plane", "capsule_box", "sphere_box"]
 
@@ -30,23 +31,22 @@ def nearest_face(p: Vec, h: Vec) -> tuple[Vec, float]:
 
 
 @kernel
-def sphere_box(
-    pa: Vec, ra: float, pb: Vec, mb: Mat, h: Vec, margin: float, point: Floats, key: Ints, at: int, feature: int
-) -> tuple[int, Vec]:
-    """Sphere A against box B. Returns: number of points, normal."""
-    p = tmat_vec(mb, sub(pa, pb))
+def sphere_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Sphere A against box B."""
+    ra, h = a.size[0], b.size
+    p = tmat_vec(b.m, sub(a.p, b.p))
     d = sub(p, clamp3(p, h))
     length = norm(d)
     if length > 1e-12:
-        out, distance = scale(1.0 / length, d), length
+        outward, distance = scale(1.0 / length, d), length
     else:
-        out, depth = nearest_face(p, h)
+        outward, depth = nearest_face(p, h)
         distance = -depth
-    n = neg(mat_vec(mb, out))
+    n = neg(mat_vec(b.m, outward))
     gap = distance - ra
     if gap > margin:
         return 0, n
-    put_point(point, key, at, axpy(ra + 0.5 * gap, n, pa), gap, feature)
+    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
@@ -81,65 +81,62 @@ def closest_on_axis(p: Vec, u: Vec, half: float, h: Vec) -> float:
 
 
 @kernel
-def capsule_box(
-    pa: Vec, axis: Vec, ra: float, half: float, pb: Vec, mb: Mat, h: Vec, margin: float, point: Floats, key: Ints, at: int
-) -> tuple[int, Vec]:
-    """Capsule A against box B: the ends of the part of its axis that lies over the touched face, or the closest point.
-
-    Returns: number of points, normal.
-    """
-    p, u = tmat_vec(mb, sub(pa, pb)), tmat_vec(mb, axis)
+def capsule_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Capsule A against box B: the ends of the part of its axis that lies over the touched face, or the closest point."""
+    axis, ra, half, h = axis_of(a), a.size[0], a.size[1], b.size
+    p, u = tmat_vec(b.m, sub(a.p, b.p)), tmat_vec(b.m, axis)
     t = closest_on_axis(p, u, half, h)
     x = axpy(t, u, p)
     d = sub(x, clamp3(x, h))
     length = norm(d)
     if length - ra > margin:
         return 0, (0.0, 0.0, 1.0)
-    out = scale(1.0 / length, d) if length > 1e-12 else deepest_axis(p, u, half, h)
+    outward = scale(1.0 / length, d) if length > 1e-12 else deepest_axis(p, u, half, h)
     face = -1
     for k in range(3):
-        if abs(out[k]) > 0.999:
+        if abs(outward[k]) > 0.999:
             face = k
     if face >= 0:
-        sign = math.copysign(1.0, out[face])
-        out = (sign if face == 0 else 0.0, sign if face == 1 else 0.0, sign if face == 2 else 0.0)
+        sign = math.copysign(1.0, outward[face])
+        outward = (sign if face == 0 else 0.0, sign if face == 1 else 0.0, sign if face == 2 else 0.0)
         low, high = -half, half
         for k in range(3):
             if k != face and abs(u[k]) > 1e-12:
                 one, two = (-h[k] - p[k]) / u[k], (h[k] - p[k]) / u[k]
                 low, high = max(low, min(one, two)), min(high, max(one, two))
         if high > low:
-            n = neg(mat_vec(mb, out))
+            n = neg(mat_vec(b.m, outward))
             count = 0
             for end in range(2):
                 s = low if end == 0 else high
                 y = axpy(s, u, p)
                 gap = sign * y[face] - h[face] - ra
                 if gap <= margin:
-                    put_point(point, key, at + count, axpy(ra + 0.5 * gap, n, axpy(s, axis, pa)), gap, 1 + end)
+                    put_point(out, at + count, axpy(ra + 0.5 * gap, n, axpy(s, axis, a.p)), gap, 1 + end)
                     count += 1
             return count, n
-    return sphere_box(axpy(t, axis, pa), ra, pb, mb, h, margin, point, key, at, 0)
+    return sphere_box(moved(a, axpy(t, axis, a.p)), b, margin, out, at)
 
 
 @kernel
 def deepest_axis(p: Vec, u: Vec, half: float, h: Vec) -> Vec:
     """For an axis that pierces the box: the outward face normal along which the least way separates them."""
-    best, out = math.inf, (0.0, 0.0, 1.0)
+    best, outward = math.inf, (0.0, 0.0, 1.0)
     for k in range(3):
         reach = half * abs(u[k])
         for sign in (-1.0, 1.0):
             way = h[k] + reach - sign * p[k]
             if way < best:
                 best = way
-                out = (sign if k == 0 else 0.0, sign if k == 1 else 0.0, sign if k == 2 else 0.0)
-    return out
+                outward = (sign if k == 0 else 0.0, sign if k == 1 else 0.0, sign if k == 2 else 0.0)
+    return outward
 
 
 @kernel
-def box_plane(pa: Vec, ma: Mat, h: Vec, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int) -> tuple[int, Vec]:
-    """Box A against plane B: the corners of the face that looks most at the plane. Returns: number of points, normal."""
-    u = tmat_vec(ma, up)
+def box_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Box A against plane B: the corners of the face that looks most at the plane."""
+    up, h = axis_of(b), a.size
+    u = tmat_vec(a.m, up)
     face = 0
     if abs(u[1]) > abs(u[face]):
         face = 1
@@ -157,9 +154,9 @@ def box_plane(pa: Vec, ma: Mat, h: Vec, pb: Vec, up: Vec, margin: float, point: 
             c = (one * h[0], low * h[1], two * h[2])
         else:
             c = (one * h[0], two * h[1], low * h[2])
-        place = add(pa, mat_vec(ma, c))
-        gap = dot(sub(place, pb), up)
+        place = add(a.p, mat_vec(a.m, c))
+        gap = dot(sub(place, b.p), up)
         if gap <= margin:
-            put_point(point, key, at + count, axpy(0.5 * gap, n, place), gap, 8 * face + (4 if low > 0.0 else 0) + corner)
+            put_point(out, at + count, axpy(0.5 * gap, n, place), gap, 8 * face + (4 if low > 0.0 else 0) + corner)
             count += 1
     return count, n

@@ -7,9 +7,9 @@ Convex Polyhedra, GDC 2013.
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, perpendicular, sub
+from engine.maths.vec import Floats, Vec, axpy, cross, dot, load3, perpendicular, sub
 from engine.narrow.box_box import keep_four
-from engine.narrow.point import put_point
+from engine.narrow.point import Points, put_point
 
 __all__ = ["clip_features", "crossing_lines"]
 
@@ -30,16 +30,15 @@ def flatten(polygon: Floats, at: int, count: int, origin: Vec, u: Vec, v: Vec, n
 
 
 @kernel
-def clip_features(
-    polygon: Floats, key: Ints, sides: int, count: int, n: Vec, radius: float, margin: float, point: Floats, point_key: Ints,
-    at: int, marker: int,
-) -> int:  # fmt: skip
+def clip_features(sides: int, count: int, n: Vec, radius: float, margin: float, out: Points, at: int, marker: int) -> int:
     """Write the points of the incident feature that lie under the reference face.
 
-    Args: polygon: the reference face in the first third of its rows, the incident feature of `count` corners in the second;
-    n: outward normal of the reference face; radius [m] around the incident feature; marker: added to every feature.
+    Args: sides: of the reference face, in the first third of the rows of the polygon; count: corners of the incident feature,
+    in the second; n: outward normal of the reference face; radius [m] around the incident feature; marker: added to every
+    feature.
     Returns: the number of points, at most four.
     """
+    polygon, key = out.polygon, out.polygon_key
     third = polygon.shape[0] // 3
     origin = load3(polygon, 0, 0)
     u = perpendicular(n)
@@ -73,31 +72,32 @@ def clip_features(
         base, into, count = into, base, kept
         if count == 0:
             return 0
-    found = 0
+    points = 0
     for c in range(count):
         if polygon[base + c, 2] - radius <= margin:
             for m in range(3):
-                polygon[base + found, m] = polygon[base + c, m]
-            key[base + found, 0] = key[base + c, 0]
-            found += 1
+                polygon[base + points, m] = polygon[base + c, m]
+            key[base + points, 0] = key[base + c, 0]
+            points += 1
     wide = 0.0
-    for c in range(1, found):
+    for c in range(1, points):
         wide = max(wide, abs(polygon[base + c, 0] - polygon[base, 0]), abs(polygon[base + c, 1] - polygon[base, 1]))
-    found = keep_four(polygon, key, base, found, LEVEL * wide)
-    for c in range(found):
+    points = keep_four(out, base, points, LEVEL * wide)
+    for c in range(points):
         gap = polygon[base + c, 2] - radius
         place = axpy(polygon[base + c, 0], u, axpy(polygon[base + c, 1], v, axpy(0.5 * gap, n, origin)))
-        put_point(point, point_key, at + c, place, gap, marker + key[base + c, 0])
-    return found
+        put_point(out, at + c, place, gap, marker + key[base + c, 0])
+    return points
 
 
 @kernel
-def crossing_lines(polygon: Floats, margin: float, n: Vec, ra: float, rb: float, point: Floats, key: Ints, at: int) -> int:
-    """The two ends of the common part of two parallel lines, of A in the first rows, of B in the second third.
+def crossing_lines(n: Vec, ra: float, rb: float, margin: float, out: Points, at: int) -> int:
+    """The two ends of the common part of two parallel lines, of A in the first rows, of B in the second third of the polygon.
 
     Args: n: normal from A to B; ra, rb [m]: radii around the lines.
     Returns: the number of points, 0 where the lines are not parallel.
     """
+    polygon = out.polygon
     third = polygon.shape[0] // 3
     a, b = load3(polygon, 0, 0), load3(polygon, third, 0)
     ea, eb = sub(load3(polygon, 1, 0), a), sub(load3(polygon, third + 1, 0), b)
@@ -109,13 +109,13 @@ def crossing_lines(polygon: Floats, margin: float, n: Vec, ra: float, rb: float,
     low, high = max(0.0, min(one, two)), min(1.0, max(one, two))
     if high <= low:
         return 0
-    found = 0
+    points = 0
     for k in range(2):
         s = low if k == 0 else high
         x = axpy(s, ea, a)
         other = axpy((s - one) / (two - one), eb, b)
         gap = dot(sub(other, x), n) - ra - rb
         if gap <= margin:
-            put_point(point, key, at + found, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
-            found += 1
-    return found
+            put_point(out, at + points, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
+            points += 1
+    return points

@@ -5,14 +5,13 @@ Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (preferri
 """
 
 from engine.compile.jit import kernel
-from engine.contact.manifolds import CORNERS_OF_B
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
+from engine.maths.vec import Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
 from engine.memory.arena import BALL_RADIUS, CYLINDER, INNER, SPHERE, TRIANGLE, TYPE
 from engine.narrow.clip_features import clip_features, crossing_lines
 from engine.narrow.epa import depth
 from engine.narrow.features import facing, is_line, write_feature
-from engine.narrow.gjk import SHARE, distance
-from engine.narrow.point import put_point
+from engine.narrow.gjk import SHARE, Simplex, distance
+from engine.narrow.point import CORNERS_OF_B, Points, put_point
 from engine.narrow.support import Solids, core_radius, separation_along
 from engine.narrow.triangle import leans_over
 
@@ -30,47 +29,46 @@ SAME = 1.0 - 1e-10
 
 @kernel
 def part_cores(
-    t: Solids, a: int, b: int, d: Vec, size: float, most: float, work: Floats, key: Ints
-) -> tuple[float, Vec, Vec, Vec]:
+    t: Solids, a: int, b: int, d: Vec, size: float, most: float, simplex: Simplex
+) -> tuple[float, Vec, Vec, Vec]:  # fmt: skip
     """The signed distance [m] of two cores whose centres lie d apart.
 
     Returns: the gap (a larger one than `most` may be too small), the normal from A to B, and the closest points of A and B,
     from the centre of A.
     """
+    work = simplex.work
     gap, v, count = distance(t, a, b, d, size, most, work)
     if gap > TOUCHING * size:
         qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for k in range(count):
             qa, qb = axpy(work[k, SHARE], load3(work, k, 3), qa), axpy(work[k, SHARE], load3(work, k, 6), qb)
         return gap, scale(-1.0 / norm(v), v), qa, qb
-    deep, n, qa, qb = depth(t, a, b, d, size, count, work, key)
+    deep, n, qa, qb = depth(t, a, b, d, size, count, simplex)
     return -deep, n, qa, qb
 
 
 @kernel
 def convex_contact(
-    t: Solids, a: int, b: int, margin: float, slack: float, work: Floats, work_key: Ints, polygon: Floats, polygon_key: Ints,
-    point: Floats, key: Ints, at: int,
+    t: Solids, a: int, b: int, margin: float, slack: float, simplex: Simplex, out: Points, at: int
 ) -> tuple[int, Vec]:  # fmt: skip
     """Convex shape A against convex shape B, or against the outer side of a triangle B.
 
     Args: slack [m]: what a face may lose against the best normal and still be taken.
-    Returns: number of points, normal from A to B.
     """
     pa, pb = load3(t.pose, a, 0), load3(t.pose, b, 0)
     d = sub(pb, pa)
     ra, rb = core_radius(t, a), core_radius(t, b)
     size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
     one_sided = t.shape_kind[b, TYPE] == TRIANGLE
-    out = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
-    if one_sided and dot(d, out) > 0.0:
-        return 0, out
-    gap, n, qa, qb = part_cores(t, a, b, d, size, margin + ra + rb, work, work_key)
+    outward = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
+    if one_sided and dot(d, outward) > 0.0:
+        return 0, outward
+    gap, n, qa, qb = part_cores(t, a, b, d, size, margin + ra + rb, simplex)
     if gap - ra - rb > margin:
         return 0, n
     forced = False
     if one_sided and leans_over(t, b, sub(qb, d), neg(n), t.polyhedron[b, INNER]):
-        n, forced = neg(out), True
+        n, forced = neg(outward), True
     fa, na, ca = facing(t, a, n)
     fb, nb, cb = facing(t, b, neg(n))
     on_a, on_b = False, forced
@@ -90,46 +88,41 @@ def convex_contact(
         n = na
     elif on_b:
         n = neg(nb)
-    third, found = polygon.shape[0] // 3, 0
+    third, points = out.polygon.shape[0] // 3, 0
     if on_a:
         fb, nb, cb = facing(t, b, neg(n))
-        sides = write_feature(t, a, fa, n, polygon, polygon_key, 0)
-        count = write_feature(t, b, fb, neg(n), polygon, polygon_key, third)
+        sides = write_feature(t, a, fa, n, out, 0)
+        count = write_feature(t, b, fb, neg(n), out, third)
         marker = CORNERS_OF_B + FACE * (fa + 2)
-        found = clip_features(polygon, polygon_key, sides, count, n, rb, margin, point, key, at, marker)
+        points = clip_features(sides, count, n, rb, margin, out, at, marker)
     elif on_b:
         fa, na, ca = facing(t, a, n)
-        sides = write_feature(t, b, fb, neg(n), polygon, polygon_key, 0)
-        count = write_feature(t, a, fa, n, polygon, polygon_key, third)
+        sides = write_feature(t, b, fb, neg(n), out, 0)
+        count = write_feature(t, a, fa, n, out, third)
         marker = FACE * (fb + 2)
-        found = clip_features(polygon, polygon_key, sides, count, neg(n), ra, margin, point, key, at, marker)
+        points = clip_features(sides, count, neg(n), ra, margin, out, at, marker)
     elif is_line(t, a, n) and is_line(t, b, neg(n)):
-        write_feature(t, a, fa, n, polygon, polygon_key, 0)
-        write_feature(t, b, fb, neg(n), polygon, polygon_key, third)
-        found = crossing_lines(polygon, margin, n, ra, rb, point, key, at)
-    if found == 0 and not forced:
+        write_feature(t, a, fa, n, out, 0)
+        write_feature(t, b, fb, neg(n), out, third)
+        points = crossing_lines(n, ra, rb, margin, out, at)
+    if points == 0 and not forced:
         if on_a or on_b:
             gap = separation_along(t, a, b, d, n)
         gap = gap - ra - rb
         if gap > margin:
             return 0, n
         middle = add(pa, scale(0.5, add(axpy(ra, n, qa), axpy(-rb, n, qb))))
-        put_point(point, key, at, middle, gap, 1)
-        found = 1
-    return found, n
+        put_point(out, at, middle, gap, 1)
+        points = 1
+    return points, n
 
 
 @kernel
-def plane_contact(
-    t: Solids, a: int, b: int, margin: float, polygon: Floats, polygon_key: Ints, point: Floats, key: Ints, at: int
-) -> tuple[int, Vec]:
-    """Plane A against polyhedron B: the corners of the face through the deepest corner that looks most at the plane.
-
-    Returns: number of points, normal from A to B.
-    """
+def plane_contact(t: Solids, a: int, b: int, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Plane A against polyhedron B: the corners of the face through the deepest corner that looks most at the plane."""
     up = (t.pose[a, 5], t.pose[a, 8], t.pose[a, 11])
     face, _, _ = facing(t, b, neg(up))
-    store3(polygon, 0, 0, load3(t.pose, a, 0))
-    count = write_feature(t, b, face, neg(up), polygon, polygon_key, polygon.shape[0] // 3)
+    store3(out.polygon, 0, 0, load3(t.pose, a, 0))
+    count = write_feature(t, b, face, neg(up), out, out.polygon.shape[0] // 3)
     marker = CORNERS_OF_B + FACE * (face + 2)
-    return clip_features(polygon, polygon_key, 0, count, up, 0.0, margin, point, key, at, marker), up
+    return clip_features(0, count, up, 0.0, margin, out, at, marker), up

@@ -7,8 +7,9 @@ contact cases).
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Mat, Vec, add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from engine.narrow.point import put_point
+from engine.maths.vec import Vec, add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from engine.narrow.point import Points, put_point
+from engine.narrow.solid import Solid, axis_of
 
 __all__ = ["cylinder_plane", "sphere_cylinder"]
 
@@ -17,42 +18,36 @@ UPRIGHT = 1e-3
 
 
 @kernel
-def sphere_cylinder(
-    pa: Vec, ra: float, pb: Vec, mb: Mat, rb: float, half: float, margin: float, point: Floats, key: Ints, at: int
-) -> tuple[int, Vec]:
-    """Sphere A against cylinder B. Returns: number of points, normal."""
-    p = tmat_vec(mb, sub(pa, pb))
+def sphere_cylinder(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Sphere A against cylinder B."""
+    ra, rb, half = a.size[0], b.size[0], b.size[1]
+    p = tmat_vec(b.m, sub(a.p, b.p))
     axial = math.sqrt(p[0] * p[0] + p[1] * p[1])
     shrink = min(1.0, rb / max(axial, 1e-300))
     d = sub(p, (p[0] * shrink, p[1] * shrink, min(max(p[2], -half), half)))
     length = norm(d)
     if length > 1e-12:
-        out, distance = scale(1.0 / length, d), length
+        outward, distance = scale(1.0 / length, d), length
     elif rb - axial < half - abs(p[2]):
-        out, distance = (p[0] / max(axial, 1e-300), p[1] / max(axial, 1e-300), 0.0), axial - rb
+        outward, distance = (p[0] / max(axial, 1e-300), p[1] / max(axial, 1e-300), 0.0), axial - rb
     else:
-        out, distance = (0.0, 0.0, math.copysign(1.0, p[2])), abs(p[2]) - half
-    n = neg(mat_vec(mb, out))
+        outward, distance = (0.0, 0.0, math.copysign(1.0, p[2])), abs(p[2]) - half
+    n = neg(mat_vec(b.m, outward))
     gap = distance - ra
     if gap > margin:
         return 0, n
-    put_point(point, key, at, axpy(ra + 0.5 * gap, n, pa), gap, 0)
+    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
 @kernel
-def cylinder_plane(
-    pa: Vec, ma: Mat, ra: float, half: float, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int
-) -> tuple[int, Vec]:
-    """Cylinder A against plane B: the lowest points of both rims, and three more of the lower one where it stands.
-
-    Returns: number of points, normal.
-    """
-    axis = (ma[2], ma[5], ma[8])
+def cylinder_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Cylinder A against plane B: the lowest points of both rims, and three more of the lower one where it stands."""
+    axis, up, ra, half = axis_of(a), axis_of(b), a.size[0], a.size[1]
     n = neg(up)
     fall = sub(n, scale(dot(n, axis), axis))
     sine = norm(fall)
-    lowest = scale(1.0 / sine, fall) if sine > UPRIGHT else (ma[0], ma[3], ma[6])
+    lowest = scale(1.0 / sine, fall) if sine > UPRIGHT else (a.m[0], a.m[3], a.m[6])
     beside = cross(axis, lowest)
     side = 1.0 if dot(axis, n) >= 0.0 else -1.0
     count = 0
@@ -66,9 +61,9 @@ def cylinder_plane(
             rim = neg(beside)
         else:
             rim = neg(lowest)
-        place = add(axpy(end * half, axis, pa), scale(ra, rim))
-        gap = dot(sub(place, pb), up)
+        place = add(axpy(end * half, axis, a.p), scale(ra, rim))
+        gap = dot(sub(place, b.p), up)
         if gap <= margin and count < 4:
-            put_point(point, key, at + count, axpy(0.5 * gap, n, place), gap, 2 * k + (1 if end > 0.0 else 0))
+            put_point(out, at + count, axpy(0.5 * gap, n, place), gap, 2 * k + (1 if end > 0.0 else 0))
             count += 1
     return count, n

@@ -8,7 +8,7 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3, sub
-from engine.narrow.gjk import corner, put_corner
+from engine.narrow.gjk import Simplex, corner, put_corner
 from engine.narrow.support import Solids
 
 __all__ = ["CORNERS", "FACES", "depth"]
@@ -103,12 +103,13 @@ def witnesses(work: Floats, key: Ints, row: int) -> tuple[Vec, Vec]:
 
 
 @kernel
-def depth(t: Solids, a: int, b: int, d: Vec, size: float, count: int, work: Floats, key: Ints) -> tuple[float, Vec, Vec, Vec]:
+def depth(t: Solids, a: int, b: int, d: Vec, size: float, count: int, simplex: Simplex) -> tuple[float, Vec, Vec, Vec]:
     """The least way [m] along which the overlapping cores of a and b part.
 
     Args: as `distance`; count: corners of the simplex that holds the origin.
     Returns: the depth, the normal from A to B, and the deepest points of A and of B, from the centre of A.
     """
+    work, key = simplex
     count, flat = tetrahedron(t, a, b, d, size, work, count)
     if count < 4:
         flat = scale(1.0 / norm(flat), flat)

@@ -6,8 +6,9 @@ Source: Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
+from engine.maths.vec import Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
 from engine.memory.arena import CAPSULE, CYLINDER, FACES, FIRST_FACE, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
+from engine.narrow.point import Points
 from engine.narrow.support import Solids
 
 __all__ = ["RIM", "UPRIGHT", "facing", "is_line", "write_feature"]
@@ -58,11 +59,12 @@ def is_line(t: Solids, s: int, n: Vec) -> bool:
 
 
 @kernel
-def write_feature(t: Solids, s: int, face: int, n: Vec, polygon: Floats, key: Ints, at: int) -> int:
-    """Write the corners, in W, of what faces n, counter-clockwise seen from outside. Returns: their number.
+def write_feature(t: Solids, s: int, face: int, n: Vec, out: Points, at: int) -> int:
+    """Write the corners, in W, of what faces n into the polygon, counter-clockwise seen from outside. Returns: their number.
 
-    Args: face: row of a polyhedron's face, as `facing` gives it; polygon, key: from row `at` on.
+    Args: face: row of a polyhedron's face, as `facing` gives it; at: first row.
     """
+    polygon, key = out.polygon, out.polygon_key
     kind = t.shape_kind[s, TYPE]
     m, p = load9(t.pose, s, 3), load3(t.pose, s, 0)
     if kind == SPHERE:

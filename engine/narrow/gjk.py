@@ -6,12 +6,15 @@ sub-simplices).
 """
 
 import math
+from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, add, axpy, cross, dot, load3, neg, norm, scale, store3, sub
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, neg, norm, scale, store3, sub
+from engine.memory.arena import SIMPLEX, SIMPLEX_KEY
+from engine.memory.carve import floats_of, ints_of
 from engine.narrow.support import Solids, core_support
 
-__all__ = ["SHARE", "corner", "distance", "put_corner"]
+__all__ = ["SHARE", "Simplex", "corner", "distance", "put_corner", "simplex_of"]
 
 MAX_ROUNDS = 128
 CLOSE = 1e-14
@@ -22,6 +25,19 @@ ROUGH = 1e-14
 """Relative rounding of a volume, with a margin: a smaller one has no sign, and so tells no side of a face."""
 SHARE = 9
 """Column of a simplex row: the barycentric coordinate; before it stand the difference, the point of A and that of B."""
+
+
+class Simplex(NamedTuple):
+    """Scratch: corners of A - B, first those of the simplex, and the faces that EPA spans over them."""
+
+    work: Floats
+    key: Ints
+
+
+@kernel
+def simplex_of(floats: Floats, ints: Ints) -> Simplex:
+    """The scratch of an arena."""
+    return Simplex(floats_of(floats, ints, SIMPLEX), ints_of(ints, SIMPLEX_KEY))
 
 
 @kernel

@@ -1,19 +1,33 @@
-"""Write one contact point of a manifold."""
+"""Where the narrow phase writes: the contact points of a manifold, four rows each, and the polygons they are clipped from."""
+
+from typing import NamedTuple
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats, Ints, Vec, store3
 from engine.memory.arena import FIRST_GAP, PLACE
 
-__all__ = ["put_point"]
+__all__ = ["CORNERS_OF_B", "Points", "put_point"]
+
+CORNERS_OF_B = 1 << 24
+"""Features of convex pairs from here belong to corners of B on a face of A."""
+
+
+class Points(NamedTuple):
+    """Tables of points and their features, and scratch for the corners of polygons and what each of them is called."""
+
+    point: Floats
+    key: Ints
+    polygon: Floats
+    polygon_key: Ints
 
 
 @kernel
-def put_point(point: Floats, point_key: Ints, at: int, place: Vec, gap: float, feature: int) -> None:
+def put_point(out: Points, row: int, place: Vec, gap: float, feature: int) -> None:
     """Write a point.
 
     Args: place [m] in W, midway between the surfaces; gap [m], negative in penetration; feature: the same number for the same
     corners and edges in the next step.
     """
-    store3(point, at, PLACE, place)
-    point[at, FIRST_GAP] = gap
-    point_key[at, 0] = feature
+    store3(out.point, row, PLACE, place)
+    out.point[row, FIRST_GAP] = gap
+    out.key[row, 0] = feature

@@ -4,8 +4,9 @@ Source: Ericson, Real-Time Collision Detection, sections 4.5 and 5.1.9 (closest 
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, along, axpy, cross, dot, norm, scale, sub
-from engine.narrow.point import put_point
+from engine.maths.vec import Vec, along, axpy, cross, dot, norm, scale, sub
+from engine.narrow.point import Points, put_point
+from engine.narrow.solid import Solid, axis_of, moved
 
 __all__ = ["capsule_capsule", "capsule_plane", "closest_on_segment", "sphere_capsule", "sphere_plane", "sphere_sphere"]
 
@@ -13,17 +14,16 @@ UP = (0.0, 0.0, 1.0)
 
 
 @kernel
-def sphere_sphere(
-    pa: Vec, ra: float, pb: Vec, rb: float, margin: float, point: Floats, key: Ints, at: int, feature: int
-) -> tuple[int, Vec]:
-    """Sphere A against sphere B. Returns: number of points, normal."""
-    d = sub(pb, pa)
+def sphere_sphere(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Sphere A against sphere B."""
+    ra, rb = a.size[0], b.size[0]
+    d = sub(b.p, a.p)
     length = norm(d)
     gap = length - ra - rb
     n = along(d, UP)
     if gap > margin:
         return 0, n
-    put_point(point, key, at, axpy(ra + 0.5 * gap, n, pa), gap, feature)
+    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
@@ -34,44 +34,46 @@ def closest_on_segment(p: Vec, centre: Vec, axis: Vec, half: float) -> float:
 
 
 @kernel
-def sphere_capsule(
-    pa: Vec, ra: float, pb: Vec, axis: Vec, rb: float, half: float, margin: float, point: Floats, key: Ints, at: int
-) -> tuple[int, Vec]:
-    """Sphere A against capsule B. Returns: number of points, normal."""
-    t = closest_on_segment(pa, pb, axis, half)
-    return sphere_sphere(pa, ra, axpy(t, axis, pb), rb, margin, point, key, at, 0)
+def sphere_capsule(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Sphere A against capsule B: against the sphere about the closest point of its axis."""
+    axis = axis_of(b)
+    t = closest_on_segment(a.p, b.p, axis, b.size[1])
+    return sphere_sphere(a, moved(b, axpy(t, axis, b.p)), margin, out, at)
 
 
 @kernel
-def sphere_plane(
-    pa: Vec, ra: float, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int, feature: int
-) -> tuple[int, Vec]:
-    """Sphere A against plane B; the normal from A to B is the plane's reversed. Returns: number of points, normal."""
-    gap = dot(sub(pa, pb), up) - ra
+def sphere_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Sphere A against plane B; the normal from A to B is the plane's reversed."""
+    up, ra = axis_of(b), a.size[0]
+    gap = dot(sub(a.p, b.p), up) - ra
     n = scale(-1.0, up)
     if gap > margin:
         return 0, n
-    put_point(point, key, at, axpy(ra + 0.5 * gap, n, pa), gap, feature)
+    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
 @kernel
-def capsule_plane(
-    pa: Vec, axis: Vec, ra: float, half: float, pb: Vec, up: Vec, margin: float, point: Floats, key: Ints, at: int
-) -> tuple[int, Vec]:
-    """Capsule A against plane B: a point under each end. Returns: number of points, normal."""
-    first, n = sphere_plane(axpy(-half, axis, pa), ra, pb, up, margin, point, key, at, 0)
-    second, n = sphere_plane(axpy(half, axis, pa), ra, pb, up, margin, point, key, at + first, 1)
-    return first + second, n
+def capsule_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Capsule A against plane B: a point under each end."""
+    up, axis, ra = axis_of(b), axis_of(a), a.size[0]
+    n = scale(-1.0, up)
+    count = 0
+    for k in range(2):
+        end = axpy(-a.size[1] if k == 0 else a.size[1], axis, a.p)
+        gap = dot(sub(end, b.p), up) - ra
+        if gap <= margin:
+            put_point(out, at + count, axpy(ra + 0.5 * gap, n, end), gap, k)
+            count += 1
+    return count, n
 
 
 @kernel
-def capsule_capsule(
-    pa: Vec, ua: Vec, ra: float, ha: float, pb: Vec, ub: Vec, rb: float, hb: float, margin: float, point: Floats, key: Ints,
-    at: int
-) -> tuple[int, Vec]:  # fmt: skip
-    """Capsule A against capsule B: one point, or two where their axes run side by side. Returns: number of points, normal."""
-    d = sub(pb, pa)
+def capsule_capsule(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+    """Capsule A against capsule B: one point, or two where their axes run side by side."""
+    ua, ub = axis_of(a), axis_of(b)
+    ra, ha, rb, hb = a.size[0], a.size[1], b.size[0], b.size[1]
+    d = sub(b.p, a.p)
     c = dot(ua, ub)
     da, db = dot(d, ua), dot(d, ub)
     sine2 = 1.0 - c * c
@@ -85,10 +87,10 @@ def capsule_capsule(
             for k in range(2):
                 s = low if k == 0 else high
                 t = min(max(sign * (s - da), -hb), hb)
-                a, b = axpy(s, ua, pa), axpy(t, ub, pb)
-                gap = dot(sub(b, a), n) - ra - rb
+                x, y = axpy(s, ua, a.p), axpy(t, ub, b.p)
+                gap = dot(sub(y, x), n) - ra - rb
                 if gap <= margin:
-                    put_point(point, key, at + count, axpy(ra + 0.5 * gap, n, a), gap, 1 + k)
+                    put_point(out, at + count, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
                     count += 1
             return count, n
     s = 0.0
@@ -96,4 +98,4 @@ def capsule_capsule(
         s = min(max((da - c * db) / sine2, -ha), ha)
     t = min(max(c * s - db, -hb), hb)
     s = min(max(c * t + da, -ha), ha)
-    return sphere_sphere(axpy(s, ua, pa), ra, axpy(t, ub, pb), rb, margin, point, key, at, 0)
+    return sphere_sphere(moved(a, axpy(s, ua, a.p)), moved(b, axpy(t, ub, b.p)), margin, out, at)

@@ -10,9 +10,27 @@ from typing import NamedTuple
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats, Ints, Vec, dot, load3, load9, mat_vec, tmat_vec
-from engine.memory.arena import BOX, CAPSULE, CYLINDER, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
+from engine.memory.arena import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    FACE,
+    FIRST_VERTEX,
+    LOOP,
+    POLYHEDRON,
+    POSE,
+    SHAPE,
+    SHAPE_KIND,
+    SIZE,
+    SPAN,
+    SPHERE,
+    TYPE,
+    VERTEX,
+    VERTICES,
+)
+from engine.memory.carve import floats_of, ints_of
 
-__all__ = ["Solids", "core_radius", "core_support", "separation_along"]
+__all__ = ["Solids", "core_radius", "core_support", "separation_along", "solids_of"]
 
 
 class Solids(NamedTuple):
@@ -26,6 +44,21 @@ class Solids(NamedTuple):
     polyhedron: Ints
     span: Ints
     loop: Ints
+
+
+@kernel
+def solids_of(floats: Floats, ints: Ints) -> Solids:
+    """The tables of the shapes of an arena."""
+    return Solids(
+        floats_of(floats, ints, SHAPE),
+        floats_of(floats, ints, POSE),
+        floats_of(floats, ints, VERTEX),
+        floats_of(floats, ints, FACE),
+        ints_of(ints, SHAPE_KIND),
+        ints_of(ints, POLYHEDRON),
+        ints_of(ints, SPAN),
+        ints_of(ints, LOOP),
+    )
 
 
 @kernel

@@ -21,13 +21,11 @@ def touch_gap(setting: Floats) -> float:
 
 
 @kernel
-def begins(state: Floats, setting: Floats, i: int, j: int, n: Vec, point: Floats, at: int, points: int, ahead: float) -> bool:
-    """Whether bodies i and j, which look ahead so far [m], have a contact from the start of a swept step.
+def begins(state: Floats, setting: Floats, i: int, j: int, n: Vec, point: Floats, at: int, points: int) -> bool:
+    """Whether bodies i and j, a fast pair, have a contact from the start of a swept step, with the points from row `at` on.
 
     A contact would hold the bodies to the time stepping of the contact solver; a bounce flies on under its own.
     """
-    if ahead <= FAST * setting[0, MARGIN]:
-        return True
     slowest = math.inf
     for k in range(at, at + points):
         x = load3(point, k, PLACE)

@@ -7,26 +7,22 @@ Source: Ericson, Real-Time Collision Detection, sections 5.5.8 (interval of time
 
 import math
 
+from engine.broad.bounds import boxes_overlap
+from engine.broad.collision_filter import CollisionFilter, collision_filter_of, kept_apart
 from engine.compile.jit import entry, kernel
-from engine.contact.collide_convex import solids
 from engine.contact.manifolds import look_ahead, ordered
 from engine.maths.vec import Floats, Ints, axpy, load3, norm
 from engine.memory.arena import (
-    APART,
     BALL_RADIUS,
     BODIES,
     BODY,
     BODY_KIND,
     COUNT,
     DYNAMIC,
-    EXCLUDED,
-    EXCLUSIONS,
     GRAVITY,
     INV_MASS,
     LOAD,
     MARGIN,
-    MATERIAL,
-    MATERIALS,
     MOTION,
     OFFSET,
     OWNER,
@@ -34,14 +30,14 @@ from engine.memory.arena import (
     SETTING,
     SHAPES,
     STATE,
-    SURFACE,
     SWEPT,
     TOUCHED,
     TYPE,
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
-from engine.narrow.support import Solids, core_radius, core_support
+from engine.narrow.gjk import simplex_of
+from engine.narrow.support import Solids, core_radius, core_support, solids_of
 from engine.swept.begin import FAST, touch_gap
 from engine.swept.impact_time import impact_time
 from engine.swept.path import ACCELERATION, body_at, shape_at, write_path
@@ -76,37 +72,26 @@ def bound_path(t: Solids, path: Floats, s: int, span: float, bounds: Floats) -> 
 
 
 @kernel
-def may_strike(
-    t: Solids, kind: Ints, surface: Floats, materials: int, excluded: Ints, exclusions: int, bounds: Floats, i: int, j: int
-) -> bool:
-    """Whether shapes i and j come near each other, can move against each other, and are not kept apart."""
-    a, b = t.shape_kind[i, OWNER], t.shape_kind[j, OWNER]
-    if a == b or (kind[a, MOTION] != DYNAMIC and kind[b, MOTION] != DYNAMIC):
-        return False
-    for k in range(3):
-        if bounds[i, k] > bounds[j, k + 3] or bounds[j, k] > bounds[i, k + 3]:
-            return False
-    if surface[t.shape_kind[i, MATERIAL] * materials + t.shape_kind[j, MATERIAL], APART] == 1.0:
-        return False
-    for e in range(exclusions):
-        if (excluded[e, 0] == a and excluded[e, 1] == b) or (excluded[e, 0] == b and excluded[e, 1] == a):
-            return False
-    return not (t.shape_kind[i, TYPE] == PLANE and t.shape_kind[j, TYPE] == PLANE)
+def may_strike(rules: CollisionFilter, bounds: Floats, i: int, j: int) -> bool:
+    """Whether shapes i and j come near each other and are not kept apart."""
+    planes = rules.shape_kind[i, TYPE] == PLANE and rules.shape_kind[j, TYPE] == PLANE
+    return boxes_overlap(bounds, i, j) and not planes and not kept_apart(rules, i, j)
 
 
 @entry
 def earliest_impact(
-    floats: Floats, ints: Ints, start: Floats, span: float, path: Floats, bounds: Floats, order: Ints, work: Floats, key: Ints
-) -> float:
+    floats: Floats, ints: Ints, start: Floats, span: float, path: Floats, bounds: Floats, order: Ints
+) -> float:  # fmt: skip
     """The time [s] of the first impact on the way from the state `start` to the present one, `span` seconds later; inf if none.
 
     Args: start (bodies + 1, 13); path (bodies + 1, 16), bounds (shapes, 6), order (shapes,), a permutation: scratch, of which
-    the paths are of use afterwards; work, key: scratch of GJK and EPA.
+    the paths are of use afterwards.
     """
-    t, state, setting = solids(floats, ints), floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
+    t, simplex, rules = solids_of(floats, ints), simplex_of(floats, ints), collision_filter_of(floats, ints)
+    state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
     body, load = floats_of(floats, ints, BODY), floats_of(floats, ints, LOAD)
-    surface, kind, count = floats_of(floats, ints, SURFACE), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    excluded, shapes = ints_of(ints, EXCLUDED), count[0, SHAPES]
+    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    shapes = count[0, SHAPES]
     for b in range(count[0, BODIES] + 1):
         pull = (0.0, 0.0, 0.0)
         if kind[b, MOTION] == DYNAMIC and kind[b, TOUCHED] == 0:
@@ -126,12 +111,12 @@ def earliest_impact(
             i, j = order[at], order[to]
             if bounds[j, 0] > bounds[i, 3]:
                 break
-            if not may_strike(t, kind, surface, count[0, MATERIALS], excluded, count[0, EXCLUSIONS], bounds, i, j):
+            if not may_strike(rules, bounds, i, j):
                 continue
             a, b = ordered(t.shape_kind, min(i, j), max(i, j))
             if (
                 look_ahead(start, t.shape, t.shape_kind, a, b, setting, SWEPT) > fast
                 or look_ahead(path, t.shape, t.shape_kind, a, b, setting, SWEPT) > fast
             ):
-                best = min(best, impact_time(t, path, a, b, span, min(best, span), touch, work, key))
+                best = min(best, impact_time(t, path, a, b, span, min(best, span), touch, simplex))
     return best

@@ -17,8 +17,9 @@ import math
 
 from engine.compile.jit import kernel
 from engine.contact.manifolds import thinnest
-from engine.maths.vec import Floats, Ints, Vec, add, cross, dot, load3, neg, norm, sub
+from engine.maths.vec import Floats, Vec, add, cross, dot, load3, neg, norm, sub
 from engine.memory.arena import BALL_RADIUS, INNER, OFFSET, OWNER, PLANE, TRIANGLE, TYPE, P, W
+from engine.narrow.gjk import Simplex
 from engine.narrow.support import Solids, core_radius
 from engine.narrow.triangle import leans_over
 from engine.swept.path import body_at, shape_at, velocity_of
@@ -82,15 +83,13 @@ def closing_speed(t: Solids, path: Floats, a: int, b: int, time: float, n: Vec, 
 
 
 @kernel
-def sharpen(
-    t: Solids, path: Floats, a: int, b: int, time: float, earliest: float, size: float, work: Floats, key: Ints
-) -> float:
+def sharpen(t: Solids, path: Floats, a: int, b: int, time: float, earliest: float, size: float, simplex: Simplex) -> float:
     """Newton's method for the zero of the gap near `time`, not before `earliest`."""
     last, best = math.inf, time
     for _ in range(NEWTON):
         shape_at(path, t.shape, t.shape_kind, a, time, t.pose)
         shape_at(path, t.shape, t.shape_kind, b, time, t.pose)
-        gap, n, xa, xb = separation(t, a, b, work, key)
+        gap, n, xa, xb = separation(t, a, b, simplex)
         if abs(gap) >= last:
             break
         last, best = abs(gap), time
@@ -103,8 +102,8 @@ def sharpen(
 
 @kernel
 def impact_time(
-    t: Solids, path: Floats, a: int, b: int, span: float, before: float, touch: float, work: Floats, key: Ints
-) -> float:
+    t: Solids, path: Floats, a: int, b: int, span: float, before: float, touch: float, simplex: Simplex
+) -> float:  # fmt: skip
     """The time [s] within `before` at which shapes a and b, type of a <= type of b, strike; inf if they do not.
 
     Args: span [s]: how long the paths last; before [s]: later impacts are of no interest; touch [m]: gaps below are closed.
@@ -119,7 +118,7 @@ def impact_time(
             out = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
             if dot(sub(load3(t.pose, a, 0), load3(t.pose, b, 0)), out) < 0.0:
                 return math.inf
-        gap, n, xa, xb = separation(t, a, b, work, key)
+        gap, n, xa, xb = separation(t, a, b, simplex)
         if k == 0 and gap <= touch:
             # A bounce: past the moment of touch, the pair is apart like any other.
             parting = -closing_speed(t, path, a, b, time, n, xa, xb)
@@ -129,7 +128,7 @@ def impact_time(
         if sinking == -math.inf and gap <= touch:
             # What would not sink in by more than `touch` in the time left rests, slides, or passes by.
             if k > 0 and closing_speed(t, path, a, b, time, n, xa, xb) * (span - time) > touch:
-                time = sharpen(t, path, a, b, time, earlier, size, work, key)
+                time = sharpen(t, path, a, b, time, earlier, size, simplex)
                 return time if time < before else math.inf
             sinking = min(gap, 0.0) - SINKS * thin
         left = gap if sinking == -math.inf else gap - sinking

@@ -72,7 +72,6 @@ class SweptSteps:
         self._dt, self._trial, self._search = options.dt, step, search
         self._path, self._bounds = np.zeros((bodies + 1, PATH_COLUMNS)), np.zeros((shapes, 6))
         self._order = np.arange(shapes)
-        self._work, self._key = np.zeros((560, 10)), np.zeros((560, 6), np.int64)
         self._left, self._done, self._strikes = 0.0, 0, False
         self._parts: list[Earlier] = []
         self.impacts = Impacts()
@@ -121,9 +120,7 @@ class SweptSteps:
                 return status
             time = math.inf
             if follows:
-                time = earliest_impact(
-                    floats, ints, start, self._left, self._path, self._bounds, self._order, self._work, self._key
-                )
+                time = earliest_impact(floats, ints, start, self._left, self._path, self._bounds, self._order)
             if not time < self._left:
                 break
             count[at.MANIFOLDS] = manifolds

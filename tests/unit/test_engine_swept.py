@@ -56,8 +56,7 @@ def _impact(bodies: Sequence[engine.Body], span: float = DT) -> float:
         row[3:7] = turn.as_quat(scalar_first=True)
     shapes = len(float_table(floats, ints, at.SHAPE))
     path, bounds = np.zeros((len(start), 16)), np.zeros((shapes, 6))
-    work, key = np.zeros((560, 10)), np.zeros((560, 6), np.int64)
-    return float(earliest_impact(floats, ints, start, span, path, bounds, np.arange(shapes), work, key))
+    return float(earliest_impact(floats, ints, start, span, path, bounds, np.arange(shapes)))
 
 
 @pytest.mark.parametrize("speed", [1.0, 20.0, 500.0])

@@ -1,0 +1,67 @@
+"""Which pairs of shapes never touch, whatever their bounds."""
+
+from typing import NamedTuple
+
+from engine.compile.jit import inlined, kernel
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import (
+    APART,
+    BODY_KIND,
+    COUNT,
+    DYNAMIC,
+    EXCLUDED,
+    EXCLUSIONS,
+    MATERIAL,
+    MATERIALS,
+    MOTION,
+    OWNER,
+    SHAPE_KIND,
+    SURFACE,
+)
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["CollisionFilter", "collision_filter_of", "kept_apart"]
+
+
+class CollisionFilter(NamedTuple):
+    """What decides whether two shapes may touch.
+
+    Terms: kind: motion of bodies; shape_kind: owner and material of shapes; surface: law of each pair of materials; excluded:
+    pairs of bodies that a joint keeps apart.
+    """
+
+    kind: Ints
+    shape_kind: Ints
+    surface: Floats
+    materials: int
+    excluded: Ints
+    exclusions: int
+
+
+@kernel
+def collision_filter_of(floats: Floats, ints: Ints) -> CollisionFilter:
+    """The filter of an arena."""
+    count = ints_of(ints, COUNT)
+    return CollisionFilter(
+        ints_of(ints, BODY_KIND),
+        ints_of(ints, SHAPE_KIND),
+        floats_of(floats, ints, SURFACE),
+        count[0, MATERIALS],
+        ints_of(ints, EXCLUDED),
+        count[0, EXCLUSIONS],
+    )
+
+
+@inlined
+def kept_apart(rules: CollisionFilter, i: int, j: int) -> bool:
+    """Whether shapes i and j never touch: neither can move, or they belong to one body, or a joint or material parts them."""
+    a, b = rules.shape_kind[i, OWNER], rules.shape_kind[j, OWNER]
+    if a == b or (rules.kind[a, MOTION] != DYNAMIC and rules.kind[b, MOTION] != DYNAMIC):
+        return True
+    if rules.surface[rules.shape_kind[i, MATERIAL] * rules.materials + rules.shape_kind[j, MATERIAL], APART] == 1.0:
+        return True
+    for e in range(rules.exclusions):
+        one, two = rules.excluded[e, 0], rules.excluded[e, 1]
+        if (one == a and two == b) or (one == b and two == a):
+            return True
+    return False

@@ -1,0 +1,88 @@
+"""The tables of the stages of contact, handed on as one thing: the pairs, the laws, and the manifolds of the last step."""
+
+from typing import NamedTuple
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import (
+    CONVEX_KEY,
+    CONVEX_NORMAL,
+    CONVEX_POINT,
+    CONVEX_POINT_KEY,
+    COUNT,
+    HEAD,
+    NEXT,
+    OLD_KEY,
+    OLD_MANIFOLD,
+    OLD_POINT,
+    OLD_POINT_KEY,
+    PAIR,
+    SETTING,
+    SURFACE,
+)
+from engine.memory.carve import floats_of, ints_of
+
+__all__ = ["OldContacts", "Pairs", "Rules", "old_contacts_of", "pairs_of", "rules_of"]
+
+
+class Pairs(NamedTuple):
+    """The pairs of shapes of a step, and the answers of the convex narrow phase.
+
+    Terms: pair: two shapes; points: their number; normal: from A to B; point, point_key: points and features, four rows a pair.
+    """
+
+    pair: Ints
+    points: Ints
+    normal: Floats
+    point: Floats
+    point_key: Ints
+
+
+class Rules(NamedTuple):
+    """The settings and the numbers of a world, and the law of each pair of materials."""
+
+    setting: Floats
+    numbers: Ints
+    surface: Floats
+
+
+class OldContacts(NamedTuple):
+    """The manifolds of the last step and their points, and for each shape the list of those of which it is the first."""
+
+    manifold: Floats
+    point: Floats
+    key: Ints
+    point_key: Ints
+    head: Ints
+    following: Ints
+
+
+@kernel
+def pairs_of(floats: Floats, ints: Ints) -> Pairs:
+    """The pairs of an arena."""
+    return Pairs(
+        ints_of(ints, PAIR),
+        ints_of(ints, CONVEX_KEY),
+        floats_of(floats, ints, CONVEX_NORMAL),
+        floats_of(floats, ints, CONVEX_POINT),
+        ints_of(ints, CONVEX_POINT_KEY),
+    )
+
+
+@kernel
+def rules_of(floats: Floats, ints: Ints) -> Rules:
+    """The settings and laws of an arena."""
+    return Rules(floats_of(floats, ints, SETTING), ints_of(ints, COUNT), floats_of(floats, ints, SURFACE))
+
+
+@kernel
+def old_contacts_of(floats: Floats, ints: Ints) -> OldContacts:
+    """The contacts that an arena keeps of the last step."""
+    return OldContacts(
+        floats_of(floats, ints, OLD_MANIFOLD),
+        floats_of(floats, ints, OLD_POINT),
+        ints_of(ints, OLD_KEY),
+        ints_of(ints, OLD_POINT_KEY),
+        ints_of(ints, HEAD),
+        ints_of(ints, NEXT),
+    )

@@ -1,0 +1,40 @@
+"""One shape in W, as the pairs with a closed form take it: numbers that the compiler keeps in registers."""
+
+from typing import NamedTuple
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Mat, Vec, load3, load9
+from engine.memory.arena import SIZE
+from engine.narrow.support import Solids
+
+__all__ = ["Solid", "axis_of", "moved", "solid_of"]
+
+
+class Solid(NamedTuple):
+    """One shape.
+
+    Terms: p [m]: its centre in W, of a plane any point of it; m: rotation matrix, its own axes as columns; size [m]: radius |
+    half extents | radius, half length.
+    """
+
+    p: Vec
+    m: Mat
+    size: Vec
+
+
+@kernel
+def solid_of(t: Solids, s: int) -> Solid:
+    """Shape s, where it is now."""
+    return Solid(load3(t.pose, s, 0), load9(t.pose, s, 3), load3(t.shape, s, SIZE))
+
+
+@kernel
+def axis_of(solid: Solid) -> Vec:
+    """The third axis of a shape in W: of a capsule and a cylinder their own, of a plane the normal."""
+    return solid.m[2], solid.m[5], solid.m[8]
+
+
+@kernel
+def moved(solid: Solid, p: Vec) -> Solid:
+    """The same shape with its centre at p."""
+    return Solid(p, solid.m, solid.size)

@@ -52,7 +52,7 @@ def write_bounds(
 ) -> None:
     """Write the axis-aligned bounds [m] of every shape, widened by the margin and by its way in dt, and by how much.
 
-    Two shapes together are widened by no less than `manifolds.look_ahead`, so that no contact depends on the bounds.
+    Two shapes together are widened by no less than `look_ahead`, so that no contact depends on the bounds.
     """
     dt = setting[0, WHOLE_STEP]
     least = setting[0, MARGIN] + 0.5 * dt * dt * norm(load3(setting, 0, GRAVITY))

@@ -1,12 +1,12 @@
 """The convex narrow phase of one step, compiled only where two shapes without a closed form come near each other."""
 
 from engine.compile.jit import entry
-from engine.contact.manifolds import look_ahead, ordered, thinnest
+from engine.contact.look_ahead import look_ahead, thinnest
 from engine.contact.tables import pairs_of, rules_of
 from engine.maths.vec import Floats, Ints, store3
 from engine.memory.arena import CONTINUOUS, CONVEX_READY, PAIRS, PLANE, POLYGON, POLYGON_KEY, STATE, TYPE
 from engine.memory.carve import floats_of, ints_of
-from engine.narrow.collide import is_convex_pair
+from engine.narrow.collide import is_convex_pair, ordered
 from engine.narrow.convex import convex_contact, plane_contact
 from engine.narrow.gjk import simplex_of
 from engine.narrow.point import Points

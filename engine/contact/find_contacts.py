@@ -6,9 +6,10 @@ Where every body is still, a step may keep the contacts of the last one and run 
 from engine.broad.bounds import brute_force, pose_shapes, write_bounds
 from engine.broad.collision_filter import collision_filter_of
 from engine.compile.jit import kernel
-from engine.contact.manifolds import build_manifolds, keep_old, ordered, start_anew
+from engine.contact.manifolds import build_manifolds
 from engine.contact.stillness import keep_rest, mark_still
 from engine.contact.tables import old_contacts_of, pairs_of, rules_of
+from engine.contact.warm_starting import keep_old, start_anew
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
     BODIES,
@@ -28,10 +29,9 @@ from engine.memory.arena import (
     TYPE,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import bodies_of, contacts_of
-from engine.narrow.collide import is_convex_pair
+from engine.memory.tables import bodies_of, contacts_of, shapes_of
+from engine.narrow.collide import is_convex_pair, ordered
 from engine.narrow.point import Points
-from engine.narrow.support import solids_of
 
 __all__ = ["find_contacts", "keep_contacts"]
 
@@ -55,26 +55,26 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     Returns: 0, or 2 if the arena has no room for all pairs, or 3 if pairs wait for the convex narrow phase; then nothing has
     changed but the list of pairs.
     """
-    bodies, t, rules, pairs = bodies_of(floats, ints), solids_of(floats, ints), rules_of(floats, ints), pairs_of(floats, ints)
-    new, old = contacts_of(floats, ints), old_contacts_of(floats, ints)
+    bodies, shapes, rules = bodies_of(floats, ints), shapes_of(floats, ints), rules_of(floats, ints)
+    pairs, new, old = pairs_of(floats, ints), contacts_of(floats, ints), old_contacts_of(floats, ints)
     bounds, rest = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, REST)
     state, kind, setting, count = bodies.state, bodies.kind, rules.setting, rules.numbers
     mark_still(state, bodies.body, kind, rest, count[0, BODIES], setting[0, DT], setting[0, MARGIN])
     if count[0, BROAD] == 0:
-        pose_shapes(state, t.shape, t.shape_kind, count[0, SHAPES], t.pose)
-        write_bounds(state, t.shape, t.shape_kind, count[0, SHAPES], t.pose, bounds, setting)
-        count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, t.pose, count[0, SHAPES], pairs.pair)
+        pose_shapes(state, shapes.shape, shapes.kind, count[0, SHAPES], shapes.pose)
+        write_bounds(state, shapes.shape, shapes.kind, count[0, SHAPES], shapes.pose, bounds, setting)
+        count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, shapes.pose, count[0, SHAPES], pairs.pair)
     if count[0, PAIRS] > pairs.pair.shape[0]:
         return 2
     for p in range(count[0, PAIRS]):
-        a, b = ordered(t.shape_kind, pairs.pair[p, 0], pairs.pair[p, 1])
-        if count[0, CONVEX_READY] == 0 and is_convex_pair(t.shape_kind[a, TYPE], t.shape_kind[b, TYPE]):
+        a, b = ordered(shapes.kind, pairs.pair[p, 0], pairs.pair[p, 1])
+        if count[0, CONVEX_READY] == 0 and is_convex_pair(shapes.kind[a, TYPE], shapes.kind[b, TYPE]):
             return 3
     count[0, CONVEX_READY] = 0
     for b in range(count[0, BODIES] + 1):
         kind[b, TOUCHED] = 0
     keep_old(kind, count, new, old)
     out = Points(new.point, new.point_key, floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY))
-    build_manifolds(bodies, t, rules, pairs, new, old, out)
+    build_manifolds(bodies, shapes, rules, pairs, new, old, out)
     keep_rest(state, kind, rest, count[0, BODIES])
     return 0

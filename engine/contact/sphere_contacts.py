@@ -6,7 +6,8 @@ Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative 
 from engine.broad.bounds import brute_force, pose_shapes, write_bounds
 from engine.broad.collision_filter import collision_filter_of
 from engine.compile.jit import kernel
-from engine.contact.manifolds import AT_REST, look_ahead
+from engine.contact.look_ahead import look_ahead
+from engine.contact.manifolds import AT_REST
 from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, scale, store3, sub
 from engine.memory.arena import (
     BODIES,
@@ -85,20 +86,20 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import Shapes, shapes_of
 from engine.narrow.box_pairs import sphere_box
 from engine.narrow.point import Points
 from engine.narrow.round_pairs import sphere_plane
 from engine.narrow.solid import solid_of
-from engine.narrow.support import Solids, solids_of
 
 __all__ = ["find_touches"]
 
 
 @kernel
-def against_static(t: Solids, a: int, b: int, margin: float, out: Points) -> tuple[int, Vec]:
+def against_static(shapes: Shapes, a: int, b: int, margin: float, out: Points) -> tuple[int, Vec]:
     """Sphere a against box or plane b, written on row 0 of `out`. Returns: points, normal."""
-    one, two = solid_of(t, a), solid_of(t, b)
-    if t.shape_kind[b, TYPE] == BOX:
+    one, two = solid_of(shapes, a), solid_of(shapes, b)
+    if shapes.kind[b, TYPE] == BOX:
         return sphere_box(one, two, margin, out, 0)
     return sphere_plane(one, two, margin, out, 0)
 
@@ -118,8 +119,8 @@ def gather(floats: Floats, ints: Ints) -> None:
 @kernel
 def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     """Run the narrow phase on all pairs and take over the impulses of those that touched in the last step."""
-    solids, surface = solids_of(floats, ints), floats_of(floats, ints, SURFACE)
-    shape, pose, shape_kind = solids.shape, solids.pose, solids.shape_kind
+    tables, surface = shapes_of(floats, ints), floats_of(floats, ints, SURFACE)
+    shape, pose, shape_kind = tables
     touch, rest, old = floats_of(floats, ints, TOUCH), floats_of(floats, ints, TOUCH_REST), floats_of(floats, ints, OLD_TOUCH)
     state, mover, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, MOVER), floats_of(floats, ints, SETTING)
     points = Points(
@@ -155,7 +156,7 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
         else:
             is_round, rb = 0, 0.0
             margin = look_ahead(state, shape, shape_kind, a, b, setting, continuous)
-            touching, n = against_static(solids, a, b, margin, points)
+            touching, n = against_static(tables, a, b, margin, points)
             if touching == 0:
                 continue
             gap, place = points.point[0, FIRST_GAP], load3(points.point, 0, PLACE)

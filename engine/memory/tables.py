@@ -12,12 +12,15 @@ from engine.memory.arena import (
     MANIFOLD_KEY,
     POINT,
     POINT_KEY,
+    POSE,
+    SHAPE,
+    SHAPE_KIND,
     STATE,
     TURNED,
 )
 from engine.memory.carve import floats_of, ints_of
 
-__all__ = ["Bodies", "Contacts", "bodies_of", "contacts_of"]
+__all__ = ["Bodies", "Contacts", "Shapes", "bodies_of", "contacts_of", "shapes_of"]
 
 
 class Bodies(NamedTuple):
@@ -37,6 +40,14 @@ class Contacts(NamedTuple):
     point: Floats
     key: Ints
     point_key: Ints
+
+
+class Shapes(NamedTuple):
+    """Sizes, poses in W, and types of shapes."""
+
+    shape: Floats
+    pose: Floats
+    kind: Ints
 
 
 @kernel
@@ -60,3 +71,9 @@ def contacts_of(floats: Floats, ints: Ints) -> Contacts:
         ints_of(ints, MANIFOLD_KEY),
         ints_of(ints, POINT_KEY),
     )
+
+
+@kernel
+def shapes_of(floats: Floats, ints: Ints) -> Shapes:
+    """The tables of the shapes of an arena."""
+    return Shapes(floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), ints_of(ints, SHAPE_KIND))

@@ -100,7 +100,8 @@ def edge_edge(a: Solid, b: Solid, code: int, n: Vec, gap: float, out: Points, at
     Args: code: 6 + 3 i + j, where n is the cross product of axis i of A and axis j of B. Returns: the number of points.
     """
     i, j = (code - 6) // 3, (code - 6) % 3
-    (x, ma, ha), (y, mb, hb) = a, b
+    x, ma, ha = a
+    y, mb, hb = b
     for k in range(3):
         if k != i:
             x = axpy(math.copysign(ha[k], dot(column(ma, k), n)), column(ma, k), x)
@@ -125,7 +126,8 @@ def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: floa
 
     Args: code: the axis of that face, and 3 more if it is one of B. Returns: the number of points.
     """
-    (pr, mr, hr), (pi, mi, hi) = reference, incident
+    pr, mr, hr = reference
+    pi, mi, hi = incident
     clip, clip_key = out.polygon, out.polygon_key
     face = code % 3
     one, two = (face + 1) % 3, (face + 2) % 3

@@ -1,20 +1,26 @@
 """Choose the narrow phase of a pair by the types of its shapes; the lower type is always shape A."""
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec
+from engine.maths.vec import Ints, Vec
 from engine.memory.arena import BOX, CAPSULE, CYLINDER, HULL, PLANE, SPHERE, TYPE
+from engine.memory.tables import Shapes
 from engine.narrow.box_box import box_box
 from engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
 from engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
 from engine.narrow.point import Points
 from engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
 from engine.narrow.solid import solid_of
-from engine.narrow.support import Solids
 
-__all__ = ["UNKNOWN", "collide", "is_convex_pair"]
+__all__ = ["UNKNOWN", "collide", "is_convex_pair", "ordered"]
 
 UNKNOWN = -1
 """The number of points of a pair of shapes that has no narrow phase."""
+
+
+@kernel
+def ordered(shape_kind: Ints, one: int, two: int) -> tuple[int, int]:
+    """Two shapes, that of the lower type first."""
+    return (two, one) if shape_kind[one, TYPE] > shape_kind[two, TYPE] else (one, two)
 
 
 @kernel
@@ -24,13 +30,13 @@ def is_convex_pair(ta: int, tb: int) -> bool:
 
 
 @kernel
-def collide(t: Solids, a: int, b: int, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def collide(shapes: Shapes, a: int, b: int, margin: float, out: Points, at: int) -> tuple[int, Vec]:
     """Write the contact points of shapes a and b, type of a <= type of b, from row `at` on.
 
     Returns: the number of points closer than the margin or UNKNOWN, and the normal from a to b.
     """
-    ta, tb = t.shape_kind[a, TYPE], t.shape_kind[b, TYPE]
-    one, two = solid_of(t, a), solid_of(t, b)
+    ta, tb = shapes.kind[a, TYPE], shapes.kind[b, TYPE]
+    one, two = solid_of(shapes, a), solid_of(shapes, b)
     if ta == SPHERE:
         if tb == SPHERE:
             return sphere_sphere(one, two, margin, out, at)

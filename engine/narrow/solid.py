@@ -5,7 +5,7 @@ from typing import NamedTuple
 from engine.compile.jit import kernel
 from engine.maths.vec import Mat, Vec, load3, load9
 from engine.memory.arena import SIZE
-from engine.narrow.support import Solids
+from engine.memory.tables import Shapes
 
 __all__ = ["Solid", "axis_of", "moved", "solid_of"]
 
@@ -23,9 +23,9 @@ class Solid(NamedTuple):
 
 
 @kernel
-def solid_of(t: Solids, s: int) -> Solid:
+def solid_of(shapes: Shapes, s: int) -> Solid:
     """Shape s, where it is now."""
-    return Solid(load3(t.pose, s, 0), load9(t.pose, s, 3), load3(t.shape, s, SIZE))
+    return Solid(load3(shapes.pose, s, 0), load9(shapes.pose, s, 3), load3(shapes.shape, s, SIZE))
 
 
 @kernel

@@ -10,7 +10,7 @@ import math
 from engine.broad.bounds import boxes_overlap
 from engine.broad.collision_filter import CollisionFilter, collision_filter_of, kept_apart
 from engine.compile.jit import entry, kernel
-from engine.contact.manifolds import look_ahead, ordered
+from engine.contact.look_ahead import look_ahead
 from engine.maths.vec import Floats, Ints, axpy, load3, norm
 from engine.memory.arena import (
     BALL_RADIUS,
@@ -36,6 +36,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.narrow.collide import ordered
 from engine.narrow.gjk import simplex_of
 from engine.narrow.support import Solids, core_radius, core_support, solids_of
 from engine.swept.begin import FAST, touch_gap

@@ -16,7 +16,7 @@ Collision, GDC 2013 (a root of the separating function; sinking targets of touch
 import math
 
 from engine.compile.jit import kernel
-from engine.contact.manifolds import thinnest
+from engine.contact.look_ahead import thinnest
 from engine.maths.vec import Floats, Vec, add, cross, dot, load3, neg, norm, sub
 from engine.memory.arena import BALL_RADIUS, INNER, OFFSET, OWNER, PLANE, TRIANGLE, TYPE, P, W
 from engine.narrow.gjk import Simplex

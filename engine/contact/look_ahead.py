@@ -1,0 +1,58 @@
+"""How far apart two shapes may be and still be given a contact for the coming step."""
+
+import math
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, load3, norm, sub
+from engine.memory.arena import (
+    BALL_RADIUS,
+    BOX,
+    CYLINDER,
+    HULL,
+    MARGIN,
+    OFF,
+    OFFSET,
+    OWNER,
+    SIZE,
+    SPHERE,
+    TRIANGLE,
+    TYPE,
+    WHOLE_STEP,
+    V,
+    W,
+)  # fmt: skip
+
+__all__ = ["look_ahead", "thinnest"]
+
+
+@kernel
+def thinnest(shape: Floats, shape_kind: Ints, s: int) -> float:
+    """Half the smallest width of a shape [m]; inf for planes and triangles, which bound a solid."""
+    if shape_kind[s, TYPE] == CYLINDER:
+        return float(min(shape[s, SIZE], shape[s, SIZE + 1]))
+    if shape_kind[s, TYPE] == BOX or shape_kind[s, TYPE] == HULL:
+        return float(min(min(shape[s, SIZE], shape[s, SIZE + 1]), shape[s, SIZE + 2]))
+    if shape_kind[s, TYPE] == TRIANGLE:
+        return math.inf
+    return float(shape[s, SIZE]) if shape[s, BALL_RADIUS] < math.inf else math.inf
+
+
+@kernel
+def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, setting: Floats, continuous: int) -> float:
+    """How far apart [m] two shapes may be and still be given a contact for this step: the way they may go towards each other.
+
+    Without continuous collision it ends at half the thickness of the thinner shape, so that a fast body passes a thin wall. A
+    swept step that goes on in parts looks as far ahead as the whole of it, so that a pair stays fast or slow.
+    """
+    i, j = shape_kind[a, OWNER], shape_kind[b, OWNER]
+    dt = setting[0, WHOLE_STEP]
+    speed = norm(sub(load3(state, j, V), load3(state, i, V)))
+    for s, owner in ((a, i), (b, j)):
+        if shape[s, BALL_RADIUS] < math.inf:
+            # Turning does not move the surface of a ball, but for its centre.
+            swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if shape_kind[s, TYPE] != SPHERE else 0.0)
+            speed += norm(load3(state, owner, W)) * swing
+    way = setting[0, MARGIN] + dt * (speed + dt * norm(load3(setting, 0, 1)))
+    if continuous == OFF:
+        way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
+    return float(way)

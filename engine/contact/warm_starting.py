@@ -1,0 +1,117 @@
+"""What a manifold takes over from the last step: the impulses of its points, or, where both bodies are still, all of it.
+
+Points match when shapes and feature are the same, or, where a corner has just crossed an edge and so changed its feature, when
+they lie close together.
+
+Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, Iterative Dynamics with Temporal Coherence,
+GDC 2005.
+"""
+
+from engine.compile.jit import kernel
+from engine.contact.tables import OldContacts
+from engine.maths.vec import Floats, Ints, add, load3, norm, store3, sub
+from engine.memory.arena import (
+    ARM_A,
+    BODY_A,
+    BODY_B,
+    FIRST_GAP,
+    MANIFOLDS,
+    NORMAL_IMPULSE,
+    OLD_MANIFOLDS,
+    PLACE,
+    POINTS,
+    SEPARATION,
+    SHAPE_A,
+    SHAPE_B,
+    SHAPES,
+    SLIPS,
+    SPIN_IMPULSE,
+    STILL,
+    SUM,
+    TANGENT_IMPULSE,
+    P,
+)  # fmt: skip
+from engine.memory.tables import Contacts
+
+__all__ = ["carry_over", "keep_old", "last_manifold", "start_anew", "take_over"]
+
+
+@kernel
+def keep_old(kind: Ints, count: Ints, new: Contacts, old: OldContacts) -> None:
+    """Move the last step's manifolds aside and list them by their first shape; those of still bodies whole."""
+    n = count[0, MANIFOLDS]
+    count[0, OLD_MANIFOLDS] = n
+    for s in range(count[0, SHAPES]):
+        old.head[s, 0] = -1
+    for m in range(n):
+        for c in range(old.manifold.shape[1]):
+            old.manifold[m, c] = new.manifold[m, c]
+        for c in range(old.key.shape[1]):
+            old.key[m, c] = new.key[m, c]
+        still = kind[new.key[m, BODY_A], STILL] == 1 and kind[new.key[m, BODY_B], STILL] == 1
+        for at in range(4 * m, 4 * m + new.key[m, POINTS]):
+            for c in range(0 if still else NORMAL_IMPULSE, old.point.shape[1] if still else TANGENT_IMPULSE + 3):
+                old.point[at, c] = new.point[at, c]
+            store3(old.point, at, PLACE, load3(new.point, at, PLACE))
+            old.point_key[at, 0] = new.point_key[at, 0]
+        s = new.key[m, SHAPE_A]
+        old.following[m, 0] = old.head[s, 0]
+        old.head[s, 0] = m
+
+
+@kernel
+def last_manifold(old: OldContacts, a: int, b: int) -> int:
+    """The row of the manifold that shapes a and b had in the last step, or -1."""
+    m = old.head[a, 0]
+    while m >= 0 and old.key[m, SHAPE_B] != b:
+        m = old.following[m, 0]
+    return int(m)
+
+
+@kernel
+def matching_point(new: Contacts, i: int, old: OldContacts, m: int, near: float) -> int:
+    """The row of the point of old manifold m with the feature of point i, else of the closest within `near` [m], else -1."""
+    best, closest = -1, near
+    for other in range(4 * m, 4 * m + old.key[m, POINTS]):
+        if old.point_key[other, 0] == new.point_key[i, 0]:
+            return other
+        apart = norm(sub(load3(old.point, other, PLACE), load3(new.point, i, PLACE)))
+        if apart < closest:
+            best, closest = other, apart
+    return best
+
+
+@kernel
+def take_over(new: Contacts, row: int, old: OldContacts, m: int) -> None:
+    """Take old manifold m over as it was."""
+    for c in range(old.manifold.shape[1]):
+        new.manifold[row, c] = old.manifold[m, c]
+    for c in range(old.key.shape[1]):
+        new.key[row, c] = old.key[m, c]
+    for k in range(old.key[m, POINTS]):
+        for c in range(old.point.shape[1]):
+            new.point[4 * row + k, c] = old.point[4 * m + k, c]
+        new.point_key[4 * row + k, 0] = old.point_key[4 * m + k, 0]
+
+
+@kernel
+def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) -> None:
+    """Begin a step with the manifolds first..end - 1 as they are; `refresh` has put their points where the bodies are now."""
+    for m in range(first, end):
+        pa = load3(state, key[m, BODY_A], P)
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            point[i, FIRST_GAP] = point[i, SEPARATION]
+            store3(point, i, PLACE, add(pa, load3(point, i, ARM_A)))
+            store3(point, i, SUM, (0.0, 0.0, 0.0))
+
+
+@kernel
+def carry_over(new: Contacts, row: int, old: OldContacts, m: int, near: float) -> None:
+    """Start a manifold with the impulses of old manifold m, point by point; points within `near` [m] match."""
+    new.key[row, SLIPS] = old.key[m, SLIPS]
+    store3(new.manifold, row, SPIN_IMPULSE, load3(old.manifold, m, SPIN_IMPULSE))
+    for i in range(4 * row, 4 * row + new.key[row, POINTS]):
+        twin = matching_point(new, i, old, m, near)
+        if twin >= 0:
+            new.point[i, NORMAL_IMPULSE] = old.point[twin, NORMAL_IMPULSE]
+            store3(new.point, i, TANGENT_IMPULSE, load3(old.point, twin, TANGENT_IMPULSE))

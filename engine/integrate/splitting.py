@@ -15,40 +15,23 @@ from typing import Final
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.integrate.finite_state import is_finite
 from engine.integrate.free_body import (
+    Rotor,
     from_principal,
     is_pushed,
     kicked_spin,
     kicked_velocity,
+    push_on,
+    rotor_of,
     to_principal,
     turned_by,
     velocities_of,
 )
+from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_third
 from engine.maths.vec import Floats, Ints, Quat, Vec, axpy, load3, scale, store3
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    BODIES,
-    BODY,
-    BODY_KIND,
-    COUNT,
-    DT,
-    GRAVITY,
-    GYROSCOPIC,
-    INV_MASS,
-    LINEAR_DAMPING,
-    LOAD,
-    MOMENTS,
-    PRINCIPAL,
-    SETTING,
-    STATE,
-    STEPS,
-    SUBSTEPS,
-    P,
-    V,
-)  # fmt: skip
-from engine.memory.carve import floats_of, ints_of
+from engine.memory.arena import P, V
+from engine.memory.tables import Bodies
 
 __all__ = ["KAHAN_LI_8", "SUZUKI_4", "step_splitting_4", "step_splitting_8"]
 
@@ -74,10 +57,9 @@ def free_rotor(q: Quat, m: Vec, moments: Vec, weights: Floats, h: float) -> tupl
 
 
 @kernel
-def kicked_rotor(
-    q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, weights: Floats, h: float, gyroscopic: int
-) -> tuple[Quat, Vec]:
-    """The composition under a torque [N m] in W and angular damping [1/s]."""
+def kicked_rotor(q: Quat, m: Vec, rotor: Rotor, weights: Floats, h: float) -> tuple[Quat, Vec]:
+    """The composition under torque and angular damping."""
+    tau, d, moments, gyroscopic = rotor
     for weight in weights:
         g = weight * h
         m = kicked_spin(q, m, tau, d, 0.5 * g)
@@ -94,59 +76,41 @@ def kicked_rotor(
 
 
 @kernel
-def splitting(
-    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, weights: Floats,
-    h: float, gyroscopic: int,
-) -> None:  # fmt: skip
-    """Advance body b by h."""
-    if not is_pushed(state, kind, b, h):
-        return
-    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
+def splitting(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int, weights: Floats) -> bool:
+    """Advance body b by h by the composition with these weights. Returns: True."""
+    if not is_pushed(bodies, b, h):
+        return True
+    state, push = bodies.state, push_on(bodies, setting, b)
+    a, c = push.acceleration, push.damping
     p, v = load3(state, b, P), load3(state, b, V)
     if c == 0.0:
         # A constant acceleration is kicked and drifted exactly, whatever the composition.
         p, v = axpy(0.5 * h * h, a, axpy(h, v, p)), axpy(h, a, v)
     else:
         for weight in weights:
-            v = kicked_velocity(v, a, c, 0.5 * weight * h)
+            v = kicked_velocity(v, push, 0.5 * weight * h)
             p = axpy(weight * h, v, p)
-            v = kicked_velocity(v, a, c, 0.5 * weight * h)
+            v = kicked_velocity(v, push, 0.5 * weight * h)
     store3(state, b, P, p)
     store3(state, b, V, v)
 
-    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
+    rotor = rotor_of(bodies, principal, b, gyroscopic)
     q, m = to_principal(state, principal, b)
-    if gyroscopic == 1 and d == 0.0 and tau == (0.0, 0.0, 0.0):
-        q, m = free_rotor(q, m, moments, weights, h)
+    if gyroscopic == 1 and rotor.damping == 0.0 and rotor.torque == (0.0, 0.0, 0.0):
+        q, m = free_rotor(q, m, rotor.moments, weights, h)
     else:
-        q, m = kicked_rotor(q, m, moments, tau, d, weights, h, gyroscopic)
+        q, m = kicked_rotor(q, m, rotor, weights, h)
     from_principal(state, principal, b, q, m)
-
-
-@kernel
-def step_splitting(floats: Floats, ints: Ints, steps: int, weights: Floats) -> tuple[int, int]:
-    """Advance bodies that nothing touches by the composition with these weights."""
-    state, body, principal = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, PRINCIPAL)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    for step in range(steps):
-        for _ in range(count[0, SUBSTEPS]):
-            for b in range(count[0, BODIES]):
-                splitting(state, body, principal, kind, load, setting, b, weights, h, gyroscopic)
-        count[0, STEPS] += 1
-        if not is_finite(state, count[0, BODIES]):
-            return step + 1, 1
-    return steps, 0
+    return True
 
 
 @entry
 def step_splitting_4(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Suzuki's composition. Returns: steps done, and 0 or 1 if the state stopped being finite."""
-    return step_splitting(floats, ints, steps, SUZUKI_4)
+    """Suzuki's composition for bodies that nothing touches. Returns: as `advance_free`."""
+    return advance_free(floats, ints, steps, splitting, SUZUKI_4)
 
 
 @entry
 def step_splitting_8(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Kahan and Li's composition. Returns: as `step_splitting_4`."""
-    return step_splitting(floats, ints, steps, KAHAN_LI_8)
+    """Kahan and Li's composition for bodies that nothing touches. Returns: as `advance_free`."""
+    return advance_free(floats, ints, steps, splitting, KAHAN_LI_8)

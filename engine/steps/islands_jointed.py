@@ -37,7 +37,7 @@ def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status
-    return steps, open_joint(floats, ints, 1)
+    return steps, open_joint(floats, ints, touching=True)
 
 
 @parallel_entry
@@ -64,4 +64,4 @@ def step_islands_jointed_parallel(floats: Floats, ints: Ints, steps: int) -> tup
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status
-    return steps, open_joint(floats, ints, 1)
+    return steps, open_joint(floats, ints, touching=True)

@@ -17,10 +17,20 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.integrate.free_body import Push, Rotor, from_principal, is_pushed, push_on, rotor_of, spin_rates, to_principal
+from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
 from engine.integrate.free_steps import advance_free
-from engine.maths.vec import Floats, Ints, axpy, load3, load4, store3, store4
-from engine.memory.arena import STEP_TOLERANCE, STRIDE, P, V
+from engine.maths.vec import Floats, Ints, Vec, axpy, load3, load4, store3, store4
+from engine.memory.arena import (
+    ANGULAR_DAMPING,
+    GRAVITY,
+    INV_MASS,
+    LINEAR_DAMPING,
+    MOMENTS,
+    STEP_TOLERANCE,
+    STRIDE,
+    P,
+    V,
+)  # fmt: skip
 from engine.memory.tables import Bodies
 
 __all__ = ["step_dormand_prince"]
@@ -48,6 +58,21 @@ LENGTH: Final = 13
 MOST_TRIALS = 100_000
 
 
+class Law(NamedTuple):
+    """What moves a body, with the letters of the other integrators.
+
+    Terms: a [m/s2], c [1/s]: acceleration and damping; moments [kg m2], tau [N m], d [1/s]: of inertia, torque and damping of
+    its spin; gyroscopic: 1 where the gyroscopic effect is on.
+    """
+
+    a: Vec
+    c: float
+    moments: Vec
+    tau: Vec
+    d: float
+    gyroscopic: int
+
+
 class Trial(NamedTuple):
     """What a trial step works on, LENGTH columns each: y (1 row), the new y (1 row), and the rates k (STAGES rows)."""
 
@@ -57,12 +82,12 @@ class Trial(NamedTuple):
 
 
 @kernel
-def rates(y: Floats, k: Floats, i: int, push: Push, rotor: Rotor) -> None:
+def rates(y: Floats, k: Floats, i: int, law: Law) -> None:
     """Write f(y) into row i of k: p' = v, v' = a - c v, and the rates of the spin."""
     v = load3(y, 0, Y_V)
-    q1, m1 = spin_rates(load4(y, 0, Y_Q), load3(y, 0, Y_M), rotor)
+    q1, m1 = spin_rates(load4(y, 0, Y_Q), load3(y, 0, Y_M), law.moments, law.tau, law.d, law.gyroscopic)
     store3(k, i, Y_P, v)
-    store3(k, i, Y_V, axpy(-push.damping, v, push.acceleration))
+    store3(k, i, Y_V, axpy(-law.c, v, law.a))
     store4(k, i, Y_Q, q1)
     store3(k, i, Y_M, m1)
 
@@ -88,10 +113,12 @@ def dormand_prince(
     bodies: Bodies, principal: Floats, setting: Floats, b: int, end: float, gyroscopic: int, trial: Trial
 ) -> bool:
     """Advance body b by `end` seconds in as many steps as its tolerance asks for. Returns: whether they sufficed."""
-    if not is_pushed(bodies, b, end):
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, end):
         return True
-    state, push = bodies.state, push_on(bodies, setting, b)
-    rotor = rotor_of(bodies, principal, b, gyroscopic)
+    a = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
+    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
+    law = Law(a, body[b, LINEAR_DAMPING], moments, tau, d, gyroscopic)
     y, new, k = trial.y, trial.new, trial.k
     tolerance = setting[0, STEP_TOLERANCE]
     q, m = to_principal(state, principal, b)
@@ -99,7 +126,7 @@ def dormand_prince(
     store3(y, 0, Y_V, load3(state, b, V))
     store4(y, 0, Y_Q, q)
     store3(y, 0, Y_M, m)
-    rates(y, k, 0, push, rotor)
+    rates(y, k, 0, law)
     stride = principal[b, STRIDE] if principal[b, STRIDE] > 0.0 else end
     done, rejected = 0.0, False
     for _ in range(MOST_TRIALS):
@@ -112,7 +139,7 @@ def dormand_prince(
                 for s in range(i):
                     total += A[i, s] * k[s, j]
                 new[0, j] = y[0, j] + h * total
-            rates(new, k, i, push, rotor)
+            rates(new, k, i, law)
         error_v, error_q = largest_error(trial, h, Y_V, Y_Q), largest_error(trial, h, Y_Q, Y_M)
         error_m = largest_error(trial, h, Y_M, LENGTH)
         error = max(error_v, error_q, error_m)

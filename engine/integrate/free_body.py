@@ -1,4 +1,4 @@
-"""What the integrators of untouched bodies share: the principal frame, the rates of motion, and kicks by what pushes a body.
+"""What the integrators of untouched bodies share: the principal frame, the rates of motion, and kicks by loads and damping.
 
 In the principal frame P the inertia is diagonal. A body's rotation is (q_WP, m) with its angular momentum m in P:
 q' = q (0, w) / 2,  m' = m x w + R^T tau - d m,  w = m / I. Without the gyroscopic effect the term m x w is left out, which
@@ -8,11 +8,11 @@ Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.5 (Eule
 """
 
 import math
-from typing import NamedTuple
 
 from engine.compile.jit import kernel
 from engine.maths.vec import (
     Floats,
+    Ints,
     Quat,
     Vec,
     add,
@@ -32,66 +32,16 @@ from engine.maths.vec import (
     store4,
     tmat_vec,
 )  # fmt: skip
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    AXES,
-    DYNAMIC,
-    GRAVITY,
-    INV_MASS,
-    KINEMATIC,
-    LINEAR_DAMPING,
-    MOMENTS,
-    MOTION,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
-from engine.memory.tables import Bodies
+from engine.memory.arena import AXES, DYNAMIC, KINEMATIC, MOMENTS, MOTION, P, Q, V, W
 
 __all__ = [
-    "Push", "Rotor", "from_principal", "is_pushed", "kicked_spin", "kicked_velocity", "push_on", "rotor_of", "spin_rates",
-    "to_principal", "turned_by", "velocities_of",
+    "from_principal", "is_pushed", "kicked_spin", "kicked_velocity", "spin_rates", "to_principal", "turned_by", "velocities_of"
 ]  # fmt: skip
 
 
-class Push(NamedTuple):
-    """What changes the velocity of a body in v' = acceleration - damping v: m/s2 in W, 1/s."""
-
-    acceleration: Vec
-    damping: float
-
-
-class Rotor(NamedTuple):
-    """What changes the angular momentum of a body in m' = m x w + R^T torque - damping m.
-
-    Terms: torque [N m] in W; damping [1/s]; moments of inertia [kg m2] about the principal axes; gyroscopic: 1 where the
-    gyroscopic effect is on.
-    """
-
-    torque: Vec
-    damping: float
-    moments: Vec
-    gyroscopic: int
-
-
 @kernel
-def push_on(bodies: Bodies, setting: Floats, b: int) -> Push:
-    """Gravity, the applied force and linear damping of body b."""
-    a = axpy(bodies.body[b, INV_MASS], load3(bodies.load, b, 0), load3(setting, 0, GRAVITY))
-    return Push(a, bodies.body[b, LINEAR_DAMPING])
-
-
-@kernel
-def rotor_of(bodies: Bodies, principal: Floats, b: int, gyroscopic: int) -> Rotor:
-    """The applied torque, angular damping and moments of body b."""
-    return Rotor(load3(bodies.load, b, 3), bodies.body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS), gyroscopic)
-
-
-@kernel
-def is_pushed(bodies: Bodies, b: int, h: float) -> bool:
+def is_pushed(state: Floats, kind: Ints, b: int, h: float) -> bool:
     """Whether forces move body b; where it is kinematic, it is carried on for h seconds by its velocities."""
-    state, kind = bodies.state, bodies.kind
     if kind[b, MOTION] == KINEMATIC:
         store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
         store4(state, b, Q, quat_turn(load4(state, b, Q), load3(state, b, W), h))
@@ -142,11 +92,11 @@ def turned_by(q: Quat, w: Vec, h: float) -> Quat:
 
 
 @kernel
-def spin_rates(q: Quat, m: Vec, rotor: Rotor) -> tuple[Quat, Vec]:
-    """q' and m'."""
-    w = velocities_of(m, rotor.moments)
-    slope = axpy(-rotor.damping, m, tmat_vec(quat_mat(q), rotor.torque))
-    if rotor.gyroscopic == 1:
+def spin_rates(q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, gyroscopic: int) -> tuple[Quat, Vec]:
+    """q' and m' under the torque tau [N m] in W and angular damping d [1/s]."""
+    w = velocities_of(m, moments)
+    slope = axpy(-d, m, tmat_vec(quat_mat(q), tau))
+    if gyroscopic == 1:
         slope = add(slope, cross(m, w))
     return quat_mul(q, (0.0, 0.5 * w[0], 0.5 * w[1], 0.5 * w[2])), slope
 
@@ -158,10 +108,9 @@ def damped_time(c: float, h: float) -> float:
 
 
 @kernel
-def kicked_velocity(v: Vec, push: Push, h: float) -> Vec:
-    """The exact solution of v' = acceleration - damping v after h seconds."""
-    c = push.damping
-    return axpy(damped_time(c, h), push.acceleration, scale(math.exp(-c * h), v))
+def kicked_velocity(v: Vec, a: Vec, c: float, h: float) -> Vec:
+    """The exact solution of v' = a - c v after h seconds."""
+    return axpy(damped_time(c, h), a, scale(math.exp(-c * h), v))
 
 
 @kernel

@@ -16,15 +16,13 @@ from engine.integrate.free_body import (
     is_pushed,
     kicked_spin,
     kicked_velocity,
-    push_on,
-    rotor_of,
     to_principal,
     turned_by,
     velocities_of,
 )
 from engine.integrate.free_steps import advance_free
 from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, quat_mul, scale, store3, sub
-from engine.memory.arena import P, V
+from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
 from engine.memory.tables import Bodies
 
 __all__ = ["step_implicit_midpoint"]
@@ -59,14 +57,15 @@ def middle_momentum(m: Vec, moments: Vec, h: float) -> tuple[Vec, bool]:
 @kernel
 def implicit_midpoint(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int) -> bool:
     """Advance body b by h. Returns: whether the equation of the step was solved."""
-    if not is_pushed(bodies, b, h):
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, h):
         return True
-    state, push = bodies.state, push_on(bodies, setting, b)
-    v = kicked_velocity(load3(state, b, V), push, 0.5 * h)
+    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
+    v = kicked_velocity(load3(state, b, V), a, c, 0.5 * h)
     store3(state, b, P, axpy(h, v, load3(state, b, P)))
-    store3(state, b, V, kicked_velocity(v, push, 0.5 * h))
+    store3(state, b, V, kicked_velocity(v, a, c, 0.5 * h))
 
-    tau, d, moments, _ = rotor_of(bodies, principal, b, gyroscopic)
+    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
     q, m = to_principal(state, principal, b)
     m = kicked_spin(q, m, tau, d, 0.5 * h)
     solved = True

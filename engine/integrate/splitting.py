@@ -16,13 +16,10 @@ import numpy as np
 
 from engine.compile.jit import entry, kernel
 from engine.integrate.free_body import (
-    Rotor,
     from_principal,
     is_pushed,
     kicked_spin,
     kicked_velocity,
-    push_on,
-    rotor_of,
     to_principal,
     turned_by,
     velocities_of,
@@ -30,7 +27,7 @@ from engine.integrate.free_body import (
 from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_third
 from engine.maths.vec import Floats, Ints, Quat, Vec, axpy, load3, scale, store3
-from engine.memory.arena import P, V
+from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
 from engine.memory.tables import Bodies
 
 __all__ = ["KAHAN_LI_8", "SUZUKI_4", "step_splitting_4", "step_splitting_8"]
@@ -57,9 +54,10 @@ def free_rotor(q: Quat, m: Vec, moments: Vec, weights: Floats, h: float) -> tupl
 
 
 @kernel
-def kicked_rotor(q: Quat, m: Vec, rotor: Rotor, weights: Floats, h: float) -> tuple[Quat, Vec]:
-    """The composition under torque and angular damping."""
-    tau, d, moments, gyroscopic = rotor
+def kicked_rotor(
+    q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, weights: Floats, h: float, gyroscopic: int
+) -> tuple[Quat, Vec]:
+    """The composition under a torque [N m] in W and angular damping [1/s]."""
     for weight in weights:
         g = weight * h
         m = kicked_spin(q, m, tau, d, 0.5 * g)
@@ -78,28 +76,28 @@ def kicked_rotor(q: Quat, m: Vec, rotor: Rotor, weights: Floats, h: float) -> tu
 @kernel
 def splitting(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int, weights: Floats) -> bool:
     """Advance body b by h by the composition with these weights. Returns: True."""
-    if not is_pushed(bodies, b, h):
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, h):
         return True
-    state, push = bodies.state, push_on(bodies, setting, b)
-    a, c = push.acceleration, push.damping
+    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
     p, v = load3(state, b, P), load3(state, b, V)
     if c == 0.0:
         # A constant acceleration is kicked and drifted exactly, whatever the composition.
         p, v = axpy(0.5 * h * h, a, axpy(h, v, p)), axpy(h, a, v)
     else:
         for weight in weights:
-            v = kicked_velocity(v, push, 0.5 * weight * h)
+            v = kicked_velocity(v, a, c, 0.5 * weight * h)
             p = axpy(weight * h, v, p)
-            v = kicked_velocity(v, push, 0.5 * weight * h)
+            v = kicked_velocity(v, a, c, 0.5 * weight * h)
     store3(state, b, P, p)
     store3(state, b, V, v)
 
-    rotor = rotor_of(bodies, principal, b, gyroscopic)
+    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
     q, m = to_principal(state, principal, b)
-    if gyroscopic == 1 and rotor.damping == 0.0 and rotor.torque == (0.0, 0.0, 0.0):
-        q, m = free_rotor(q, m, rotor.moments, weights, h)
+    if gyroscopic == 1 and d == 0.0 and tau == (0.0, 0.0, 0.0):
+        q, m = free_rotor(q, m, moments, weights, h)
     else:
-        q, m = kicked_rotor(q, m, rotor, weights, h)
+        q, m = kicked_rotor(q, m, moments, tau, d, weights, h, gyroscopic)
     from_principal(state, principal, b, q, m)
     return True
 

@@ -15,8 +15,6 @@ from engine.integrate.free_body import (
     is_pushed,
     kicked_spin,
     kicked_velocity,
-    push_on,
-    rotor_of,
     to_principal,
     turned_by,
     velocities_of,
@@ -24,7 +22,7 @@ from engine.integrate.free_body import (
 from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_second, turn_third
 from engine.maths.vec import Floats, Ints, axpy, load3, store3
-from engine.memory.arena import P, V
+from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
 from engine.memory.tables import Bodies
 
 __all__ = ["step_velocity_verlet"]
@@ -33,14 +31,15 @@ __all__ = ["step_velocity_verlet"]
 @kernel
 def velocity_verlet(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int) -> bool:
     """Advance body b by h. Returns: True."""
-    if not is_pushed(bodies, b, h):
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, h):
         return True
-    state, push = bodies.state, push_on(bodies, setting, b)
-    v = kicked_velocity(load3(state, b, V), push, 0.5 * h)
+    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
+    v = kicked_velocity(load3(state, b, V), a, c, 0.5 * h)
     store3(state, b, P, axpy(h, v, load3(state, b, P)))
-    store3(state, b, V, kicked_velocity(v, push, 0.5 * h))
+    store3(state, b, V, kicked_velocity(v, a, c, 0.5 * h))
 
-    tau, d, moments, _ = rotor_of(bodies, principal, b, gyroscopic)
+    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
     q, m = to_principal(state, principal, b)
     m = kicked_spin(q, m, tau, d, 0.5 * h)
     if gyroscopic == 1:

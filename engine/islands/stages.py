@@ -78,13 +78,13 @@ def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
 
 
 @kernel
-def meet(floats: Floats, ints: Ints, keeping: int) -> int:
+def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
     state, body, rest = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, REST)
     setting, point = floats_of(floats, ints, SETTING), floats_of(floats, ints, POINT)
     kind, count, key = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, MANIFOLD_KEY)
     tally, sleeps = ints_of(ints, TALLY), floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0
-    searching = keeping == 0 or not keep_contacts(state, body, kind, rest, setting, count, key, point)
+    searching = not keeping or not keep_contacts(state, body, kind, rest, setting, count, key, point)
     while True:
         if searching:
             if count[0, BROAD] == 1 and tally[0, SEARCHED] == 0:
@@ -101,10 +101,10 @@ def meet(floats: Floats, ints: Ints, keeping: int) -> int:
 
 
 @kernel
-def begin_islands(floats: Floats, ints: Ints, keeping: int) -> int:
+def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Find the contacts of this step, wake whom they reach, move the bodies that nothing touches, and group the others.
 
-    Args: keeping: 1 to keep the contacts of the last step where all bodies are still.
+    Args: keeping: whether to keep the contacts of the last step where all bodies are still.
     Returns: 0, or 2 or 3 as `find_contacts`, or 5 if pairs must be found anew before the step, since bodies woke.
     """
     bodies, setting = bodies_of(floats, ints), floats_of(floats, ints, SETTING)

@@ -24,7 +24,7 @@ def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints, 0)
+        status = begin_islands(floats, ints, keeping=False)
         if status != 0:
             return step, status
         make_room_for_rows(ints)
@@ -50,7 +50,7 @@ def step_islands_jointed_parallel(floats: Floats, ints: Ints, steps: int) -> tup
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints, 0)
+        status = begin_islands(floats, ints, keeping=False)
         if status != 0:
             return step, status
         make_room_for_rows(ints)

@@ -15,8 +15,9 @@ import numpy as np
 from engine.compile.jit import kernel
 from engine.constrain.dependence import SUSPECT, lies_in_span
 from engine.maths.double_double import Double, add2, div2, dot2, less2, mul2, product
-from engine.maths.vec import Floats, Ints, Sym, add, load3, load6, store3
+from engine.maths.vec import Floats, Sym, add, load3, load6, store3
 from engine.memory.arena import ENVELOPE, INV_MASS, LOW_PART, PIVOT, SOFTNESS, V, W
+from engine.memory.tables import Bodies, Rows
 
 __all__ = ["careful_apply", "careful_solve"]
 
@@ -35,64 +36,64 @@ def sym_times(m: Sym, x: Double, y: Double, z: Double) -> tuple[Double, Double, 
 
 
 @kernel
-def mobilities(row: Floats, row_body: Ints, n: int, body: Floats, turned: Floats, high: Floats, rest: Floats) -> None:
+def mobilities(rows: Rows, n: int, bodies: Bodies, high: Floats, rest: Floats) -> None:
     """Write M^-1 J^T, (n, 12), as high + rest."""
     for r in range(n):
         for side in range(2):
-            b = row_body[r, side]
+            b = rows.body[r, side]
             at = 6 * side
             for c in range(3):
-                high[r, at + c], rest[r, at + c] = product(body[b, INV_MASS], row[r, at + c])
-            torque = load3(row, r, at + 3)
-            spin = sym_times(load6(turned, b, 0), (torque[0], 0.0), (torque[1], 0.0), (torque[2], 0.0))
+                high[r, at + c], rest[r, at + c] = product(bodies.body[b, INV_MASS], rows.row[r, at + c])
+            torque = load3(rows.row, r, at + 3)
+            spin = sym_times(load6(bodies.turned, b, 0), (torque[0], 0.0), (torque[1], 0.0), (torque[2], 0.0))
             for c in range(3):
                 high[r, at + 3 + c], rest[r, at + 3 + c] = spin[c]
 
 
 @kernel
-def coupling(row: Floats, row_body: Ints, r: int, s: int, high: Floats, rest: Floats) -> Double:
+def coupling(rows: Rows, r: int, s: int, high: Floats, rest: Floats) -> Double:
     """The entry (r, s) of J M^-1 J^T, softness apart."""
     total = (0.0, 0.0)
     for i in range(2):
         for k in range(2):
-            if row_body[r, i] == row_body[s, k]:
+            if rows.body[r, i] == rows.body[s, k]:
                 for c in range(6):
-                    factor = (row[r, 6 * i + c], 0.0)
+                    factor = (rows.row[r, 6 * i + c], 0.0)
                     total = add2(total, mul2(factor, (high[s, 6 * k + c], rest[s, 6 * k + c])))
     return total
 
 
 @kernel
-def careful_solve(
-    row: Floats, row_body: Ints, n: int, body: Floats, turned: Floats, low: Floats, vector: Floats, right: int, out: int,
-    force: Floats,
-) -> None:  # fmt: skip
+def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, force: Floats) -> None:
     """Impulses so that J M^-1 (force + J^T impulse) + softness impulse = vector[right] on rows that are not held (PIVOT 1).
 
     Held rows keep the impulse that vector[out] gives; rows that depend on others become held, with none. The impulses are
-    vector[out] + vector[LOW_PART]. Args: force (bodies, 6): N and N m on each body. `low` becomes the factor as of `direct`.
+    vector[out] + vector[LOW_PART]. The factor becomes that of `direct`.
+
+    Args: n: how many rows; right, out: rows of `vector`; force (bodies, 6): N and N m on each body.
     """
+    row, low, vector = rows.row, rows.factor, rows.vector
     high, rest = np.empty((n, 12)), np.empty((n, 12))
-    mobilities(row, row_body, n, body, turned, high, rest)
+    mobilities(rows, n, bodies, high, rest)
     unit_high, unit_rest = np.zeros((n, n)), np.zeros((n, n))
     spread_high, spread_rest = np.empty(n), np.empty(n)
     pivot_high, pivot_rest = np.zeros(n), np.zeros(n)
     for i in range(n):
         vector[LOW_PART, i] = 0.0
         first = 0
-        while first < i and coupling(row, row_body, i, first, high, rest)[0] == 0.0:
+        while first < i and coupling(rows, i, first, high, rest)[0] == 0.0:
             first += 1
         vector[ENVELOPE, i] = first
         for j in range(i):
             low[i, j] = 0.0
         if vector[PIVOT, i] == 1.0:
             continue
-        whole = add2(coupling(row, row_body, i, i, high, rest), (row[i, SOFTNESS], 0.0))
+        whole = add2(coupling(rows, i, i, high, rest), (row[i, SOFTNESS], 0.0))
         pivot = whole
         for j in range(first, i):
             if vector[PIVOT, j] == 1.0:
                 continue
-            total = coupling(row, row_body, i, j, high, rest)
+            total = coupling(rows, i, j, high, rest)
             for k in range(max(first, int(vector[ENVELOPE, j])), j):
                 if vector[PIVOT, k] == 0.0:
                     total = less2(total, mul2((spread_high[k], spread_rest[k]), (unit_high[j, k], unit_rest[j, k])))
@@ -103,7 +104,7 @@ def careful_solve(
             low[i, j] = total[0] / math.sqrt(pivot_high[j])
         lost = pivot[0] <= NOISE * whole[0]
         if not lost and pivot[0] <= SUSPECT * whole[0] and row[i, SOFTNESS] == 0.0:
-            lost = lies_in_span(row, row_body, i, body, low, vector)
+            lost = lies_in_span(rows, i, bodies.body)
         if lost:
             vector[PIVOT, i] = 1.0
             vector[out, i] = 0.0
@@ -117,13 +118,13 @@ def careful_solve(
             continue
         total = (vector[right, i], 0.0)
         for side in range(2):
-            b = row_body[i, side]
+            b = rows.body[i, side]
             for c in range(6):
                 if force[b, c] != 0.0:
                     total = less2(total, mul2((force[b, c], 0.0), (high[i, 6 * side + c], rest[i, 6 * side + c])))
         for s in range(n):
             if vector[PIVOT, s] == 1.0 and vector[out, s] != 0.0:
-                total = less2(total, mul2(coupling(row, row_body, i, s, high, rest), (vector[out, s], 0.0)))
+                total = less2(total, mul2(coupling(rows, i, s, high, rest), (vector[out, s], 0.0)))
         for k in range(int(vector[ENVELOPE, i]), i):
             if vector[PIVOT, k] == 0.0:
                 total = less2(total, mul2((unit_high[i, k], unit_rest[i, k]), (spread_high[k], spread_rest[k])))
@@ -142,27 +143,28 @@ def careful_solve(
 
 
 @kernel
-def careful_apply(
-    table: Floats, row: Floats, row_body: Ints, n: int, body: Floats, turned: Floats, vector: Floats, which: int, sign: float,
-    force: Floats,
-) -> None:  # fmt: skip
-    """Add sign M^-1 (force + J^T impulse) to the columns V and W of the table: forces are summed before inertia divides."""
+def careful_apply(table: Floats, rows: Rows, n: int, bodies: Bodies, which: int, sign: float, force: Floats) -> None:
+    """Add sign M^-1 (force + J^T impulse) to the columns V and W of the table: forces are summed before inertia divides.
+
+    Args: n: how many rows; which: the row of `vector` with their impulses; force (bodies, 6): N and N m on each body.
+    """
+    row, vector = rows.row, rows.vector
     high, rest = force.copy(), np.zeros(force.shape)
     for r in range(n):
         impulse = (vector[which, r], vector[LOW_PART, r])
         for side in range(2):
-            b = row_body[r, side]
+            b = rows.body[r, side]
             for c in range(6):
                 if row[r, 6 * side + c] != 0.0:
                     part = mul2((row[r, 6 * side + c], 0.0), impulse)
                     high[b, c], rest[b, c] = add2((high[b, c], rest[b, c]), part)
-    for b in range(body.shape[0]):
-        m = body[b, INV_MASS]
+    for b in range(bodies.body.shape[0]):
+        m = bodies.body[b, INV_MASS]
         if m == 0.0:
             continue
         m = sign * m
         store3(table, b, V, add((m * high[b, 0], m * high[b, 1], m * high[b, 2]), load3(table, b, V)))
         x, y, z = sym_times(
-            load6(turned, b, 0), (high[b, 3], rest[b, 3]), (high[b, 4], rest[b, 4]), (high[b, 5], rest[b, 5])
+            load6(bodies.turned, b, 0), (high[b, 3], rest[b, 3]), (high[b, 4], rest[b, 4]), (high[b, 5], rest[b, 5])
         )  # fmt: skip
         store3(table, b, W, add((sign * x[0], sign * y[0], sign * z[0]), load3(table, b, W)))

@@ -12,7 +12,6 @@ from engine.compile.jit import kernel
 from engine.constrain.joint_rows import anchors, put_row
 from engine.maths.vec import (
     Floats,
-    Ints,
     add,
     along,
     cross,
@@ -55,34 +54,34 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Joints, Rows
 
-__all__ = ["bounded_rows", "coordinate_row", "explicit_force", "revolute_angle"]
+__all__ = ["bounded_rows", "coordinate_row", "explicit_force", "implicit_rows", "revolute_angle"]
 
 
 @kernel
-def coordinate_row(
-    state: Floats, joint: Floats, joint_kind: Ints, j: int, row: Floats, row_body: Ints, r: int
-) -> tuple[float, float]:
+def coordinate_row(state: Floats, joints: Joints, j: int, rows: Rows, r: int) -> tuple[float, float]:
     """Write row r, the rate of the coordinate of joint j, and count full turns of a revolute joint.
 
     Returns: the coordinate [rad or m] and its rate.
     """
-    kind, a, b = joint_kind[j, JOINT_TYPE], joint_kind[j, PARENT], joint_kind[j, CHILD]
+    joint = joints.joint
+    kind, a, b = joints.kind[j, JOINT_TYPE], joints.kind[j, PARENT], joints.kind[j, CHILD]
     ra, rb, d = anchors(state, joint, j, a, b)
     va, wa = load3(state, a, V), load3(state, a, W)
     vb, wb = load3(state, b, V), load3(state, b, W)
     zero = (0.0, 0.0, 0.0)
     if kind == REVOLUTE:
         axis = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
-        put_row(row, row_body, r, a, b, zero, neg(axis), zero, axis, 0.0, 0.0)
+        put_row(rows, r, a, b, (zero, neg(axis), zero, axis), 0.0, 0.0)
         return revolute_angle(state, joint, j, a, b), dot(axis, sub(wb, wa))
     if kind == PRISMATIC:
         axis = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
-        put_row(row, row_body, r, a, b, neg(axis), neg(cross(add(ra, d), axis)), axis, cross(rb, axis), 0.0, 0.0)
+        put_row(rows, r, a, b, (neg(axis), neg(cross(add(ra, d), axis)), axis, cross(rb, axis)), 0.0, 0.0)
         rate = dot(axis, sub(add(vb, cross(wb, rb)), add(va, cross(wa, add(ra, d)))))
         return dot(axis, d) + joint[j, POSITION], rate
     axis = along(d, (0.0, 0.0, 1.0))
-    put_row(row, row_body, r, a, b, neg(axis), neg(cross(ra, axis)), axis, cross(rb, axis), 0.0, 0.0)
+    put_row(rows, r, a, b, (neg(axis), neg(cross(ra, axis)), axis, cross(rb, axis)), 0.0, 0.0)
     return dot(axis, d), dot(axis, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
 
 
@@ -100,9 +99,10 @@ def revolute_angle(state: Floats, joint: Floats, j: int, a: int, b: int) -> floa
 
 
 @kernel
-def explicit_force(joint: Floats, joint_kind: Ints, j: int, x: float, rate: float) -> float:
+def explicit_force(joints: Joints, j: int, x: float, rate: float) -> float:
     """The force or torque of the spring and drive of joint j that are not taken implicitly [N or N m]."""
-    has = joint_kind[j, HAS] & ~joint_kind[j, IMPLICIT]
+    joint = joints.joint
+    has = joints.kind[j, HAS] & ~joints.kind[j, IMPLICIT]
     f = 0.0
     if has & HAS_SPRING:
         f -= joint[j, SPRING] * (x - joint[j, SPRING + 2]) + joint[j, SPRING + 1] * rate
@@ -114,45 +114,61 @@ def explicit_force(joint: Floats, joint_kind: Ints, j: int, x: float, rate: floa
 
 
 @kernel
-def bounded_rows(
-    state: Floats, joint: Floats, joint_kind: Ints, joints: int, row: Floats, row_body: Ints, first: int, h: float, stiff: int
-) -> int:
-    """Append the rows of limits, and of springs and drives taken implicitly, after row `first`.
+def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r: int, h: float) -> int:
+    """Write the rows of what joint j has of limits, spring and drive, bits as of HAS, from row r on.
 
-    Args: stiff: 1 if only the springs and drives marked as implicit are wanted, 0 for all.
+    Returns: the next free row.
+    """
+    joint, row = joints.joint, rows.row
+    if has & HAS_LIMITS:
+        x, _ = coordinate_row(state, joints, j, rows, r)
+        below, above = x - joint[j, LOWER], joint[j, UPPER] - x
+        if below <= above:
+            row[r, BIAS], row[r, LOW], row[r, HIGH] = below / h, 0.0, math.inf
+        else:
+            for c in range(JACOBIAN, JACOBIAN + 12):
+                row[r, c] = -row[r, c]
+            row[r, BIAS], row[r, LOW], row[r, HIGH] = above / h, 0.0, math.inf
+        r += 1
+    if has & HAS_SPRING:
+        x, _ = coordinate_row(state, joints, j, rows, r)
+        k, c = joint[j, SPRING], joint[j, SPRING + 1]
+        if c + h * k > 0.0:
+            row[r, SOFTNESS] = 1.0 / (h * (c + h * k))
+            row[r, BIAS] = k * (x - joint[j, SPRING + 2]) / (c + h * k)
+            row[r, LOW], row[r, HIGH] = -math.inf, math.inf
+            r += 1
+    if has & HAS_DRIVE:
+        x, _ = coordinate_row(state, joints, j, rows, r)
+        k, c = joint[j, DRIVE], joint[j, DRIVE + 1]
+        if c + h * k > 0.0:
+            row[r, SOFTNESS] = 1.0 / (h * (c + h * k))
+            row[r, BIAS] = (k * (x - joint[j, DRIVE + 2]) - c * joint[j, DRIVE + 3]) / (c + h * k)
+            row[r, LOW], row[r, HIGH] = -h * joint[j, DRIVE + 4], h * joint[j, DRIVE + 4]
+            r += 1
+    return r
+
+
+@kernel
+def bounded_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float) -> int:
+    """Append the rows of all limits, springs and drives, taken implicitly over h, after row `first`.
+
     Returns: the number of rows, equality rows included.
     """
     r = first
-    for j in range(joints):
-        has = joint_kind[j, HAS]
-        if stiff == 1:
-            has &= joint_kind[j, IMPLICIT] | HAS_LIMITS
-        if has == 0:
-            continue
-        if has & HAS_LIMITS:
-            x, _ = coordinate_row(state, joint, joint_kind, j, row, row_body, r)
-            below, above = x - joint[j, LOWER], joint[j, UPPER] - x
-            if below <= above:
-                row[r, BIAS], row[r, LOW], row[r, HIGH] = below / h, 0.0, math.inf
-            else:
-                for c in range(JACOBIAN, JACOBIAN + 12):
-                    row[r, c] = -row[r, c]
-                row[r, BIAS], row[r, LOW], row[r, HIGH] = above / h, 0.0, math.inf
-            r += 1
-        if has & HAS_SPRING:
-            x, _ = coordinate_row(state, joint, joint_kind, j, row, row_body, r)
-            k, c = joint[j, SPRING], joint[j, SPRING + 1]
-            if c + h * k > 0.0:
-                row[r, SOFTNESS] = 1.0 / (h * (c + h * k))
-                row[r, BIAS] = k * (x - joint[j, SPRING + 2]) / (c + h * k)
-                row[r, LOW], row[r, HIGH] = -math.inf, math.inf
-                r += 1
-        if has & HAS_DRIVE:
-            x, _ = coordinate_row(state, joint, joint_kind, j, row, row_body, r)
-            k, c = joint[j, DRIVE], joint[j, DRIVE + 1]
-            if c + h * k > 0.0:
-                row[r, SOFTNESS] = 1.0 / (h * (c + h * k))
-                row[r, BIAS] = (k * (x - joint[j, DRIVE + 2]) - c * joint[j, DRIVE + 3]) / (c + h * k)
-                row[r, LOW], row[r, HIGH] = -h * joint[j, DRIVE + 4], h * joint[j, DRIVE + 4]
-                r += 1
+    for j in range(joints.joint.shape[0]):
+        has = joints.kind[j, HAS]
+        if has != 0:
+            r = rows_of_joint(state, joints, j, has, rows, r, h)
+    return r
+
+
+@kernel
+def implicit_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float) -> int:
+    """As `bounded_rows`, of limits and of those springs and drives alone that are marked as implicit."""
+    r = first
+    for j in range(joints.joint.shape[0]):
+        has = joints.kind[j, HAS] & (joints.kind[j, IMPLICIT] | HAS_LIMITS)
+        if has != 0:
+            r = rows_of_joint(state, joints, j, has, rows, r, h)
     return r

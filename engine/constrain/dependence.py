@@ -12,8 +12,9 @@ import math
 import numpy as np
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, dot, load3
+from engine.maths.vec import Floats, dot, load3
 from engine.memory.arena import ENVELOPE, INV_MASS, PIVOT
+from engine.memory.tables import Rows
 
 __all__ = ["SUSPECT", "lies_in_span"]
 
@@ -30,11 +31,12 @@ NEAREST = 1e-9
 
 
 @kernel
-def lies_in_span(row: Floats, row_body: Ints, i: int, body: Floats, low: Floats, vector: Floats) -> bool:
-    """Whether row i is a combination of the rows before it that are not held, whose factor `low` holds, with its own.
+def lies_in_span(rows: Rows, i: int, body: Floats) -> bool:
+    """Whether row i is a combination of the rows before it that are not held, whose `factor` is at hand, with its own.
 
     Lengths are made dimensionless by the levers of the joints on each body.
     """
+    row, low, vector = rows.row, rows.factor, rows.vector
     mu = np.zeros(i + 1)
     first = int(vector[ENVELOPE, i])
     for j in range(first, i):
@@ -54,15 +56,15 @@ def lies_in_span(row: Floats, row_body: Ints, i: int, body: Floats, low: Floats,
     lowest, highest = body.shape[0], -1
     for r in range(first, i + 1):
         for side in range(2):
-            b = row_body[r, side]
+            b = rows.body[r, side]
             if mu[r] != 0.0 and body[b, INV_MASS] > 0.0:
                 lowest, highest = min(lowest, b), max(highest, b)
     rest = np.zeros((max(highest - lowest + 1, 0), 7))
     longest = 0.0
     for r in range(first, i + 1):
         for side in range(2):
-            b = row_body[r, side] - lowest
-            if mu[r] == 0.0 or body[row_body[r, side], INV_MASS] == 0.0:
+            b = rows.body[r, side] - lowest
+            if mu[r] == 0.0 or body[rows.body[r, side], INV_MASS] == 0.0:
                 continue
             for c in range(6):
                 rest[b, c] += mu[r] * row[r, 6 * side + c]
@@ -76,7 +78,7 @@ def lies_in_span(row: Floats, row_body: Ints, i: int, body: Floats, low: Floats,
         lever = max(rest[b, 6], NEAREST * longest) if longest > 0.0 else 1.0
         left += dot(load3(rest, b, 0), load3(rest, b, 0)) + dot(load3(rest, b, 3), load3(rest, b, 3)) / lever**2
         for side in range(2):
-            if row_body[i, side] == b + lowest:
+            if rows.body[i, side] == b + lowest:
                 along, about = load3(row, i, 6 * side), load3(row, i, 6 * side + 3)
                 own += dot(along, along) + dot(about, about) / lever**2
     return left <= VANISHED * VANISHED * own

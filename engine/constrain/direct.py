@@ -10,13 +10,14 @@ Systems (1981), chapter 4 (envelope); Cottle, Pang, Stone, The Linear Complement
 """
 
 import math
+from typing import Final
 
 import numpy as np
 
 from engine.compile.jit import kernel
 from engine.constrain.careful import careful_apply, careful_solve
 from engine.constrain.dependence import SUSPECT, lies_in_span
-from engine.maths.vec import Floats, Ints, axpy, dot, load3, load6, scale, store3, sym_vec
+from engine.maths.vec import Floats, axpy, dot, load3, load6, scale, store3, sym_vec
 from engine.memory.arena import (
     BIAS,
     BOUND,
@@ -35,28 +36,32 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Bodies, Rows
 
-__all__ = ["apply", "apply_all", "assemble", "factor", "is_careful", "rate", "solve", "solve_bounded"]
+__all__ = ["KNOWN", "NEW", "apply", "apply_all", "assemble", "factor", "is_careful", "rate", "solve", "solve_bounded"]
 
 NOISE = 1e-11
 """Pivots of soft rows below this share of their diagonal are round-off."""
 
+# Whether the matrix has been solved since it was assembled.
+NEW: Final = 0
+KNOWN: Final = 1
+
 
 @kernel
-def assemble(
-    row: Floats, row_body: Ints, first: int, count: int, body: Floats, turned: Floats, reach: Floats, matrix: Floats
-) -> None:
-    """Write M^-1 J^T into `reach` and J M^-1 J^T + diag(softness) into `matrix`, for rows from `first` on."""
-    for r in range(first, count):
+def assemble(rows: Rows, n: int, bodies: Bodies) -> None:
+    """Write M^-1 J^T into `reach` and J M^-1 J^T + diag(softness) into `matrix`, for the first n rows."""
+    row, reach, matrix = rows.row, rows.reach, rows.matrix
+    for r in range(n):
         for side in range(2):
-            b = row_body[r, side]
-            store3(reach, r, 6 * side, scale(body[b, INV_MASS], load3(row, r, 6 * side)))
-            store3(reach, r, 6 * side + 3, sym_vec(load6(turned, b, 0), load3(row, r, 6 * side + 3)))
+            b = rows.body[r, side]
+            store3(reach, r, 6 * side, scale(bodies.body[b, INV_MASS], load3(row, r, 6 * side)))
+            store3(reach, r, 6 * side + 3, sym_vec(load6(bodies.turned, b, 0), load3(row, r, 6 * side + 3)))
         for s in range(r + 1):
             total = 0.0
             for i in range(2):
                 for k in range(2):
-                    if row_body[r, i] == row_body[s, k]:
+                    if rows.body[r, i] == rows.body[s, k]:
                         for c in range(6):
                             total += row[r, 6 * i + c] * reach[s, 6 * k + c]
             matrix[r, s] = total
@@ -65,14 +70,15 @@ def assemble(
 
 
 @kernel
-def factor(row: Floats, row_body: Ints, body: Floats, matrix: Floats, low: Floats, n: int, vector: Floats) -> None:
-    """Write the Cholesky factor of the rows that are not held (PIVOT 1) into `low`; dependent rows become held.
+def factor(rows: Rows, n: int, body: Floats) -> None:
+    """Write the Cholesky factor of the first n rows into `factor`, but for those held (PIVOT 1); dependent rows become held.
 
     Where floats do not carry the system, CAREFUL is set and the factor left unfinished.
 
     A row of the factor begins where that of the matrix does, so that only this envelope is visited: joints along a chain cost
     in proportion to their number.
     """
+    row, matrix, low, vector = rows.row, rows.matrix, rows.factor, rows.vector
     for i in range(min(n, 1)):
         vector[CAREFUL, i] = 0.0
     for i in range(n):
@@ -96,7 +102,7 @@ def factor(row: Floats, row_body: Ints, body: Floats, matrix: Floats, low: Float
             diagonal -= low[i, j] * low[i, j]
         if diagonal > SUSPECT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
             low[i, i] = math.sqrt(diagonal)
-        elif row[i, SOFTNESS] > 0.0 or lies_in_span(row, row_body, i, body, low, vector):
+        elif row[i, SOFTNESS] > 0.0 or lies_in_span(rows, i, body):
             vector[PIVOT, i] = 1.0
         else:
             vector[CAREFUL, 0] = 1.0
@@ -108,21 +114,20 @@ def factor(row: Floats, row_body: Ints, body: Floats, matrix: Floats, low: Float
 
 
 @kernel
-def is_careful(n: int, vector: Floats) -> bool:
+def is_careful(rows: Rows, n: int) -> bool:
     """Whether the last factorisation found that floats do not carry these n rows."""
-    return n > 0 and bool(vector[CAREFUL, 0] == 1.0)
+    return n > 0 and bool(rows.vector[CAREFUL, 0] == 1.0)
 
 
 @kernel
-def solve(
-    row: Floats, row_body: Ints, body: Floats, turned: Floats, low: Floats, n: int, vector: Floats, right: int, out: int
-) -> None:  # fmt: skip
+def solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int) -> None:
     """Solve with the factor: vector[out] = A^-1 vector[right], zero for held rows."""
-    if is_careful(n, vector):
+    low, vector = rows.factor, rows.vector
+    if is_careful(rows, n):
         for i in range(n):
             if vector[PIVOT, i] == 1.0:
                 vector[out, i] = 0.0
-        careful_solve(row, row_body, n, body, turned, low, vector, right, out, np.zeros((body.shape[0], 6)))
+        careful_solve(rows, n, bodies, right, out, np.zeros((bodies.body.shape[0], 6)))
         return
     for i in range(n):
         if vector[PIVOT, i] == 1.0:
@@ -142,9 +147,9 @@ def solve(
 
 
 @kernel
-def rate(state: Floats, row: Floats, row_body: Ints, r: int) -> float:
+def rate(state: Floats, rows: Rows, r: int) -> float:
     """J v of row r."""
-    a, b = row_body[r, 0], row_body[r, 1]
+    row, a, b = rows.row, rows.body[r, 0], rows.body[r, 1]
     return (
         dot(load3(row, r, 0), load3(state, a, V))
         + dot(load3(row, r, 3), load3(state, a, W))
@@ -154,71 +159,67 @@ def rate(state: Floats, row: Floats, row_body: Ints, r: int) -> float:
 
 
 @kernel
-def apply(state: Floats, row_body: Ints, reach: Floats, r: int, impulse: float) -> None:
-    """v += M^-1 J^T impulse."""
+def apply(table: Floats, rows: Rows, r: int, impulse: float) -> None:
+    """v += M^-1 J^T impulse in the columns V and W of the table."""
     for side in range(2):
-        b = row_body[r, side]
-        store3(state, b, V, axpy(impulse, load3(reach, r, 6 * side), load3(state, b, V)))
-        store3(state, b, W, axpy(impulse, load3(reach, r, 6 * side + 3), load3(state, b, W)))
+        b = rows.body[r, side]
+        store3(table, b, V, axpy(impulse, load3(rows.reach, r, 6 * side), load3(table, b, V)))
+        store3(table, b, W, axpy(impulse, load3(rows.reach, r, 6 * side + 3), load3(table, b, W)))
 
 
 @kernel
-def apply_all(
-    table: Floats, row: Floats, row_body: Ints, reach: Floats, n: int, body: Floats, turned: Floats, vector: Floats, which: int,
-    sign: float,
-) -> None:  # fmt: skip
+def apply_all(table: Floats, rows: Rows, n: int, bodies: Bodies, which: int, sign: float) -> None:
     """Add sign M^-1 J^T vector[which] to the columns V and W of the table."""
-    if is_careful(n, vector):
-        force = np.zeros((body.shape[0], 6))
-        careful_apply(table, row, row_body, n, body, turned, vector, which, sign, force)
+    if is_careful(rows, n):
+        careful_apply(table, rows, n, bodies, which, sign, np.zeros((bodies.body.shape[0], 6)))
         return
     for r in range(n):
-        apply(table, row_body, reach, r, sign * vector[which, r])
+        apply(table, rows, r, sign * rows.vector[which, r])
 
 
 @kernel
-def solve_bounded(
-    state: Floats, row: Floats, row_body: Ints, equalities: int, count: int, body: Floats, turned: Floats, reach: Floats,
-    matrix: Floats, low: Floats, vector: Floats, known: int,
-) -> None:  # fmt: skip
-    """Give impulses so that J v + softness * impulse + bias = 0 on free rows, each between its bounds; written to IMPULSE.
+def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int) -> None:
+    """Change the velocities so that J v + softness * impulse + bias = 0 on free rows, each impulse between its bounds.
 
-    Args: known: 1 if the matrix is that of the last call, whose factor serves again where no bound held a row then.
+    The impulses go to IMPULSE; the first `equalities` of the n rows have no bounds.
+
+    Args: matrix: NEW, or KNOWN if it is that of the last call, whose factor serves again where no bound held a row then.
     Raises: nothing; after 20 changes of the free set the last one stands.
     """
-    for r in range(count):
-        vector[WORK, r] = -(rate(state, row, row_body, r) + row[r, BIAS])
+    state, row, vector = bodies.state, rows.row, rows.vector
+    for r in range(n):
+        vector[WORK, r] = -(rate(state, rows, r) + row[r, BIAS])
         vector[LOWEST, r] = row[r, LOW] if r >= equalities else -math.inf
         vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
         vector[IMPULSE, r] = 0.0
     held = vector[BOUND]
-    factored = known == 1
-    for r in range(count):
+    factored = matrix == KNOWN
+    for r in range(n):
         factored = factored and held[r] == 0.0
         held[r] = 0.0
     for _ in range(20):
-        for r in range(count):
+        for r in range(n):
             if not factored:
                 vector[PIVOT, r] = 1.0 if held[r] != 0.0 else 0.0
             total = vector[WORK, r]
-            for s in range(equalities, count):
+            for s in range(equalities, n):
                 if held[s] != 0.0:
-                    total -= matrix[r, s] * (vector[LOWEST, s] if held[s] < 0.0 else vector[HIGHEST, s])
+                    total -= rows.matrix[r, s] * (vector[LOWEST, s] if held[s] < 0.0 else vector[HIGHEST, s])
             vector[RIGHT, r] = total
         if not factored:
-            factor(row, row_body, body, matrix, low, count, vector)
+            factor(rows, n, bodies.body)
         factored = False
-        careful = is_careful(count, vector)
+        careful = is_careful(rows, n)
         if careful:
-            for r in range(count):
+            for r in range(n):
                 vector[IMPULSE, r] = 0.0
                 if held[r] != 0.0:
                     vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
-            careful_solve(row, row_body, count, body, turned, low, vector, WORK, IMPULSE, np.zeros((body.shape[0], 6)))
+            careful_solve(rows, n, bodies, WORK, IMPULSE, np.zeros((bodies.body.shape[0], 6)))
         else:
-            solve(row, row_body, body, turned, low, count, vector, RIGHT, IMPULSE)
+            solve(rows, n, bodies, RIGHT, IMPULSE)
         changed = False
-        for r in range(equalities, count):
+        for r in range(equalities, n):
             if held[r] == 0.0:
                 if vector[IMPULSE, r] < vector[LOWEST, r]:
                     held[r] = -1.0
@@ -229,20 +230,20 @@ def solve_bounded(
             else:
                 vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
         change = state
-        if careful and equalities < count:
-            change = np.zeros((body.shape[0], 13))
-            apply_all(change, row, row_body, reach, count, body, turned, vector, IMPULSE, 1.0)
-        for r in range(equalities, count):
+        if careful and equalities < n:
+            change = np.zeros((bodies.body.shape[0], 13))
+            apply_all(change, rows, n, bodies, IMPULSE, 1.0)
+        for r in range(equalities, n):
             if held[r] != 0.0:
                 left = vector[WORK, r]
                 if careful:
-                    left -= rate(change, row, row_body, r) + row[r, SOFTNESS] * vector[IMPULSE, r]
+                    left -= rate(change, rows, r) + row[r, SOFTNESS] * vector[IMPULSE, r]
                 else:
-                    for s in range(count):
-                        left -= matrix[r, s] * vector[IMPULSE, s]
+                    for s in range(n):
+                        left -= rows.matrix[r, s] * vector[IMPULSE, s]
                 if left * held[r] < -1e-12 * (1.0 + abs(vector[WORK, r])):
                     held[r] = 0.0
                     changed = True
         if not changed:
             break
-    apply_all(state, row, row_body, reach, count, body, turned, vector, IMPULSE, 1.0)
+    apply_all(state, rows, n, bodies, IMPULSE, 1.0)

@@ -9,7 +9,6 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constrai
 from engine.compile.jit import kernel
 from engine.maths.vec import (
     Floats,
-    Ints,
     Vec,
     add,
     along,
@@ -51,22 +50,25 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Joints, Rows
 
 __all__ = ["anchors", "equality_rows", "put_row"]
+
+Jacobian = tuple[Vec, Vec, Vec, Vec]
+"""Linear and angular part of A, then of B."""
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @kernel
-def put_row(
-    row: Floats, row_body: Ints, r: int, a: int, b: int, la: Vec, wa: Vec, lb: Vec, wb: Vec, gap: float, curvature: float
-) -> None:
+def put_row(rows: Rows, r: int, a: int, b: int, jacobian: Jacobian, gap: float, curvature: float) -> None:
     """Write row r between bodies a and b."""
-    row_body[r, 0], row_body[r, 1] = a, b
-    store3(row, r, JACOBIAN, la)
-    store3(row, r, JACOBIAN + 3, wa)
-    store3(row, r, JACOBIAN + 6, lb)
-    store3(row, r, JACOBIAN + 9, wb)
+    row = rows.row
+    rows.body[r, 0], rows.body[r, 1] = a, b
+    store3(row, r, JACOBIAN, jacobian[0])
+    store3(row, r, JACOBIAN + 3, jacobian[1])
+    store3(row, r, JACOBIAN + 6, jacobian[2])
+    store3(row, r, JACOBIAN + 9, jacobian[3])
     row[r, GAP] = gap
     row[r, CURVATURE] = curvature
     for c in range(CURVATURE + 1, row.shape[1]):
@@ -82,15 +84,16 @@ def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, 
 
 
 @kernel
-def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, row: Floats, row_body: Ints) -> int:
+def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
     """Write the equality rows of all joints for the present state.
 
     Returns: their number.
     """
     r = 0
+    joint = joints.joint
     zero = (0.0, 0.0, 0.0)
-    for j in range(joints):
-        kind, a, b = joint_kind[j, JOINT_TYPE], joint_kind[j, PARENT], joint_kind[j, CHILD]
+    for j in range(joint.shape[0]):
+        kind, a, b = joints.kind[j, JOINT_TYPE], joints.kind[j, PARENT], joints.kind[j, CHILD]
         ra, rb, d = anchors(state, joint, j, a, b)
         va, wa = load3(state, a, V), load3(state, a, W)
         vb, wb = load3(state, b, V), load3(state, b, W)
@@ -98,14 +101,15 @@ def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, r
         if kind in (BALL, FIXED, REVOLUTE):
             for k in range(3):
                 e = AXES[k]
-                put_row(row, row_body, r, a, b, neg(e), neg(cross(ra, e)), e, cross(rb, e), dot(e, d), dot(e, centripetal))
+                jacobian = (neg(e), neg(cross(ra, e)), e, cross(rb, e))
+                put_row(rows, r, a, b, jacobian, dot(e, d), dot(e, centripetal))
                 r += 1
         if kind in (FIXED, PRISMATIC):
             turn = quat_mul(load4(state, b, Q), quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))))
             sign = 2.0 if turn[0] >= 0.0 else -2.0
             for k in range(3):
                 e = AXES[k]
-                put_row(row, row_body, r, a, b, zero, neg(e), zero, e, sign * turn[k + 1], 0.0)
+                put_row(rows, r, a, b, (zero, neg(e), zero, e), sign * turn[k + 1], 0.0)
                 r += 1
         if kind == REVOLUTE:
             axis_a = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
@@ -113,7 +117,7 @@ def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, r
             tilt = cross(axis_a, axis_b)
             t = mat_vec(quat_mat(load4(state, a, Q)), perpendicular(load3(joint, j, AXIS_A)))
             for _ in range(2):
-                put_row(row, row_body, r, a, b, zero, neg(t), zero, t, dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
+                put_row(rows, r, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
                 t = cross(axis_a, t)
                 r += 1
         if kind == PRISMATIC:
@@ -122,15 +126,17 @@ def equality_rows(state: Floats, joint: Floats, joint_kind: Ints, joints: int, r
             rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             for _ in range(2):
                 curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)
-                put_row(row, row_body, r, a, b, neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t), dot(t, d), curvature)
+                jacobian = (neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t))
+                put_row(rows, r, a, b, jacobian, dot(t, d), curvature)
                 t = cross(axis_a, t)
                 r += 1
-        if kind == DISTANCE and joint_kind[j, HAS] == 0:
+        if kind == DISTANCE and joints.kind[j, HAS] == 0:
             length = norm(d)
             u = along(d, (0.0, 0.0, 1.0))
             rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             radial = dot(u, rate)
             curvature = dot(u, centripetal) + (dot(rate, rate) - radial * radial) / max(length, 1e-12)
-            put_row(row, row_body, r, a, b, neg(u), neg(cross(ra, u)), u, cross(rb, u), length - joint[j, LENGTH], curvature)
+            jacobian = (neg(u), neg(cross(ra, u)), u, cross(rb, u))
+            put_row(rows, r, a, b, jacobian, length - joint[j, LENGTH], curvature)
             r += 1
     return r

@@ -10,6 +10,8 @@ Source: Hairer, Wanner, Solving Ordinary Differential Equations II, sections VII
 Featherstone, Rigid Body Dynamics Algorithms, section 8.5.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from engine.compile.jit import kernel
@@ -44,6 +46,8 @@ from engine.memory.arena import (
     DYNAMIC,
     GRAVITY,
     HAS,
+    HAS_DRIVE,
+    HAS_SPRING,
     IMPLICIT,
     INV_MASS,
     KINEMATIC,
@@ -51,120 +55,134 @@ from engine.memory.arena import (
     MOTION,
     PIVOT,
     RIGHT,
+    SLOPE,
+    START,
+    TOTAL,
     WORK,
     P,
     Q,
     V,
     W,
 )  # fmt: skip
+from engine.memory.carve import floats_of
+from engine.memory.tables import Bodies, Joints, Rows
 
-__all__ = ["jointed_runge_kutta"]
+__all__ = ["jointed_runge_kutta", "stages_of"]
+
+
+class Stages(NamedTuple):
+    """What a step keeps of its stages, (bodies + 1, 13) each: the state at the start, its slope, the weighted sum of slopes."""
+
+    start: Floats
+    slope: Floats
+    total: Floats
 
 
 @kernel
-def slopes(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, bodies: int, joint: Floats,
-    joint_kind: Ints, joints: int, row: Floats, row_body: Ints, reach: Floats, matrix: Floats, low: Floats, vector: Floats,
-    slope: Floats, gyroscopic: int,
-) -> None:  # fmt: skip
+def stages_of(floats: Floats, ints: Ints) -> Stages:
+    """The room of an arena for stages."""
+    return Stages(floats_of(floats, ints, START), floats_of(floats, ints, SLOPE), floats_of(floats, ints, TOTAL))
+
+
+@kernel
+def is_explicit(joints: Joints, j: int) -> bool:
+    """Whether joint j has a spring or drive that is not taken implicitly."""
+    return bool(joints.kind[j, HAS] & (HAS_SPRING | HAS_DRIVE) & ~joints.kind[j, IMPLICIT] != 0)
+
+
+@kernel
+def slopes(bodies: Bodies, joints: Joints, rows: Rows, slope: Floats, setting: Floats, gyroscopic: int) -> None:
     """Write the accelerations of all dynamic bodies under loads and joints into `slope` (columns V and W)."""
+    state, body, turned, row = bodies.state, bodies.body, bodies.turned, rows.row
     g = load3(setting, 0, GRAVITY)
-    for b in range(bodies + 1):
+    for b in range(state.shape[0]):
         store3(slope, b, V, (0.0, 0.0, 0.0))
         store3(slope, b, W, (0.0, 0.0, 0.0))
-        if kind[b, MOTION] == DYNAMIC:
+        if bodies.kind[b, MOTION] == DYNAMIC:
             v, w = load3(state, b, V), load3(state, b, W)
-            store3(slope, b, V, axpy(-body[b, LINEAR_DAMPING], v, axpy(body[b, INV_MASS], load3(load, b, 0), g)))
-            torque = load3(load, b, 3)
+            store3(slope, b, V, axpy(-body[b, LINEAR_DAMPING], v, axpy(body[b, INV_MASS], load3(bodies.load, b, 0), g)))
+            torque = load3(bodies.load, b, 3)
             if gyroscopic == 1:
                 torque = sub(torque, cross(w, angular_momentum(state, body, b)))
             store3(slope, b, W, axpy(-body[b, ANGULAR_DAMPING], w, sym_vec(load6(turned, b, 0), torque)))
     last = row.shape[0] - 1
-    for j in range(joints):
-        if joint_kind[j, HAS] & 6 & ~joint_kind[j, IMPLICIT]:
-            x, rate = coordinate_row(state, joint, joint_kind, j, row, row_body, last)
-            f = explicit_force(joint, joint_kind, j, x, rate)
+    for j in range(joints.joint.shape[0]):
+        if is_explicit(joints, j):
+            x, rate_of_x = coordinate_row(state, joints, j, rows, last)
+            f = explicit_force(joints, j, x, rate_of_x)
             for side in range(2):
-                b = row_body[last, side]
+                b = rows.body[last, side]
                 store3(slope, b, V, axpy(f * body[b, INV_MASS], load3(row, last, 6 * side), load3(slope, b, V)))
                 push = sym_vec(load6(turned, b, 0), load3(row, last, 6 * side + 3))
                 store3(slope, b, W, axpy(f, push, load3(slope, b, W)))
-    count = equality_rows(state, joint, joint_kind, joints, row, row_body)
-    assemble(row, row_body, 0, count, body, turned, reach, matrix)
-    for r in range(count):
+    n = equality_rows(state, joints, rows)
+    assemble(rows, n, bodies)
+    for r in range(n):
         total = row[r, CURVATURE]
         for side in range(2):
-            b = row_body[r, side]
+            b = rows.body[r, side]
             total += dot(load3(row, r, 6 * side), load3(slope, b, V)) + dot(load3(row, r, 6 * side + 3), load3(slope, b, W))
-        vector[RIGHT, r] = -total
-        vector[PIVOT, r] = 0.0
-    factor(row, row_body, body, matrix, low, count, vector)
-    if is_careful(count, vector):
-        careful_slopes(
-            state, body, kind, turned, load, g, bodies, joint, joint_kind, joints, row, row_body, count, low, vector, slope,
-            gyroscopic,
-        )  # fmt: skip
+        rows.vector[RIGHT, r] = -total
+        rows.vector[PIVOT, r] = 0.0
+    factor(rows, n, body)
+    if is_careful(rows, n):
+        careful_slopes(bodies, joints, rows, n, slope, g, gyroscopic)
         return
-    solve(row, row_body, body, turned, low, count, vector, RIGHT, WORK)
-    apply_all(slope, row, row_body, reach, count, body, turned, vector, WORK, 1.0)
+    solve(rows, n, bodies, RIGHT, WORK)
+    apply_all(slope, rows, n, bodies, WORK, 1.0)
 
 
 @kernel
-def careful_slopes(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, g: Vec, bodies: int, joint: Floats,
-    joint_kind: Ints, joints: int, row: Floats, row_body: Ints, count: int, low: Floats, vector: Floats, slope: Floats,
-    gyroscopic: int,
-) -> None:  # fmt: skip
-    """As `slopes`, from rows and PIVOT at hand, where floats do not carry the accelerations that forces give to free bodies.
+def careful_slopes(bodies: Bodies, joints: Joints, rows: Rows, n: int, slope: Floats, g: Vec, gyroscopic: int) -> None:
+    """As `slopes`, from n rows and PIVOT at hand, where floats do not carry the accelerations that forces give to free bodies.
 
     Forces and torques go to the solver as such: divided by a small inertia first, they would drown what the joints leave.
     """
-    force = np.zeros((bodies + 1, 6))
-    for b in range(bodies):
-        if kind[b, MOTION] == DYNAMIC:
+    state, body, row, vector = bodies.state, bodies.body, rows.row, rows.vector
+    force = np.zeros((state.shape[0], 6))
+    for b in range(state.shape[0] - 1):
+        if bodies.kind[b, MOTION] == DYNAMIC:
             v, w = load3(state, b, V), load3(state, b, W)
             store3(slope, b, V, axpy(-body[b, LINEAR_DAMPING], v, g))
             store3(slope, b, W, scale(-body[b, ANGULAR_DAMPING], w))
-            store3(force, b, 0, load3(load, b, 0))
-            torque = load3(load, b, 3)
+            store3(force, b, 0, load3(bodies.load, b, 0))
+            torque = load3(bodies.load, b, 3)
             if gyroscopic == 1:
                 torque = sub(torque, cross(w, angular_momentum(state, body, b)))
             store3(force, b, 3, torque)
     last = row.shape[0] - 1
-    for j in range(joints):
-        if joint_kind[j, HAS] & 6 & ~joint_kind[j, IMPLICIT]:
-            x, rate_of_x = coordinate_row(state, joint, joint_kind, j, row, row_body, last)
-            f = explicit_force(joint, joint_kind, j, x, rate_of_x)
+    for j in range(joints.joint.shape[0]):
+        if is_explicit(joints, j):
+            x, rate_of_x = coordinate_row(state, joints, j, rows, last)
+            f = explicit_force(joints, j, x, rate_of_x)
             for side in range(2):
-                b = row_body[last, side]
+                b = rows.body[last, side]
                 store3(force, b, 0, axpy(f, load3(row, last, 6 * side), load3(force, b, 0)))
                 store3(force, b, 3, axpy(f, load3(row, last, 6 * side + 3), load3(force, b, 3)))
-    for r in range(count):
-        vector[RIGHT, r] = -(row[r, CURVATURE] + rate(slope, row, row_body, r))
+    for r in range(n):
+        vector[RIGHT, r] = -(row[r, CURVATURE] + rate(slope, rows, r))
         vector[WORK, r] = 0.0
-    careful_solve(row, row_body, count, body, turned, low, vector, RIGHT, WORK, force)
-    careful_apply(slope, row, row_body, count, body, turned, vector, WORK, 1.0, force)
+    careful_solve(rows, n, bodies, RIGHT, WORK, force)
+    careful_apply(slope, rows, n, bodies, WORK, 1.0, force)
 
 
 @kernel
 def jointed_runge_kutta(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, bodies: int, joint: Floats,
-    joint_kind: Ints, joints: int, row: Floats, row_body: Ints, reach: Floats, matrix: Floats, low: Floats, vector: Floats,
-    start: Floats, slope: Floats, total: Floats, dt: float, gyroscopic: int,
-) -> None:  # fmt: skip
+    bodies: Bodies, joints: Joints, rows: Rows, stages: Stages, setting: Floats, dt: float, gyroscopic: int
+) -> None:
     """Advance all bodies by dt."""
-    for b in range(bodies):
+    state, kind = bodies.state, bodies.kind
+    start, slope, total = stages.start, stages.slope, stages.total
+    last = state.shape[0] - 1
+    for b in range(last):
         for c in range(13):
             start[b, c] = state[b, c]
             total[b, c] = 0.0
     for stage in range(4):
-        slopes(
-            state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low,
-            vector, slope, gyroscopic,
-        )  # fmt: skip
+        slopes(bodies, joints, rows, slope, setting, gyroscopic)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         ahead = 0.5 * dt if stage < 2 else dt
-        for b in range(bodies):
+        for b in range(last):
             if kind[b, MOTION] == KINEMATIC:
                 if stage == 0 or stage == 2:
                     store3(state, b, P, axpy(ahead, load3(state, b, V), load3(start, b, P)))
@@ -183,5 +201,5 @@ def jointed_runge_kutta(
                 for c in range(13):
                     state[b, c] = start[b, c] + dt / 6.0 * total[b, c]
                 store4(state, b, Q, quat_unit(load4(state, b, Q)))
-            turn_inertia(state, body, turned, b)
-    project(state, body, kind, turned, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector, dt)
+            turn_inertia(state, bodies.body, bodies.turned, b)
+    project(bodies, joints, rows, dt)

@@ -11,15 +11,10 @@ from engine.memory.arena import (
     EXTENT,
     GAP,
     JACOBIAN,
-    JOINT,
-    JOINT_KIND,
-    JOINTS,
     LENGTH,
     OPEN_GAP,
     OPEN_JOINT,
     PARENT,
-    ROW,
-    ROW_BODY,
     SETTING,
     STATE,
     SUBSTEPS,
@@ -28,6 +23,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import Joints, Rows, joints_of, rows_of
 
 __all__ = ["open_joint"]
 
@@ -42,34 +38,34 @@ ROUND_OFF = 1e-12
 
 
 @kernel
-def open_joint(floats: Floats, ints: Ints, touching: int) -> int:
-    """Look at all gaps. Args: touching: 1 where contacts are solved beside the joints.
+def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
+    """Look at all gaps. Args: touching: whether contacts are solved beside the joints.
 
     Returns: 0, or OPEN_JOINT plus the number of the joint that is open furthest beyond its bound; its gap goes to OPEN_GAP.
     """
     state, body, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, SETTING)
-    joint, joint_kind = floats_of(floats, ints, JOINT), ints_of(ints, JOINT_KIND)
-    count, spare = ints_of(ints, COUNT), floats_of(floats, ints, ROW).shape[0] // 2
-    row, row_body = floats_of(floats, ints, ROW)[spare:], ints_of(ints, ROW_BODY)[spare:]
-    h, share = setting[0, DT] / count[0, SUBSTEPS], CONTACT_CLOSED if touching == 1 else CLOSED
-    found, furthest = 0, 1.0
-    for j in range(count[0, JOINTS]):
-        a, b = joint_kind[j, PARENT], joint_kind[j, CHILD]
-        rows = equality_rows(state, joint[j : j + 1], joint_kind[j : j + 1], 1, row, row_body)
+    joints, every = joints_of(floats, ints), rows_of(floats, ints)
+    joint, kind, spare = joints.joint, joints.kind, every.row.shape[0] // 2
+    rows = Rows(every.row[spare:], every.body[spare:], every.reach, every.matrix, every.factor, every.vector)
+    h, share = setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS], CONTACT_CLOSED if touching else CLOSED
+    worst, furthest = 0, 1.0
+    for j in range(joint.shape[0]):
+        a, b = kind[j, PARENT], kind[j, CHILD]
+        n = equality_rows(state, Joints(joint[j : j + 1], kind[j : j + 1]), rows)
         ra, rb, d = anchors(state, joint, j, a, b)
         wa, wb = norm(load3(state, a, W)), norm(load3(state, b, W))
         way = h * (norm(load3(state, a, V)) + norm(load3(state, b, V)) + wa * norm(ra) + wb * norm(rb))
         lever = norm(ra) + norm(rb) + joint[j, LENGTH]
-        if touching == 1:
+        if touching:
             lever += body[a, EXTENT] + body[b, EXTENT] + way / share
         length = (
             share * lever + CLOSED * way + ROUND_OFF * (1.0 + norm(load3(state, a, P)) + norm(load3(state, b, P)) + norm(d))
         )
-        angle = share + (h * (wa + wb) if touching == 1 else 0.0)
-        for r in range(rows):
-            turns = dot(load3(row, r, JACOBIAN), load3(row, r, JACOBIAN)) == 0.0
-            excess = abs(row[r, GAP]) / (angle if turns else length)
+        angle = share + (h * (wa + wb) if touching else 0.0)
+        for r in range(n):
+            turns = dot(load3(rows.row, r, JACOBIAN), load3(rows.row, r, JACOBIAN)) == 0.0
+            excess = abs(rows.row[r, GAP]) / (angle if turns else length)
             if excess > furthest:
-                found, furthest = OPEN_JOINT + j, excess
-                setting[0, OPEN_GAP] = abs(row[r, GAP])
-    return found
+                worst, furthest = OPEN_JOINT + j, excess
+                setting[0, OPEN_GAP] = abs(rows.row[r, GAP])
+    return worst

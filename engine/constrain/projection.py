@@ -10,12 +10,13 @@ Integration, section IV.4.
 import numpy as np
 
 from engine.compile.jit import kernel
-from engine.constrain.coordinate import bounded_rows
-from engine.constrain.direct import apply_all, assemble, factor, is_careful, solve, solve_bounded
+from engine.constrain.coordinate import implicit_rows
+from engine.constrain.direct import NEW, apply_all, assemble, factor, is_careful, solve, solve_bounded
 from engine.constrain.joint_rows import equality_rows
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import Floats, Ints, add, axpy, load3, load4, quat_turn, store3, store4
+from engine.maths.vec import Floats, add, axpy, load3, load4, quat_turn, store3, store4
 from engine.memory.arena import DYNAMIC, GAP, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
+from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["project", "widest_gap"]
 
@@ -26,49 +27,47 @@ MAX_ROUNDS = 4
 
 
 @kernel
-def widest_gap(row: Floats, count: int) -> float:
-    """The largest violation among the rows."""
+def widest_gap(row: Floats, n: int) -> float:
+    """The largest violation among the first n rows."""
     widest = 0.0
-    for r in range(count):
+    for r in range(n):
         widest = max(widest, abs(row[r, GAP]))
     return widest
 
 
 @kernel
-def project(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, bodies: int, joint: Floats, joint_kind: Ints, joints: int,
-    row: Floats, row_body: Ints, reach: Floats, matrix: Floats, low: Floats, vector: Floats, dt: float,
-) -> None:  # fmt: skip
+def project(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
     """Close the gaps of all joints, then remove velocities that would open them."""
-    count = equality_rows(state, joint, joint_kind, joints, row, row_body)
+    state, kind, vector = bodies.state, bodies.kind, rows.vector
+    n = equality_rows(state, joints, rows)
     for _ in range(MAX_ROUNDS):
-        if widest_gap(row, count) <= ROUND_OFF:
+        if widest_gap(rows.row, n) <= ROUND_OFF:
             break
-        assemble(row, row_body, 0, count, body, turned, reach, matrix)
-        for r in range(count):
+        assemble(rows, n, bodies)
+        for r in range(n):
             vector[PIVOT, r] = 0.0
-            vector[RIGHT, r] = -row[r, GAP]
-        factor(row, row_body, body, matrix, low, count, vector)
-        solve(row, row_body, body, turned, low, count, vector, RIGHT, WORK)
-        careful = is_careful(count, vector)
+            vector[RIGHT, r] = -rows.row[r, GAP]
+        factor(rows, n, bodies.body)
+        solve(rows, n, bodies, RIGHT, WORK)
+        careful = is_careful(rows, n)
         if careful:
-            change = np.zeros((bodies + 1, 13))
-            apply_all(change, row, row_body, reach, count, body, turned, vector, WORK, 1.0)
-            for b in range(bodies):
+            change = np.zeros(state.shape)
+            apply_all(change, rows, n, bodies, WORK, 1.0)
+            for b in range(state.shape[0]):
                 if kind[b, MOTION] == DYNAMIC:
                     store3(state, b, P, add(load3(change, b, V), load3(state, b, P)))
                     store4(state, b, Q, quat_turn(load4(state, b, Q), load3(change, b, W), 1.0))
-        for r in range(0 if careful else count):
+        for r in range(0 if careful else n):
             mu = vector[WORK, r]
             for side in range(2):
-                b = row_body[r, side]
+                b = rows.body[r, side]
                 if kind[b, MOTION] == DYNAMIC:
-                    store3(state, b, P, axpy(mu, load3(reach, r, 6 * side), load3(state, b, P)))
-                    store4(state, b, Q, quat_turn(load4(state, b, Q), load3(reach, r, 6 * side + 3), mu))
-        for b in range(bodies):
+                    store3(state, b, P, axpy(mu, load3(rows.reach, r, 6 * side), load3(state, b, P)))
+                    store4(state, b, Q, quat_turn(load4(state, b, Q), load3(rows.reach, r, 6 * side + 3), mu))
+        for b in range(state.shape[0]):
             if kind[b, MOTION] == DYNAMIC:
-                turn_inertia(state, body, turned, b)
-        count = equality_rows(state, joint, joint_kind, joints, row, row_body)
-    rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, count, dt, 1)
-    assemble(row, row_body, 0, rows, body, turned, reach, matrix)
-    solve_bounded(state, row, row_body, count, rows, body, turned, reach, matrix, low, vector, 0)
+                turn_inertia(state, bodies.body, bodies.turned, b)
+        n = equality_rows(state, joints, rows)
+    every = implicit_rows(state, joints, rows, n, dt)
+    assemble(rows, every, bodies)
+    solve_bounded(bodies, rows, n, every, NEW)

@@ -11,8 +11,8 @@ from engine.compile.jit import kernel
 from engine.constrain.coordinate import coordinate_row
 from engine.constrain.direct import assemble, factor, is_careful, solve
 from engine.constrain.joint_rows import equality_rows
-from engine.maths.vec import Floats, Ints
 from engine.memory.arena import DRIVE, HAS, HAS_DRIVE, HAS_SPRING, IMPLICIT, PIVOT, RIGHT, SPRING, WORK
+from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["mark_stiff"]
 
@@ -23,25 +23,23 @@ DAMPED = 0.3
 
 
 @kernel
-def mark_stiff(
-    state: Floats, body: Floats, turned: Floats, joint: Floats, joint_kind: Ints, joints: int, row: Floats, row_body: Ints,
-    reach: Floats, matrix: Floats, low: Floats, vector: Floats, dt: float,
-) -> None:  # fmt: skip
+def mark_stiff(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
     """Write IMPLICIT for all joints, from the present state."""
-    for j in range(joints):
-        joint_kind[j, IMPLICIT] = 0
-        if joint_kind[j, HAS] & (HAS_SPRING | HAS_DRIVE) == 0:
+    joint, kind, vector = joints.joint, joints.kind, rows.vector
+    for j in range(joint.shape[0]):
+        kind[j, IMPLICIT] = 0
+        if kind[j, HAS] & (HAS_SPRING | HAS_DRIVE) == 0:
             continue
-        count = equality_rows(state, joint, joint_kind, joints, row, row_body)
-        coordinate_row(state, joint, joint_kind, j, row, row_body, count)
-        assemble(row, row_body, 0, count + 1, body, turned, reach, matrix)
-        for r in range(count + 1):
+        last = equality_rows(bodies.state, joints, rows)
+        coordinate_row(bodies.state, joints, j, rows, last)
+        assemble(rows, last + 1, bodies)
+        for r in range(last + 1):
             vector[PIVOT, r] = vector[RIGHT, r] = 0.0
-        factor(row, row_body, body, matrix, low, count + 1, vector)
-        if is_careful(count + 1, vector):
-            solve(row, row_body, body, turned, low, count + 1, vector, RIGHT, WORK)
-        mobility = low[count, count] ** 2 if vector[PIVOT, count] == 0.0 else 0.0
+        factor(rows, last + 1, bodies.body)
+        if is_careful(rows, last + 1):
+            solve(rows, last + 1, bodies, RIGHT, WORK)
+        mobility = rows.factor[last, last] ** 2 if vector[PIVOT, last] == 0.0 else 0.0
         if dt * dt * joint[j, SPRING] * mobility > STIFF or dt * joint[j, SPRING + 1] * mobility > DAMPED:
-            joint_kind[j, IMPLICIT] |= HAS_SPRING
+            kind[j, IMPLICIT] |= HAS_SPRING
         if dt * dt * joint[j, DRIVE] * mobility > STIFF or dt * joint[j, DRIVE + 1] * mobility > DAMPED:
-            joint_kind[j, IMPLICIT] |= HAS_DRIVE
+            kind[j, IMPLICIT] |= HAS_DRIVE

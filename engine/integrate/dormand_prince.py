@@ -12,38 +12,26 @@ table II.5.2 and equation (II.4.13).
 """
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.integrate.finite_state import is_finite
 from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
+from engine.integrate.free_steps import advance_free
 from engine.maths.vec import Floats, Ints, Vec, axpy, load3, load4, store3, store4
 from engine.memory.arena import (
     ANGULAR_DAMPING,
-    BODIES,
-    BODY,
-    BODY_KIND,
-    COUNT,
-    DT,
     GRAVITY,
-    GYROSCOPIC,
     INV_MASS,
     LINEAR_DAMPING,
-    LOAD,
     MOMENTS,
-    PRINCIPAL,
-    SETTING,
-    STATE,
     STEP_TOLERANCE,
-    STEPS,
     STRIDE,
-    SUBSTEPS,
     P,
     V,
 )  # fmt: skip
-from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import Bodies
 
 __all__ = ["step_dormand_prince"]
 
@@ -70,20 +58,44 @@ LENGTH: Final = 13
 MOST_TRIALS = 100_000
 
 
+class Law(NamedTuple):
+    """What moves a body, with the letters of the other integrators.
+
+    Terms: a [m/s2], c [1/s]: acceleration and damping; moments [kg m2], tau [N m], d [1/s]: of inertia, torque and damping of
+    its spin; gyroscopic: 1 where the gyroscopic effect is on.
+    """
+
+    a: Vec
+    c: float
+    moments: Vec
+    tau: Vec
+    d: float
+    gyroscopic: int
+
+
+class Trial(NamedTuple):
+    """What a trial step works on, LENGTH columns each: y (1 row), the new y (1 row), and the rates k (STAGES rows)."""
+
+    y: Floats
+    new: Floats
+    k: Floats
+
+
 @kernel
-def rates(y: Floats, k: Floats, i: int, a: Vec, c: float, moments: Vec, tau: Vec, d: float, gyroscopic: int) -> None:
+def rates(y: Floats, k: Floats, i: int, law: Law) -> None:
     """Write f(y) into row i of k: p' = v, v' = a - c v, and the rates of the spin."""
     v = load3(y, 0, Y_V)
-    q1, m1 = spin_rates(load4(y, 0, Y_Q), load3(y, 0, Y_M), moments, tau, d, gyroscopic)
+    q1, m1 = spin_rates(load4(y, 0, Y_Q), load3(y, 0, Y_M), law.moments, law.tau, law.d, law.gyroscopic)
     store3(k, i, Y_P, v)
-    store3(k, i, Y_V, axpy(-c, v, a))
+    store3(k, i, Y_V, axpy(-law.c, v, law.a))
     store4(k, i, Y_Q, q1)
     store3(k, i, Y_M, m1)
 
 
 @kernel
-def largest_error(y: Floats, new: Floats, k: Floats, h: float, first: int, last: int) -> float:
+def largest_error(trial: Trial, h: float, first: int, last: int) -> float:
     """|h sum e_i k_i| over the larger of |y| before and after the step, of the columns from first to last; 0 if all vanish."""
+    y, new, k = trial.y, trial.new, trial.k
     error = before = after = 0.0
     for j in range(first, last):
         e = 0.0
@@ -98,21 +110,23 @@ def largest_error(y: Floats, new: Floats, k: Floats, h: float, first: int, last:
 
 @kernel
 def dormand_prince(
-    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, end: float,
-    gyroscopic: int, y: Floats, new: Floats, k: Floats,
-) -> bool:  # fmt: skip
+    bodies: Bodies, principal: Floats, setting: Floats, b: int, end: float, gyroscopic: int, trial: Trial
+) -> bool:
     """Advance body b by `end` seconds in as many steps as its tolerance asks for. Returns: whether they sufficed."""
-    if not is_pushed(state, kind, b, end):
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, end):
         return True
-    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
+    a = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
     tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
+    law = Law(a, body[b, LINEAR_DAMPING], moments, tau, d, gyroscopic)
+    y, new, k = trial.y, trial.new, trial.k
     tolerance = setting[0, STEP_TOLERANCE]
     q, m = to_principal(state, principal, b)
     store3(y, 0, Y_P, load3(state, b, P))
     store3(y, 0, Y_V, load3(state, b, V))
     store4(y, 0, Y_Q, q)
     store3(y, 0, Y_M, m)
-    rates(y, k, 0, a, c, moments, tau, d, gyroscopic)
+    rates(y, k, 0, law)
     stride = principal[b, STRIDE] if principal[b, STRIDE] > 0.0 else end
     done, rejected = 0.0, False
     for _ in range(MOST_TRIALS):
@@ -125,9 +139,9 @@ def dormand_prince(
                 for s in range(i):
                     total += A[i, s] * k[s, j]
                 new[0, j] = y[0, j] + h * total
-            rates(new, k, i, a, c, moments, tau, d, gyroscopic)
-        error_v, error_q = largest_error(y, new, k, h, Y_V, Y_Q), largest_error(y, new, k, h, Y_Q, Y_M)
-        error_m = largest_error(y, new, k, h, Y_M, LENGTH)
+            rates(new, k, i, law)
+        error_v, error_q = largest_error(trial, h, Y_V, Y_Q), largest_error(trial, h, Y_Q, Y_M)
+        error_m = largest_error(trial, h, Y_M, LENGTH)
         error = max(error_v, error_q, error_m)
         # A sum is not finite if any part is not, while a maximum may pass it over.
         overflow = not math.isfinite(error_v + error_q + error_m)
@@ -152,24 +166,6 @@ def dormand_prince(
 
 @entry
 def step_dormand_prince(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies that nothing touches.
-
-    Returns: steps done, and 0, or 1 if the state stopped being finite, or 4 if the tolerance was out of reach.
-    """
-    state, body, principal = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, PRINCIPAL)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    end, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    y, new, k = np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH))
-    for step in range(steps):
-        reached = True
-        for _ in range(count[0, SUBSTEPS]):
-            for b in range(count[0, BODIES]):
-                if not dormand_prince(state, body, principal, kind, load, setting, b, end, gyroscopic, y, new, k):
-                    reached = False
-        count[0, STEPS] += 1
-        if not is_finite(state, count[0, BODIES]):
-            return step + 1, 1
-        if not reached:
-            return step + 1, 4
-    return steps, 0
+    """Advance bodies that nothing touches. Returns: as `advance_free`."""
+    trial = Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH)))
+    return advance_free(floats, ints, steps, dormand_prince, trial)

@@ -11,7 +11,6 @@ Source: Austin, Krishnaprasad, Wang, J. Comput. Phys. 107 (1993) 105; Lewis, Sim
 import math
 
 from engine.compile.jit import entry, kernel
-from engine.integrate.finite_state import is_finite
 from engine.integrate.free_body import (
     from_principal,
     is_pushed,
@@ -21,29 +20,10 @@ from engine.integrate.free_body import (
     turned_by,
     velocities_of,
 )
+from engine.integrate.free_steps import advance_free
 from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, quat_mul, scale, store3, sub
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    BODIES,
-    BODY,
-    BODY_KIND,
-    COUNT,
-    DT,
-    GRAVITY,
-    GYROSCOPIC,
-    INV_MASS,
-    LINEAR_DAMPING,
-    LOAD,
-    MOMENTS,
-    PRINCIPAL,
-    SETTING,
-    STATE,
-    STEPS,
-    SUBSTEPS,
-    P,
-    V,
-)  # fmt: skip
-from engine.memory.carve import floats_of, ints_of
+from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
+from engine.memory.tables import Bodies
 
 __all__ = ["step_implicit_midpoint"]
 
@@ -75,11 +55,10 @@ def middle_momentum(m: Vec, moments: Vec, h: float) -> tuple[Vec, bool]:
 
 
 @kernel
-def implicit_midpoint(
-    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, h: float, gyroscopic: int
-) -> bool:
+def implicit_midpoint(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int) -> bool:
     """Advance body b by h. Returns: whether the equation of the step was solved."""
-    if not is_pushed(state, kind, b, h):
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, h):
         return True
     a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
     v = kicked_velocity(load3(state, b, V), a, c, 0.5 * h)
@@ -104,23 +83,5 @@ def implicit_midpoint(
 
 @entry
 def step_implicit_midpoint(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies that nothing touches.
-
-    Returns: steps done, and 0, or 1 if the state stopped being finite, or 4 if the equation of a step was not solved.
-    """
-    state, body, principal = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, PRINCIPAL)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    for step in range(steps):
-        solved = True
-        for _ in range(count[0, SUBSTEPS]):
-            for b in range(count[0, BODIES]):
-                if not implicit_midpoint(state, body, principal, kind, load, setting, b, h, gyroscopic):
-                    solved = False
-        count[0, STEPS] += 1
-        if not is_finite(state, count[0, BODIES]):
-            return step + 1, 1
-        if not solved:
-            return step + 1, 4
-    return steps, 0
+    """Advance bodies that nothing touches. Returns: as `advance_free`."""
+    return advance_free(floats, ints, steps, implicit_midpoint)

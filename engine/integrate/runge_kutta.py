@@ -9,7 +9,6 @@ from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
 from engine.maths.vec import (
     Floats,
-    Ints,
     Quat,
     Sym,
     Vec,
@@ -44,6 +43,7 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Bodies
 
 __all__ = ["quat_axpy", "quat_rate", "runge_kutta_free", "spin_rate"]
 
@@ -74,10 +74,9 @@ def spin_rate(q: Quat, inverse: Sym, momentum: Vec) -> Vec:
 
 
 @kernel
-def runge_kutta_free(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, dt: float, gyroscopic: int
-) -> None:
+def runge_kutta_free(bodies: Bodies, setting: Floats, b: int, dt: float, gyroscopic: int) -> None:
     """Advance body b by dt."""
+    state, body, kind, load = bodies.state, bodies.body, bodies.kind, bodies.load
     p, q = load3(state, b, P), load4(state, b, Q)
     v, w = load3(state, b, V), load3(state, b, W)
     if kind[b, MOTION] == KINEMATIC:
@@ -126,4 +125,4 @@ def runge_kutta_free(
             store3(state, b, W, axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), w))
             q = quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q)
             store4(state, b, Q, quat_unit(q))
-    turn_inertia(state, body, turned, b)
+    turn_inertia(state, body, bodies.turned, b)

@@ -11,7 +11,6 @@ import math
 from engine.compile.jit import kernel
 from engine.maths.vec import (
     Floats,
-    Ints,
     Vec,
     axpy,
     load3,
@@ -44,6 +43,7 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Bodies
 
 __all__ = ["angular_momentum", "drift", "drift_free", "kick", "turn_inertia"]
 
@@ -62,14 +62,15 @@ def angular_momentum(state: Floats, body: Floats, b: int) -> Vec:
 
 
 @kernel
-def kick(state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, h: float) -> None:
+def kick(bodies: Bodies, setting: Floats, b: int, h: float) -> None:
     """Gravity, applied loads and damping for h seconds on the velocities of body b."""
-    if kind[b, MOTION] != DYNAMIC:
+    if bodies.kind[b, MOTION] != DYNAMIC:
         return
+    state, body, load = bodies.state, bodies.body, bodies.load
     g = load3(setting, 0, GRAVITY)
     a = axpy(body[b, INV_MASS], load3(load, b, 0), g)
     v = axpy(h, a, load3(state, b, V))
-    w = axpy(h, sym_vec(load6(turned, b, 0), load3(load, b, 3)), load3(state, b, W))
+    w = axpy(h, sym_vec(load6(bodies.turned, b, 0), load3(load, b, 3)), load3(state, b, W))
     if body[b, LINEAR_DAMPING] > 0.0:
         v = scale(math.exp(-h * body[b, LINEAR_DAMPING]), v)
     if body[b, ANGULAR_DAMPING] > 0.0:
@@ -79,9 +80,10 @@ def kick(state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, 
 
 
 @kernel
-def drift(state: Floats, body: Floats, kind: Ints, turned: Floats, b: int, h: float, gyroscopic: int) -> None:
+def drift(bodies: Bodies, b: int, h: float, gyroscopic: int) -> None:
     """Move body b for h seconds with its velocities, keeping its angular momentum if the gyroscopic effect is on."""
-    if kind[b, MOTION] == DYNAMIC:
+    state, body, turned = bodies.state, bodies.body, bodies.turned
+    if bodies.kind[b, MOTION] == DYNAMIC:
         store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
         w = load3(state, b, W)
         if body[b, ROUND] == 1.0:
@@ -92,18 +94,15 @@ def drift(state: Floats, body: Floats, kind: Ints, turned: Floats, b: int, h: fl
             turn_inertia(state, body, turned, b)
             if gyroscopic == 1:
                 store3(state, b, W, sym_vec(load6(turned, b, 0), m))
-    elif kind[b, MOTION] == KINEMATIC:
+    elif bodies.kind[b, MOTION] == KINEMATIC:
         store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
         store4(state, b, Q, quat_turn(load4(state, b, Q), load3(state, b, W), h))
 
 
 @kernel
-def drift_free(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, load: Floats, setting: Floats, b: int, dt: float, substeps: int,
-    gyroscopic: int,
-) -> None:  # fmt: skip
+def drift_free(bodies: Bodies, setting: Floats, b: int, dt: float, substeps: int, gyroscopic: int) -> None:
     """One step of semi-implicit Euler for a body that nothing touches."""
     h = dt / substeps
     for _ in range(substeps):
-        kick(state, body, kind, turned, load, setting, b, h)
-        drift(state, body, kind, turned, b, h, gyroscopic)
+        kick(bodies, setting, b, h)
+        drift(bodies, b, h, gyroscopic)

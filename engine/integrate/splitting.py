@@ -15,7 +15,6 @@ from typing import Final
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.integrate.finite_state import is_finite
 from engine.integrate.free_body import (
     from_principal,
     is_pushed,
@@ -25,30 +24,11 @@ from engine.integrate.free_body import (
     turned_by,
     velocities_of,
 )
+from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_third
 from engine.maths.vec import Floats, Ints, Quat, Vec, axpy, load3, scale, store3
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    BODIES,
-    BODY,
-    BODY_KIND,
-    COUNT,
-    DT,
-    GRAVITY,
-    GYROSCOPIC,
-    INV_MASS,
-    LINEAR_DAMPING,
-    LOAD,
-    MOMENTS,
-    PRINCIPAL,
-    SETTING,
-    STATE,
-    STEPS,
-    SUBSTEPS,
-    P,
-    V,
-)  # fmt: skip
-from engine.memory.carve import floats_of, ints_of
+from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
+from engine.memory.tables import Bodies
 
 __all__ = ["KAHAN_LI_8", "SUZUKI_4", "step_splitting_4", "step_splitting_8"]
 
@@ -94,13 +74,11 @@ def kicked_rotor(
 
 
 @kernel
-def splitting(
-    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, weights: Floats,
-    h: float, gyroscopic: int,
-) -> None:  # fmt: skip
-    """Advance body b by h."""
-    if not is_pushed(state, kind, b, h):
-        return
+def splitting(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int, weights: Floats) -> bool:
+    """Advance body b by h by the composition with these weights. Returns: True."""
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, h):
+        return True
     a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
     p, v = load3(state, b, P), load3(state, b, V)
     if c == 0.0:
@@ -121,32 +99,16 @@ def splitting(
     else:
         q, m = kicked_rotor(q, m, moments, tau, d, weights, h, gyroscopic)
     from_principal(state, principal, b, q, m)
-
-
-@kernel
-def step_splitting(floats: Floats, ints: Ints, steps: int, weights: Floats) -> tuple[int, int]:
-    """Advance bodies that nothing touches by the composition with these weights."""
-    state, body, principal = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, PRINCIPAL)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    for step in range(steps):
-        for _ in range(count[0, SUBSTEPS]):
-            for b in range(count[0, BODIES]):
-                splitting(state, body, principal, kind, load, setting, b, weights, h, gyroscopic)
-        count[0, STEPS] += 1
-        if not is_finite(state, count[0, BODIES]):
-            return step + 1, 1
-    return steps, 0
+    return True
 
 
 @entry
 def step_splitting_4(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Suzuki's composition. Returns: steps done, and 0 or 1 if the state stopped being finite."""
-    return step_splitting(floats, ints, steps, SUZUKI_4)
+    """Suzuki's composition for bodies that nothing touches. Returns: as `advance_free`."""
+    return advance_free(floats, ints, steps, splitting, SUZUKI_4)
 
 
 @entry
 def step_splitting_8(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Kahan and Li's composition. Returns: as `step_splitting_4`."""
-    return step_splitting(floats, ints, steps, KAHAN_LI_8)
+    """Kahan and Li's composition for bodies that nothing touches. Returns: as `advance_free`."""
+    return advance_free(floats, ints, steps, splitting, KAHAN_LI_8)

@@ -10,7 +10,6 @@ Source: Verlet, Phys. Rev. 159 (1967) 98; Dullweber, Leimkuhler, McLachlan, J. C
 """
 
 from engine.compile.jit import entry, kernel
-from engine.integrate.finite_state import is_finite
 from engine.integrate.free_body import (
     from_principal,
     is_pushed,
@@ -20,41 +19,21 @@ from engine.integrate.free_body import (
     turned_by,
     velocities_of,
 )
+from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_second, turn_third
 from engine.maths.vec import Floats, Ints, axpy, load3, store3
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    BODIES,
-    BODY,
-    BODY_KIND,
-    COUNT,
-    DT,
-    GRAVITY,
-    GYROSCOPIC,
-    INV_MASS,
-    LINEAR_DAMPING,
-    LOAD,
-    MOMENTS,
-    PRINCIPAL,
-    SETTING,
-    STATE,
-    STEPS,
-    SUBSTEPS,
-    P,
-    V,
-)  # fmt: skip
-from engine.memory.carve import floats_of, ints_of
+from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
+from engine.memory.tables import Bodies
 
 __all__ = ["step_velocity_verlet"]
 
 
 @kernel
-def velocity_verlet(
-    state: Floats, body: Floats, principal: Floats, kind: Ints, load: Floats, setting: Floats, b: int, h: float, gyroscopic: int
-) -> None:
-    """Advance body b by h."""
-    if not is_pushed(state, kind, b, h):
-        return
+def velocity_verlet(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int) -> bool:
+    """Advance body b by h. Returns: True."""
+    state, body, load = bodies.state, bodies.body, bodies.load
+    if not is_pushed(state, bodies.kind, b, h):
+        return True
     a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
     v = kicked_velocity(load3(state, b, V), a, c, 0.5 * h)
     store3(state, b, P, axpy(h, v, load3(state, b, P)))
@@ -72,20 +51,10 @@ def velocity_verlet(
     else:
         q = turned_by(q, velocities_of(m, moments), h)
     from_principal(state, principal, b, q, kicked_spin(q, m, tau, d, 0.5 * h))
+    return True
 
 
 @entry
 def step_velocity_verlet(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies that nothing touches. Returns: steps done, and 0 or 1 if the state stopped being finite."""
-    state, body, principal = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, PRINCIPAL)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    for step in range(steps):
-        for _ in range(count[0, SUBSTEPS]):
-            for b in range(count[0, BODIES]):
-                velocity_verlet(state, body, principal, kind, load, setting, b, h, gyroscopic)
-        count[0, STEPS] += 1
-        if not is_finite(state, count[0, BODIES]):
-            return step + 1, 1
-    return steps, 0
+    """Advance bodies that nothing touches. Returns: as `advance_free`."""
+    return advance_free(floats, ints, steps, velocity_verlet)

@@ -50,11 +50,12 @@ from engine.memory.arena import (
     TURNED,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import Bodies
 from engine.respond.soft import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
 from engine.steps.contact import FRESH, slow_approach, soft_factors
 
 __all__ = [
-    "advance_island", "bodies_of", "contacts_of", "copy_row", "give_island", "kick_island", "patience_of", "substep_of",
+    "advance_island", "contacts_of", "copy_row", "give_island", "island_bodies", "kick_island", "patience_of", "substep_of",
     "take_island",
 ]  # fmt: skip
 
@@ -69,11 +70,11 @@ def copy_row(source: Table, i: int, target: Table, k: int) -> None:
 
 
 @kernel
-def bodies_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Floats, Floats, Ints]:
-    """State, body, turned inertia, load and kind of the bodies of island i."""
+def island_bodies(floats: Floats, ints: Ints, i: int) -> Bodies:
+    """The tables of the bodies of island i."""
     span = ints_of(ints, SPAN_OF_ISLAND)
     first, end = span[i, FIRST_LOCAL], span[i + 1, FIRST_LOCAL]
-    return (
+    return Bodies(
         floats_of(floats, ints, LOCAL_STATE)[first:end],
         floats_of(floats, ints, LOCAL_BODY)[first:end],
         floats_of(floats, ints, LOCAL_TURNED)[first:end],
@@ -109,7 +110,7 @@ def patience_of(ints: Ints, stage: int, strikes: int) -> int:
 @kernel
 def take_island(floats: Floats, ints: Ints, i: int) -> None:
     """Copy the bodies and contacts of island i into its own memory."""
-    state, body, turned, load, kind = bodies_of(floats, ints, i)
+    state, body, turned, load, kind = island_bodies(floats, ints, i)
     manifold, point, key = contacts_of(floats, ints, i)
     span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
     first = span[i, FIRST_LOCAL]
@@ -138,18 +139,21 @@ def take_island(floats: Floats, ints: Ints, i: int) -> None:
 @kernel
 def kick_island(floats: Floats, ints: Ints, i: int) -> int:
     """Begin a sub-step of island i: gravity and loads. Returns: how many points are about to strike."""
-    state, body, turned, load, kind = bodies_of(floats, ints, i)
+    bodies = island_bodies(floats, ints, i)
     manifold, point, key = contacts_of(floats, ints, i)
     setting, h = floats_of(floats, ints, SETTING), substep_of(floats, ints)
-    for b in range(state.shape[0]):
-        kick(state, body, kind, turned, load, setting, b, h)
-    return int(approach(state, kind, setting, manifold.shape[0], manifold, key, point, h, slow_approach(setting, h)))
+    for b in range(bodies.state.shape[0]):
+        kick(bodies, setting, b, h)
+    return int(
+        approach(bodies.state, bodies.kind, setting, manifold.shape[0], manifold, key, point, h, slow_approach(setting, h))
+    )
 
 
 @kernel
 def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
     """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
-    state, body, turned, _, kind = bodies_of(floats, ints, i)
+    bodies = island_bodies(floats, ints, i)
+    state, body, turned, _, _ = bodies
     manifold, point, key = contacts_of(floats, ints, i)
     setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     n, h, most = manifold.shape[0], substep_of(floats, ints), setting[0, MAX_PUSH]
@@ -158,7 +162,7 @@ def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
     for _ in range(count[0, ITERATIONS] * patience):
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
     for b in range(state.shape[0]):
-        drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
+        drift(bodies, b, h, count[0, GYROSCOPIC])
     refresh(state, 0, n, manifold, key, point)
     for _ in range(count[0, RELAXATIONS] * patience):
         sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
@@ -168,7 +172,7 @@ def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
 @kernel
 def release_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
     """Restitution of island i, where any was hit, and the end of the sub-step."""
-    state, body, turned, _, _ = bodies_of(floats, ints, i)
+    state, body, turned, _, _ = island_bodies(floats, ints, i)
     manifold, point, key = contacts_of(floats, ints, i)
     setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     n, h = manifold.shape[0], substep_of(floats, ints)
@@ -183,7 +187,7 @@ def release_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
 @kernel
 def give_island(floats: Floats, ints: Ints, i: int) -> None:
     """End the step of island i, and copy its dynamic bodies and its contacts back from its own memory."""
-    state, _, turned, _, kind = bodies_of(floats, ints, i)
+    state, _, turned, _, kind = island_bodies(floats, ints, i)
     manifold, point, key = contacts_of(floats, ints, i)
     span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
     first = span[i, FIRST_LOCAL]

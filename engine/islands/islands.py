@@ -8,39 +8,94 @@ Source: Tarjan, van Leeuwen, Worst-Case Analysis of Set Union Algorithms, J. ACM
 Dynamics with Temporal Coherence, GDC 2005 (islands).
 """
 
+from typing import NamedTuple
+
 from engine.compile.jit import entry, kernel
 from engine.maths.vec import Ints
 from engine.memory.arena import (
     BODY_A,
     BODY_B,
     CHILD,
+    COUNT,
     DYNAMIC,
     FIRST_BODY,
     FIRST_JOINT,
     FIRST_LOCAL,
     FIRST_MANIFOLD,
+    GROUPED,
+    GROUPED_JOINT,
+    ISLAND,
     ISLANDS,
+    JOINT_KIND,
     LOCAL,
+    LOCAL_JOINT_KIND,
+    LOCAL_OWNER,
+    MANIFOLD_KEY,
+    MANIFOLDS,
     MEMBER,
     MOTION,
     NUMBER,
+    OLD_KEY,
     PARENT,
     ROOT,
+    SPAN_OF_ISLAND,
     STAMP,
     THREADS,
     TOUCHED,
 )  # fmt: skip
+from engine.memory.carve import ints_of
 
 __all__ = [
+    "Islands",
+    "Links",
     "assign_rows",
     "connect",
     "connected_components",
     "group_bodies",
     "group_links",
+    "islands_of",
+    "linked_by_contacts",
+    "linked_by_joints",
     "number_islands",
     "share",
     "start_islands",
 ]
+
+
+class Islands(NamedTuple):
+    """What is known of islands: their bodies' forest and numbers, where each begins, and the bodies of its rows of memory."""
+
+    island: Ints
+    span: Ints
+    owner: Ints
+
+
+class Links(NamedTuple):
+    """Contacts, or joints: the bodies (k, 2) of each; their order by islands (k, 1); and in it their bodies' rows (k, 2)."""
+
+    bodies: Ints
+    order: Ints
+    rows: Ints
+
+
+@kernel
+def islands_of(ints: Ints) -> Islands:
+    """The tables of the islands of an arena."""
+    return Islands(ints_of(ints, ISLAND), ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER))
+
+
+@kernel
+def linked_by_contacts(ints: Ints) -> Links:
+    """The contacts of this step; the last step's table, which is done with, takes their rows."""
+    n, ends = ints_of(ints, COUNT)[0, MANIFOLDS], slice(BODY_A, BODY_B + 1)
+    return Links(ints_of(ints, MANIFOLD_KEY)[:n, ends], ints_of(ints, GROUPED), ints_of(ints, OLD_KEY)[:n, ends])
+
+
+@kernel
+def linked_by_joints(ints: Ints) -> Links:
+    """The joints."""
+    ends = slice(PARENT, CHILD + 1)
+    return Links(ints_of(ints, JOINT_KIND)[:, ends], ints_of(ints, GROUPED_JOINT), ints_of(ints, LOCAL_JOINT_KIND)[:, ends])
 
 
 @kernel
@@ -107,68 +162,70 @@ def group_bodies(island: Ints, kind: Ints, bodies: int, span: Ints, islands: int
 
 
 @kernel
-def group_links(
-    island: Ints, link: Ints, links: int, one: int, two: int, span: Ints, islands: int, first: int, order: Ints
-) -> None:
-    """List the links (contacts or joints) of every island in `order`, in ascending order (counting sort).
+def group_links(islands: Islands, n: int, links: Links, first: int) -> None:
+    """List the links of each of n islands, in ascending order (counting sort).
 
-    Args: one, two: the columns of `link` with its two bodies; first: the column of `span` where each island's list begins.
+    Args: first: the column of `span` where each island's list begins.
     """
-    for i in range(islands + 1):
+    island, span, ends = islands.island, islands.span, links.bodies
+    for i in range(n + 1):
         span[i, first] = 0
-    for k in range(links):
-        i = island_of(island, link[k, one], link[k, two])
+    for k in range(ends.shape[0]):
+        i = island_of(island, ends[k, 0], ends[k, 1])
         if i >= 0:
             span[i + 1, first] += 1
-    for i in range(islands):
+    for i in range(n):
         span[i + 1, first] += span[i, first]
         span[i, STAMP] = span[i, first]
-    for k in range(links):
-        i = island_of(island, link[k, one], link[k, two])
+    for k in range(ends.shape[0]):
+        i = island_of(island, ends[k, 0], ends[k, 1])
         if i >= 0:
-            order[span[i, STAMP], 0] = k
+            links.order[span[i, STAMP], 0] = k
             span[i, STAMP] += 1
 
 
 @kernel
-def assign_row(island: Ints, owner: Ints, b: int, i: int, row: int) -> int:
+def assign_row(islands: Islands, b: int, i: int, row: int) -> int:
     """Give body b a row of island i, unless it has one. Returns: the next free row."""
+    island = islands.island
     if island[b, STAMP] == i:
         return row
     island[b, STAMP], island[b, LOCAL] = i, row
-    owner[row, 0] = b
+    islands.owner[row, 0] = b
     return row + 1
 
 
 @kernel
-def assign_rows(
-    island: Ints, bodies: int, span: Ints, islands: int, key: Ints, grouped: Ints, joint_kind: Ints, grouped_joint: Ints,
-    owner: Ints, manifold_key: Ints, local_joint_kind: Ints,
-) -> None:  # fmt: skip
-    """Give the bodies of every island rows beside each other, its own before the fixed ones that it leans on.
+def assign_link(islands: Islands, links: Links, at: int, i: int, row: int) -> int:
+    """Give the bodies of the link that is listed at place `at` rows of island i. Returns: the next free row."""
+    k, first = links.order[at, 0], islands.span[i, FIRST_LOCAL]
+    for side in range(2):
+        b = links.bodies[k, side]
+        row = assign_row(islands, b, i, row)
+        links.rows[at, side] = islands.island[b, LOCAL] - first
+    return row
+
+
+@kernel
+def assign_rows(islands: Islands, n: int, contacts: Links, joints: Links) -> None:
+    """Give the bodies of each of n islands rows beside each other, its own before the fixed ones that it leans on.
 
     A fixed body has a row in each of its islands. The contacts and joints of the islands are written, grouped, with these rows
     in the place of their bodies.
     """
-    for b in range(bodies + 1):
+    island, span = islands.island, islands.span
+    for b in range(island.shape[0]):
         island[b, STAMP] = -1
     row = 0
-    for i in range(islands):
-        first = row
+    for i in range(n):
         span[i, FIRST_LOCAL] = row
         for at in range(span[i, FIRST_BODY], span[i + 1, FIRST_BODY]):
-            row = assign_row(island, owner, island[at, MEMBER], i, row)
+            row = assign_row(islands, island[at, MEMBER], i, row)
         for at in range(span[i, FIRST_MANIFOLD], span[i + 1, FIRST_MANIFOLD]):
-            m = grouped[at, 0]
-            for side in (BODY_A, BODY_B):
-                row = assign_row(island, owner, key[m, side], i, row)
-                manifold_key[at, side] = island[key[m, side], LOCAL] - first
+            row = assign_link(islands, contacts, at, i, row)
         for at in range(span[i, FIRST_JOINT], span[i + 1, FIRST_JOINT]):
-            j = grouped_joint[at, 0]
-            for side in (PARENT, CHILD):
-                row = assign_row(island, owner, joint_kind[j, side], i, row)
-                local_joint_kind[at, side] = island[joint_kind[j, side], LOCAL] - first
-    span[islands, FIRST_LOCAL] = row
+            row = assign_link(islands, joints, at, i, row)
+    span[n, FIRST_LOCAL] = row
 
 
 @kernel

@@ -39,7 +39,6 @@ from engine.memory.arena import (
     JOINT_KIND,
     JOINTS,
     LOAD,
-    MANIFOLD,
     MANIFOLD_KEY,
     MANIFOLDS,
     MASS,
@@ -47,8 +46,6 @@ from engine.memory.arena import (
     NUMBER,
     OWNER,
     PARENT,
-    POINT,
-    POINT_KEY,
     POINTS,
     PROGRESS,
     REMEMBERED,
@@ -78,6 +75,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import Contacts, contacts_of
 
 __all__ = ["fall_asleep", "mark_changed", "mark_touched", "remember", "wake_marked"]
 
@@ -170,33 +168,28 @@ def mark_touched(floats: Floats, ints: Ints) -> int:
 
 
 @kernel
-def move_contact(floats: Floats, ints: Ints, m: int, away: int, to: int) -> None:
-    """Copy contact m of this step to row `to` of those of asleep islands (away 1), or back (away 0)."""
-    manifold, point = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
-    key, point_key = ints_of(ints, MANIFOLD_KEY), ints_of(ints, POINT_KEY)
-    aside, point_aside = floats_of(floats, ints, RESTING_MANIFOLD), floats_of(floats, ints, RESTING_POINT)
-    key_aside, point_key_aside = ints_of(ints, RESTING_KEY), ints_of(ints, RESTING_POINT_KEY)
-    if away == 1:
-        copy_contact(manifold, key, point, point_key, m, aside, key_aside, point_aside, point_key_aside, to)
-    else:
-        copy_contact(aside, key_aside, point_aside, point_key_aside, m, manifold, key, point, point_key, to)
+def resting_contacts_of(floats: Floats, ints: Ints) -> Contacts:
+    """The contacts of asleep islands."""
+    return Contacts(
+        floats_of(floats, ints, RESTING_MANIFOLD),
+        floats_of(floats, ints, RESTING_POINT),
+        ints_of(ints, RESTING_KEY),
+        ints_of(ints, RESTING_POINT_KEY),
+    )
 
 
 @kernel
-def copy_contact(
-    manifold: Floats, key: Ints, point: Floats, point_key: Ints, m: int, other: Floats, other_key: Ints, other_point: Floats,
-    other_point_key: Ints, to: int,
-) -> None:  # fmt: skip
+def copy_contact(contacts: Contacts, m: int, target: Contacts, to: int) -> None:
     """Copy manifold m with its points to row `to` of other tables, or of the same."""
-    for c in range(other.shape[1]):
-        other[to, c] = manifold[m, c]
-    for c in range(other_key.shape[1]):
-        other_key[to, c] = key[m, c]
-    for k in range(key[m, POINTS]):
-        for c in range(other_point.shape[1]):
-            other_point[4 * to + k, c] = point[4 * m + k, c]
-        for c in range(other_point_key.shape[1]):
-            other_point_key[4 * to + k, c] = point_key[4 * m + k, c]
+    for c in range(target.manifold.shape[1]):
+        target.manifold[to, c] = contacts.manifold[m, c]
+    for c in range(target.key.shape[1]):
+        target.key[to, c] = contacts.key[m, c]
+    for k in range(contacts.key[m, POINTS]):
+        for c in range(target.point.shape[1]):
+            target.point[4 * to + k, c] = contacts.point[4 * m + k, c]
+        for c in range(target.point_key.shape[1]):
+            target.point_key[4 * to + k, c] = contacts.point_key[4 * m + k, c]
 
 
 @kernel
@@ -208,9 +201,8 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
     kind, count, island, tally = (
         ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
     )  # fmt: skip
-    calm, key, rest = floats_of(floats, ints, CALM), ints_of(ints, RESTING_KEY), floats_of(floats, ints, REST)
-    aside, point_aside = floats_of(floats, ints, RESTING_MANIFOLD), floats_of(floats, ints, RESTING_POINT)
-    point_key_aside = ints_of(ints, RESTING_POINT_KEY)
+    contacts, resting = contacts_of(floats, ints), resting_contacts_of(floats, ints)
+    calm, key, rest = floats_of(floats, ints, CALM), resting.key, floats_of(floats, ints, REST)
     rising = 0
     for m in range(tally[0, RESTING]):
         rising += island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES]
@@ -219,10 +211,10 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
     still = 0
     for m in range(tally[0, RESTING]):
         if island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES] == 1:
-            move_contact(floats, ints, m, 0, count[0, MANIFOLDS])
+            copy_contact(resting, m, contacts, count[0, MANIFOLDS])
             count[0, MANIFOLDS] += 1
         else:
-            copy_contact(aside, key, point_aside, point_key_aside, m, aside, key, point_aside, point_key_aside, still)
+            copy_contact(resting, m, resting, still)
             still += 1
     tally[0, RESTING] = still
     for b in range(count[0, BODIES]):
@@ -246,8 +238,8 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
     kind, count, island, tally = (
         ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
     )  # fmt: skip
-    key, span = ints_of(ints, MANIFOLD_KEY), ints_of(ints, SPAN_OF_ISLAND)
-    point, point_key, manifold = floats_of(floats, ints, POINT), ints_of(ints, POINT_KEY), floats_of(floats, ints, MANIFOLD)
+    contacts, resting = contacts_of(floats, ints), resting_contacts_of(floats, ints)
+    key, span = contacts.key, ints_of(ints, SPAN_OF_ISLAND)
     for i in range(tally[0, ISLANDS]):
         span[i, UNEASY] = 0
     awake = 0
@@ -263,16 +255,16 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
     leaving = 0
     for m in range(count[0, MANIFOLDS]):
         leaving += int(span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0)
-    if tally[0, RESTING] + leaving > ints_of(ints, RESTING_KEY).shape[0]:
+    if tally[0, RESTING] + leaving > resting.key.shape[0]:
         return 2
     staying = 0
     for m in range(count[0, MANIFOLDS]):
         if span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0:
-            move_contact(floats, ints, m, 1, tally[0, RESTING])
+            copy_contact(contacts, m, resting, tally[0, RESTING])
             tally[0, RESTING] += 1
         else:
             if staying < m:
-                copy_contact(manifold, key, point, point_key, m, manifold, key, point, point_key, staying)
+                copy_contact(contacts, m, contacts, staying)
             staying += 1
     count[0, MANIFOLDS] = staying
     for b in range(count[0, BODIES]):

@@ -2,10 +2,20 @@
 
 from engine.compile.jit import kernel
 from engine.contact.find_contacts import find_contacts, keep_contacts
+from engine.integrate.all_bodies import advance_untouched
 from engine.integrate.finite_state import is_finite
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift, drift_free
-from engine.islands.islands import assign_rows, connect, group_bodies, group_links, number_islands, start_islands
+from engine.integrate.semi_implicit_euler import drift
+from engine.islands.islands import (
+    assign_rows,
+    connect,
+    group_bodies,
+    group_links,
+    islands_of,
+    linked_by_contacts,
+    linked_by_joints,
+    number_islands,
+    start_islands,
+)
 from engine.islands.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
@@ -13,8 +23,6 @@ from engine.memory.arena import (
     AWAKE,
     BODIES,
     BODY,
-    BODY_A,
-    BODY_B,
     BODY_KIND,
     BROAD,
     CHILD,
@@ -24,30 +32,22 @@ from engine.memory.arena import (
     ELASTIC,
     FIRST_JOINT,
     FIRST_MANIFOLD,
-    GROUPED,
-    GROUPED_JOINT,
     GYROSCOPIC,
     HIT,
-    ISLAND,
     ISLANDS,
     JOINT_KIND,
     JOINTS,
     KINEMATIC,
     LAW,
-    LOAD,
-    LOCAL_JOINT_KIND,
-    LOCAL_OWNER,
     MANIFOLD,
     MANIFOLD_KEY,
     MANIFOLDS,
     MOTION,
     NEW,
-    OLD_KEY,
     PARENT,
     POINT,
     REST,
     RESTLESS_BODIES,
-    RUNGE_KUTTA,
     SEARCHED,
     SETTING,
     SLEEP,
@@ -58,9 +58,9 @@ from engine.memory.arena import (
     SUBSTEPS,
     TALLY,
     TOUCHED,
-    TURNED,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of
 
 __all__ = ["any_hit", "begin_islands", "end_islands", "next_meeting", "skip_sleep"]
 
@@ -78,13 +78,13 @@ def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
 
 
 @kernel
-def meet(floats: Floats, ints: Ints, keeping: int) -> int:
+def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
     state, body, rest = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, REST)
     setting, point = floats_of(floats, ints, SETTING), floats_of(floats, ints, POINT)
     kind, count, key = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, MANIFOLD_KEY)
     tally, sleeps = ints_of(ints, TALLY), floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0
-    searching = keeping == 0 or not keep_contacts(state, body, kind, rest, setting, count, key, point)
+    searching = not keeping or not keep_contacts(state, body, kind, rest, setting, count, key, point)
     while True:
         if searching:
             if count[0, BROAD] == 1 and tally[0, SEARCHED] == 0:
@@ -101,19 +101,15 @@ def meet(floats: Floats, ints: Ints, keeping: int) -> int:
 
 
 @kernel
-def begin_islands(floats: Floats, ints: Ints, keeping: int) -> int:
+def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Find the contacts of this step, wake whom they reach, move the bodies that nothing touches, and group the others.
 
-    Args: keeping: 1 to keep the contacts of the last step where all bodies are still.
+    Args: keeping: whether to keep the contacts of the last step where all bodies are still.
     Returns: 0, or 2 or 3 as `find_contacts`, or 5 if pairs must be found anew before the step, since bodies woke.
     """
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count, joint_kind = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, JOINT_KIND)
-    island, span, tally = ints_of(ints, ISLAND), ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, TALLY)
-    manifold, key = floats_of(floats, ints, MANIFOLD), ints_of(ints, MANIFOLD_KEY)
-    grouped, grouped_joint = ints_of(ints, GROUPED), ints_of(ints, GROUPED_JOINT)
-    bodies, joints, dt, gyroscopic = count[0, BODIES], count[0, JOINTS], setting[0, DT], count[0, GYROSCOPIC]
+    bodies, setting = bodies_of(floats, ints), floats_of(floats, ints, SETTING)
+    kind, count, tally = bodies.kind, ints_of(ints, COUNT), ints_of(ints, TALLY)
+    last = count[0, BODIES]
     if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0:
         mark_changed(floats, ints)
         if wake_marked(floats, ints) == 2:
@@ -121,30 +117,26 @@ def begin_islands(floats: Floats, ints: Ints, keeping: int) -> int:
     status = meet(floats, ints, keeping)
     if status != 0:
         return status
-    for j in range(joints):
+    joint_kind = ints_of(ints, JOINT_KIND)
+    for j in range(count[0, JOINTS]):
         if kind[joint_kind[j, PARENT], MOTION] == DYNAMIC or kind[joint_kind[j, CHILD], MOTION] == DYNAMIC:
             kind[joint_kind[j, PARENT], TOUCHED] = 1
             kind[joint_kind[j, CHILD], TOUCHED] = 1
-    for b in range(bodies):
-        if kind[b, TOUCHED] == 0:
-            if count[0, RUNGE_KUTTA] == 1:
-                runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
-            else:
-                drift_free(state, body, kind, turned, load, setting, b, dt, count[0, SUBSTEPS], gyroscopic)
-    start_islands(island, bodies + 1)
-    for m in range(count[0, MANIFOLDS]):
-        connect(island, kind, key[m, BODY_A], key[m, BODY_B])
-    for j in range(joints):
-        connect(island, kind, joint_kind[j, PARENT], joint_kind[j, CHILD])
-    islands = number_islands(island, kind, bodies)
-    group_bodies(island, kind, bodies, span, islands)
-    group_links(island, key, count[0, MANIFOLDS], BODY_A, BODY_B, span, islands, FIRST_MANIFOLD, grouped)
-    group_links(island, joint_kind, joints, PARENT, CHILD, span, islands, FIRST_JOINT, grouped_joint)
-    assign_rows(
-        island, bodies, span, islands, key, grouped, joint_kind, grouped_joint, ints_of(ints, LOCAL_OWNER),
-        ints_of(ints, OLD_KEY), ints_of(ints, LOCAL_JOINT_KIND),
-    )  # fmt: skip
-    tally[0, ISLANDS], tally[0, ELASTIC] = islands, 0
+    advance_untouched(bodies, setting, count)
+    islands, contacts, joints = islands_of(ints), linked_by_contacts(ints), linked_by_joints(ints)
+    island, span = islands.island, islands.span
+    start_islands(island, last + 1)
+    for m in range(contacts.bodies.shape[0]):
+        connect(island, kind, contacts.bodies[m, 0], contacts.bodies[m, 1])
+    for j in range(joints.bodies.shape[0]):
+        connect(island, kind, joints.bodies[j, 0], joints.bodies[j, 1])
+    n = number_islands(island, kind, last)
+    group_bodies(island, kind, last, span, n)
+    group_links(islands, n, contacts, FIRST_MANIFOLD)
+    group_links(islands, n, joints, FIRST_JOINT)
+    assign_rows(islands, n, contacts, joints)
+    manifold = floats_of(floats, ints, MANIFOLD)
+    tally[0, ISLANDS], tally[0, ELASTIC] = n, 0
     for m in range(count[0, MANIFOLDS]):
         if manifold[m, LAW + 2] > 0.0:
             tally[0, ELASTIC] = 1
@@ -175,16 +167,16 @@ def end_islands(floats: Floats, ints: Ints) -> int:
 
     Returns: 0, or 1 if the state stopped being finite, or 2 if the arena must grow before the next step.
     """
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    kind, count, tally = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, TALLY)
+    bodies, count, tally = bodies_of(floats, ints), ints_of(ints, COUNT), ints_of(ints, TALLY)
+    kind = bodies.kind
     h = floats_of(floats, ints, SETTING)[0, DT] / count[0, SUBSTEPS]
     for b in range(count[0, BODIES]):
         if kind[b, TOUCHED] == 1 and kind[b, MOTION] == KINEMATIC:
             for _ in range(count[0, SUBSTEPS]):
-                drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
+                drift(bodies, b, h, count[0, GYROSCOPIC])
     tally[0, AROUSED], tally[0, SEARCHED] = 0, 0
     count[0, STEPS] += 1
-    if not is_finite(state, count[0, BODIES]):
+    if not is_finite(bodies.state, count[0, BODIES]):
         return 1
     if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] == 0.0:
         return 0

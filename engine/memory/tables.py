@@ -7,20 +7,39 @@ from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
     BODY,
     BODY_KIND,
+    FACTOR,
+    JOINT,
+    JOINT_KIND,
     LOAD,
     MANIFOLD,
     MANIFOLD_KEY,
+    MATRIX,
     POINT,
     POINT_KEY,
     POSE,
+    REACH,
+    ROW,
+    ROW_BODY,
     SHAPE,
     SHAPE_KIND,
     STATE,
     TURNED,
+    VECTOR,
 )
 from engine.memory.carve import floats_of, ints_of
 
-__all__ = ["Bodies", "Contacts", "Shapes", "bodies_of", "contacts_of", "shapes_of"]
+__all__ = [
+    "Bodies",
+    "Contacts",
+    "Joints",
+    "Rows",
+    "Shapes",
+    "bodies_of",
+    "contacts_of",
+    "joints_of",
+    "rows_of",
+    "shapes_of",
+]
 
 
 class Bodies(NamedTuple):
@@ -50,6 +69,28 @@ class Shapes(NamedTuple):
     kind: Ints
 
 
+class Joints(NamedTuple):
+    """What is known of every joint: its constants and coordinate, and its kind with its bodies."""
+
+    joint: Floats
+    kind: Ints
+
+
+class Rows(NamedTuple):
+    """The scalar constraints of joints, J v = ..., and the equations for their impulses.
+
+    Terms: row: J, gap, curvature, softness, bias, bounds; body: A and B; reach: M^-1 J^T; matrix: J M^-1 J^T + softness;
+    factor: of the matrix, by Cholesky; vector: impulses, right-hand sides and marks, one number a row each.
+    """
+
+    row: Floats
+    body: Ints
+    reach: Floats
+    matrix: Floats
+    factor: Floats
+    vector: Floats
+
+
 @kernel
 def bodies_of(floats: Floats, ints: Ints) -> Bodies:
     """The tables of the bodies of an arena."""
@@ -77,3 +118,22 @@ def contacts_of(floats: Floats, ints: Ints) -> Contacts:
 def shapes_of(floats: Floats, ints: Ints) -> Shapes:
     """The tables of the shapes of an arena."""
     return Shapes(floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), ints_of(ints, SHAPE_KIND))
+
+
+@kernel
+def joints_of(floats: Floats, ints: Ints) -> Joints:
+    """The tables of the joints of an arena."""
+    return Joints(floats_of(floats, ints, JOINT), ints_of(ints, JOINT_KIND))
+
+
+@kernel
+def rows_of(floats: Floats, ints: Ints) -> Rows:
+    """The tables of the rows of an arena."""
+    return Rows(
+        floats_of(floats, ints, ROW),
+        ints_of(ints, ROW_BODY),
+        floats_of(floats, ints, REACH),
+        floats_of(floats, ints, MATRIX),
+        floats_of(floats, ints, FACTOR),
+        floats_of(floats, ints, VECTOR),
+    )

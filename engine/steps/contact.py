@@ -4,23 +4,18 @@ import math
 
 from engine.compile.jit import entry, kernel
 from engine.contact.find_contacts import find_contacts, keep_contacts
+from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
 from engine.integrate.finite_state import is_finite
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift, drift_free, kick
 from engine.maths.vec import Floats, Ints, load3, norm
 from engine.memory.arena import (
     BODIES,
-    BODY,
-    BODY_KIND,
     BOUNCE_SPEED,
     COUNT,
     DAMPING_RATIO,
     DT,
     GRAVITY,
-    GYROSCOPIC,
     HERTZ,
     ITERATIONS,
-    LOAD,
     MANIFOLD,
     MANIFOLD_KEY,
     MANIFOLDS,
@@ -29,16 +24,13 @@ from engine.memory.arena import (
     POINT,
     RELAXATIONS,
     REST,
-    RUNGE_KUTTA,
     SETTING,
     START,
-    STATE,
     STEPS,
     SUBSTEPS,
-    TOUCHED,
-    TURNED,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of
 from engine.respond.share_loads import share_loads
 from engine.respond.soft import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
 
@@ -76,12 +68,13 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     Returns: steps done, and 0, or 1 if the state stopped being finite, or 2 if the arena must grow before the next step, or 3
     if pairs wait for the convex narrow phase.
     """
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting, sums = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
+    bodies = bodies_of(floats, ints)
+    state, body, turned, _, kind = bodies
+    setting, sums = floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
-    kind, count, rest = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), floats_of(floats, ints, REST)
-    bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
-    h = dt / substeps
+    count, rest = ints_of(ints, COUNT), floats_of(floats, ints, REST)
+    last, substeps = count[0, BODIES], count[0, SUBSTEPS]
+    h = setting[0, DT] / substeps
     rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
     for step in range(steps):
@@ -90,28 +83,19 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
             if status != 0:
                 return step, status
         n = count[0, MANIFOLDS]
-        for b in range(bodies):
-            if kind[b, TOUCHED] == 0:
-                if count[0, RUNGE_KUTTA] == 1:
-                    runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
-                else:
-                    drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
+        advance_untouched(bodies, setting, count)
         if n > 0:
             for substep in range(substeps):
-                for b in range(bodies):
-                    if kind[b, TOUCHED] == 1:
-                        kick(state, body, kind, turned, load, setting, b, h)
+                kick_touched(bodies, setting, count, h)
                 strikes = approach(state, kind, setting, n, manifold, key, point, h, slow)
                 patience = FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
-                share_loads(kind, bodies, sums, n, manifold, key, point)
+                share_loads(kind, last, sums, n, manifold, key, point)
                 warm_start(state, body, turned, n, manifold, key, point)
                 for _ in range(count[0, ITERATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
-                for b in range(bodies):
-                    if kind[b, TOUCHED] == 1:
-                        drift(state, body, kind, turned, b, h, gyroscopic)
+                drift_touched(bodies, count, h)
                 refresh(state, 0, n, manifold, key, point)
-                share_loads(kind, bodies, sums, n, manifold, key, point)
+                share_loads(kind, last, sums, n, manifold, key, point)
                 for _ in range(count[0, RELAXATIONS] * patience):
                     sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
                 if bounce(n, manifold, key, point):
@@ -121,6 +105,6 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 end_substep(n, key, point)
             end_step(n, manifold, key, point)
         count[0, STEPS] += 1
-        if not is_finite(state, bodies):
+        if not is_finite(state, last):
             return step + 1, 1
     return steps, 0

@@ -20,7 +20,7 @@ def step_islands(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints, 1)
+        status = begin_islands(floats, ints, keeping=True)
         if status != 0:
             return step, status
         first, told = 0, 0
@@ -45,7 +45,7 @@ def step_islands_parallel(floats: Floats, ints: Ints, steps: int) -> tuple[int, 
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints, 1)
+        status = begin_islands(floats, ints, keeping=True)
         if status != 0:
             return step, status
         first, told = 0, 0

@@ -24,7 +24,7 @@ def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints, 0)
+        status = begin_islands(floats, ints, keeping=False)
         if status != 0:
             return step, status
         make_room_for_rows(ints)
@@ -37,7 +37,7 @@ def step_islands_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status
-    return steps, open_joint(floats, ints, 1)
+    return steps, open_joint(floats, ints, touching=True)
 
 
 @parallel_entry
@@ -50,7 +50,7 @@ def step_islands_jointed_parallel(floats: Floats, ints: Ints, steps: int) -> tup
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, 0
-        status = begin_islands(floats, ints, 0)
+        status = begin_islands(floats, ints, keeping=False)
         if status != 0:
             return step, status
         make_room_for_rows(ints)
@@ -64,4 +64,4 @@ def step_islands_jointed_parallel(floats: Floats, ints: Ints, steps: int) -> tup
         status = end_islands(floats, ints)
         if status != 0:
             return step + 1, status
-    return steps, open_joint(floats, ints, 1)
+    return steps, open_joint(floats, ints, touching=True)

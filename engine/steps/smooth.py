@@ -1,42 +1,16 @@
 """Steps of worlds without contact: free bodies, and bodies held by joints under either integrator."""
 
 from engine.compile.jit import entry
-from engine.constrain.jointed_runge_kutta import jointed_runge_kutta
+from engine.constrain.jointed_runge_kutta import jointed_runge_kutta, stages_of
 from engine.constrain.open_joints import open_joint
 from engine.constrain.shake import shake
 from engine.constrain.stiffness import mark_stiff
+from engine.integrate.all_bodies import advance_untouched
 from engine.integrate.finite_state import is_finite
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift_free
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    BODIES,
-    BODY,
-    BODY_KIND,
-    COUNT,
-    DT,
-    FACTOR,
-    GYROSCOPIC,
-    JOINT,
-    JOINT_KIND,
-    JOINTS,
-    LOAD,
-    MATRIX,
-    REACH,
-    ROW,
-    ROW_BODY,
-    RUNGE_KUTTA,
-    SETTING,
-    SLOPE,
-    START,
-    STATE,
-    STEPS,
-    SUBSTEPS,
-    TOTAL,
-    TURNED,
-    VECTOR,
-)  # fmt: skip
+from engine.memory.arena import BODIES, COUNT, DT, GYROSCOPIC, SETTING, START, STEPS, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of, joints_of, rows_of
 
 __all__ = ["step_free", "step_jointed_euler", "step_jointed_runge_kutta"]
 
@@ -44,19 +18,11 @@ __all__ = ["step_free", "step_jointed_euler", "step_jointed_runge_kutta"]
 @entry
 def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies that nothing touches. Returns: steps done, and 0 or 1 if the state stopped being finite."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
+    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     for step in range(steps):
-        if count[0, RUNGE_KUTTA] == 1:
-            for b in range(bodies):
-                runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
-        else:
-            for b in range(bodies):
-                drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
+        advance_untouched(bodies, setting, count)
         count[0, STEPS] += 1
-        if not is_finite(state, bodies):
+        if not is_finite(bodies.state, count[0, BODIES]):
             return step + 1, 1
     return steps, 0
 
@@ -64,45 +30,29 @@ def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
 @entry
 def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies held by joints with SHAKE. Returns: as `step_free`, and `open_joint`."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting, start = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
-    joint, row, reach = floats_of(floats, ints, JOINT), floats_of(floats, ints, ROW), floats_of(floats, ints, REACH)
-    matrix, low, vector = floats_of(floats, ints, MATRIX), floats_of(floats, ints, FACTOR), floats_of(floats, ints, VECTOR)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    joint_kind, row_body = ints_of(ints, JOINT_KIND), ints_of(ints, ROW_BODY)
-    bodies, joints, gyroscopic = count[0, BODIES], count[0, JOINTS], count[0, GYROSCOPIC]
-    h = setting[0, DT] / count[0, SUBSTEPS]
+    bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
+    setting, start, count = floats_of(floats, ints, SETTING), floats_of(floats, ints, START), ints_of(ints, COUNT)
+    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
     for step in range(steps):
         for _ in range(count[0, SUBSTEPS]):
-            shake(
-                state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low,
-                vector, start, h, gyroscopic,
-            )  # fmt: skip
+            shake(bodies, joints, rows, start, setting, h, gyroscopic)
         count[0, STEPS] += 1
-        if not is_finite(state, bodies):
+        if not is_finite(bodies.state, count[0, BODIES]):
             return step + 1, 1
-    return steps, open_joint(floats, ints, 0)
+    return steps, open_joint(floats, ints, touching=False)
 
 
 @entry
 def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies held by joints with Runge-Kutta and projection. Returns: as `step_free`, and `open_joint`."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting, start = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, START)
-    slope, total = floats_of(floats, ints, SLOPE), floats_of(floats, ints, TOTAL)
-    joint, row, reach = floats_of(floats, ints, JOINT), floats_of(floats, ints, ROW), floats_of(floats, ints, REACH)
-    matrix, low, vector = floats_of(floats, ints, MATRIX), floats_of(floats, ints, FACTOR), floats_of(floats, ints, VECTOR)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    joint_kind, row_body = ints_of(ints, JOINT_KIND), ints_of(ints, ROW_BODY)
-    bodies, joints, dt, gyroscopic = count[0, BODIES], count[0, JOINTS], setting[0, DT], count[0, GYROSCOPIC]
+    bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
+    setting, stages, count = floats_of(floats, ints, SETTING), stages_of(floats, ints), ints_of(ints, COUNT)
+    dt, gyroscopic = setting[0, DT], count[0, GYROSCOPIC]
     for step in range(steps):
         if count[0, STEPS] == 0:
-            mark_stiff(state, body, turned, joint, joint_kind, joints, row, row_body, reach, matrix, low, vector, dt)
-        jointed_runge_kutta(
-            state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low,
-            vector, start, slope, total, dt, gyroscopic,
-        )  # fmt: skip
+            mark_stiff(bodies, joints, rows, dt)
+        jointed_runge_kutta(bodies, joints, rows, stages, setting, dt, gyroscopic)
         count[0, STEPS] += 1
-        if not is_finite(state, bodies):
+        if not is_finite(bodies.state, count[0, BODIES]):
             return step + 1, 1
-    return steps, open_joint(floats, ints, 0)
+    return steps, open_joint(floats, ints, touching=False)

@@ -8,25 +8,20 @@ import math
 
 from engine.compile.jit import entry, kernel
 from engine.contact.sphere_contacts import find_touches
+from engine.integrate.all_bodies import advance_untouched
 from engine.integrate.finite_state import is_finite
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift_free
 from engine.maths.vec import Floats, Ints, axpy, load3, load4, quat_spin, quat_unit, scale, store3, store4
 from engine.memory.arena import (
     ANGULAR_DAMPING,
     BODIES,
-    BODY,
-    BODY_KIND,
     COUNT,
     DAMPING_RATIO,
     DT,
     DYNAMIC,
     GRAVITY,
-    GYROSCOPIC,
     HERTZ,
     ITERATIONS,
     LINEAR_DAMPING,
-    LOAD,
     M_INV_INERTIA,
     M_INV_MASS,
     MANIFOLDS,
@@ -38,9 +33,7 @@ from engine.memory.arena import (
     R_SPIKE,
     R_STRUCK,
     RELAXATIONS,
-    RUNGE_KUTTA,
     SETTING,
-    STATE,
     STEPS,
     SUBSTEPS,
     SURFACE,
@@ -48,13 +41,13 @@ from engine.memory.arena import (
     TOUCH_KEY,
     TOUCH_REST,
     TOUCHED,
-    TURNED,
     P,
     Q,
     V,
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of
 from engine.respond.spheres import close_substep, note_strikes, press_spheres, push_again, relax_spheres, turn_normals
 from engine.steps.contact import FRESH, slow_approach, soft_factors
 
@@ -112,12 +105,13 @@ def any_struck(touches: int, rest: Floats) -> bool:
 @entry
 def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance spheres in contact. Returns: as `step_contact`."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting, mover = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING), floats_of(floats, ints, MOVER)
+    bodies = bodies_of(floats, ints)
+    state, body, _, load, kind = bodies
+    setting, mover = floats_of(floats, ints, SETTING), floats_of(floats, ints, MOVER)
     touch, rest, key = floats_of(floats, ints, TOUCH), floats_of(floats, ints, TOUCH_REST), ints_of(ints, TOUCH_KEY)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
-    h = dt / substeps
+    count = ints_of(ints, COUNT)
+    last, substeps = count[0, BODIES], count[0, SUBSTEPS]
+    h = setting[0, DT] / substeps
     rate, mass, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
     slow, most = slow_approach(setting, h), setting[0, MAX_PUSH]
     striking = 1 if has_restitution(floats_of(floats, ints, SURFACE)) else 0
@@ -126,24 +120,19 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         if status != 0:
             return step, status
         n = count[0, MANIFOLDS]
-        for b in range(bodies):
-            if kind[b, TOUCHED] == 0:
-                if count[0, RUNGE_KUTTA] == 1:
-                    runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
-                else:
-                    drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
+        advance_untouched(bodies, setting, count)
         for substep in range(substeps):
             if n == 0:
                 break
             fresh = count[0, NEW] if substep == 0 else 0
-            kick_spheres(body, kind, load, setting, mover, bodies, h)
+            kick_spheres(body, kind, load, setting, mover, last, h)
             if striking == 1:
                 fresh = max(fresh, note_strikes(n, touch, rest, key, mover, setting, h, slow))
             patience = FRESH if fresh * MANY >= n else 1
             push_again(n, touch, key, mover)
             for _ in range(count[0, ITERATIONS] * patience):
                 press_spheres(n, touch, rest, key, mover, h, rate, mass, keep, most, striking)
-            drift_spheres(state, kind, mover, bodies, h)
+            drift_spheres(state, kind, mover, last, h)
             turn_normals(n, touch, rest, key, mover, state, striking)
             for _ in range(count[0, RELAXATIONS] * patience):
                 relax_spheres(n, touch, rest, key, mover, 0, striking)
@@ -151,12 +140,12 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
                     relax_spheres(n, touch, rest, key, mover, 1, striking)
             close_substep(n, touch, rest, key, mover, striking)
-        for b in range(bodies):
+        for b in range(last):
             if kind[b, TOUCHED] == 1 and kind[b, MOTION] == DYNAMIC:
                 store4(state, b, Q, quat_unit(load4(state, b, Q)))
                 store3(state, b, V, load3(mover, b, 0))
                 store3(state, b, W, load3(mover, b, 3))
         count[0, STEPS] += 1
-        if not is_finite(state, bodies):
+        if not is_finite(state, last):
             return step + 1, 1
     return steps, 0

@@ -2,31 +2,24 @@
 
 from engine.compile.jit import entry
 from engine.contact.find_contacts import find_contacts
+from engine.integrate.all_bodies import advance_untouched
 from engine.integrate.finite_state import is_finite
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift, drift_free, kick
+from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
     BODIES,
-    BODY,
-    BODY_KIND,
     COUNT,
-    DT,
     GYROSCOPIC,
-    LOAD,
     MANIFOLD,
     MANIFOLD_KEY,
     MANIFOLDS,
     POINT,
-    RUNGE_KUTTA,
     SETTING,
-    STATE,
     STEPS,
-    SUBSTEPS,
     TOUCHED,
-    TURNED,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of
 from engine.respond.soft import approach, refresh, sum_impulses
 from engine.steps.contact import slow_approach
 
@@ -36,20 +29,11 @@ __all__ = ["begin_step", "drift_touched", "kick_touched"]
 @entry
 def begin_step(floats: Floats, ints: Ints) -> int:
     """Find the contacts of a step and advance the bodies that nothing touches. Returns: as `find_contacts`."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    count = ints_of(ints, COUNT)
     status = find_contacts(floats, ints)
     if status != 0:
         return status
-    for b in range(count[0, BODIES]):
-        if kind[b, TOUCHED] == 0:
-            if count[0, RUNGE_KUTTA] == 1:
-                runge_kutta_free(state, body, kind, turned, load, setting, b, setting[0, DT], count[0, GYROSCOPIC])
-            else:
-                drift_free(
-                    state, body, kind, turned, load, setting, b, setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
-                )
+    advance_untouched(bodies_of(floats, ints), floats_of(floats, ints, SETTING), count)
     return 0
 
 
@@ -59,12 +43,11 @@ def kick_touched(floats: Floats, ints: Ints, h: float) -> float:
 
     Returns: the approach speed [m/s] below which nothing bounces.
     """
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    state, kind = bodies.state, bodies.kind
     for b in range(count[0, BODIES]):
         if kind[b, TOUCHED] == 1:
-            kick(state, body, kind, turned, load, setting, b, h)
+            kick(bodies, setting, b, h)
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
     slow = slow_approach(setting, h)
     approach(state, kind, setting, count[0, MANIFOLDS], manifold, key, point, h, slow)
@@ -74,12 +57,12 @@ def kick_touched(floats: Floats, ints: Ints, h: float) -> float:
 @entry
 def drift_touched(floats: Floats, ints: Ints, h: float, last: int) -> int:
     """Move the bodies in contact for h seconds. Args: last: 1 to end the step. Returns: 0, or 1 if no longer finite."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
+    bodies, count = bodies_of(floats, ints), ints_of(ints, COUNT)
+    state, kind = bodies.state, bodies.kind
     manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
     for b in range(count[0, BODIES]):
         if kind[b, TOUCHED] == 1:
-            drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
+            drift(bodies, b, h, count[0, GYROSCOPIC])
     refresh(state, 0, count[0, MANIFOLDS], manifold, key, point)
     sum_impulses(count[0, MANIFOLDS], manifold, key, point)
     if last == 1:

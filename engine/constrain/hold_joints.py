@@ -1,0 +1,45 @@
+"""Joints beside contacts: all their rows are set up once a sub-step, and solved anew after each sweep over the contacts.
+
+A soft or bounded row has one impulse in a sub-step, whose law and bounds the solves share: what each gives is counted against
+those of the next.
+
+Source: Catto, Soft Constraints, GDC 2011 (accumulated impulses).
+"""
+
+from engine.compile.jit import kernel
+from engine.constrain.coordinate import bounded_rows
+from engine.constrain.direct import KNOWN, NEW, assemble, solve_bounded
+from engine.constrain.joint_rows import equality_rows
+from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, LOW, SOFTNESS
+from engine.memory.tables import Bodies, Joints, Rows
+
+__all__ = ["KNOWN", "NEW", "hold_joints", "write_rows"]
+
+
+@kernel
+def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> tuple[int, int]:
+    """Write the rows for a sub-step of h [s], at the end of which the gaps are closed, and their matrix.
+
+    Returns: the number of equality rows, and of all rows.
+    """
+    equalities = equality_rows(bodies.state, joints, rows)
+    for r in range(equalities):
+        rows.row[r, BIAS] = rows.row[r, GAP] / h
+    n = bounded_rows(bodies.state, joints, rows, equalities, h)
+    assemble(rows, n, bodies)
+    return equalities, n
+
+
+@kernel
+def hold_joints(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int) -> None:
+    """Solve all rows for the present velocities, and count what soft and bounded rows have given against their law.
+
+    Args: matrix: NEW, or KNOWN from the second time on since it was assembled.
+    """
+    row, vector = rows.row, rows.vector
+    solve_bounded(bodies, rows, equalities, n, matrix)
+    for r in range(equalities, n):
+        impulse = vector[IMPULSE, r]
+        row[r, BIAS] += row[r, SOFTNESS] * impulse
+        row[r, LOW] -= impulse
+        row[r, HIGH] -= impulse

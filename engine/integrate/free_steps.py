@@ -1,0 +1,37 @@
+"""The steps of a world in which nothing touches: one loop for all integrators that know free bodies alone."""
+
+from collections.abc import Callable
+from typing import Any
+
+from engine.compile.jit import kernel
+from engine.integrate.finite_state import is_finite
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import BODIES, COUNT, DT, GYROSCOPIC, PRINCIPAL, SETTING, STEPS, SUBSTEPS
+from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of
+
+__all__ = ["advance_free"]
+
+
+@kernel
+def advance_free(floats: Floats, ints: Ints, steps: int, advance: Callable[..., bool], *room: Any) -> tuple[int, int]:
+    """Advance all bodies by `steps` steps, sub-step by sub-step.
+
+    Args: advance: (bodies, principal, setting, b, h [s], gyroscopic, *room) -> whether body b was advanced by h.
+    Returns: steps done, and 0, or 1 if the state stopped being finite, or 4 if a body was not advanced.
+    """
+    bodies, principal, setting = bodies_of(floats, ints), floats_of(floats, ints, PRINCIPAL), floats_of(floats, ints, SETTING)
+    count = ints_of(ints, COUNT)
+    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    for step in range(steps):
+        advanced = True
+        for _ in range(count[0, SUBSTEPS]):
+            for b in range(count[0, BODIES]):
+                if not advance(bodies, principal, setting, b, h, gyroscopic, *room):
+                    advanced = False
+        count[0, STEPS] += 1
+        if not is_finite(bodies.state, count[0, BODIES]):
+            return step + 1, 1
+        if not advanced:
+            return step + 1, 4
+    return steps, 0

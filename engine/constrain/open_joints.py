@@ -16,7 +16,6 @@ from engine.memory.arena import (
     JOINTS,
     LENGTH,
     OPEN_GAP,
-    OPEN_JOINT,
     PARENT,
     ROW,
     ROW_BODY,
@@ -28,6 +27,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import OPEN_JOINT
 
 __all__ = ["open_joint"]
 

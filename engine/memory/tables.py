@@ -7,17 +7,25 @@ from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
     BODY,
     BODY_KIND,
+    FACTOR,
+    JOINT,
+    JOINT_KIND,
     LOAD,
     MANIFOLD,
     MANIFOLD_KEY,
+    MATRIX,
     POINT,
     POINT_KEY,
+    REACH,
+    ROW,
+    ROW_BODY,
     STATE,
     TURNED,
+    VECTOR,
 )
 from engine.memory.carve import floats_of, ints_of
 
-__all__ = ["Bodies", "Contacts", "bodies_of", "contacts_of"]
+__all__ = ["Bodies", "Contacts", "Joints", "Rows", "Shapes", "bodies_of", "contacts_of", "joints_of", "rows_of"]
 
 
 class Bodies(NamedTuple):
@@ -37,6 +45,32 @@ class Contacts(NamedTuple):
     point: Floats
     key: Ints
     point_key: Ints
+
+
+class Shapes(NamedTuple):
+    """Sizes, poses in W, and types of shapes."""
+
+    shape: Floats
+    pose: Floats
+    kind: Ints
+
+
+class Joints(NamedTuple):
+    """Joints, and their types and bodies."""
+
+    joint: Floats
+    kind: Ints
+
+
+class Rows(NamedTuple):
+    """The scalar constraints of joints, their bodies, mass-weighted Jacobians, matrix, its factor, and vectors beside them."""
+
+    row: Floats
+    body: Ints
+    reach: Floats
+    matrix: Floats
+    factor: Floats
+    vector: Floats
 
 
 @kernel
@@ -59,4 +93,23 @@ def contacts_of(floats: Floats, ints: Ints) -> Contacts:
         floats_of(floats, ints, POINT),
         ints_of(ints, MANIFOLD_KEY),
         ints_of(ints, POINT_KEY),
+    )
+
+
+@kernel
+def joints_of(floats: Floats, ints: Ints) -> Joints:
+    """The tables of the joints of an arena."""
+    return Joints(floats_of(floats, ints, JOINT), ints_of(ints, JOINT_KIND))
+
+
+@kernel
+def rows_of(floats: Floats, ints: Ints) -> Rows:
+    """The tables of the joints' constraints of an arena."""
+    return Rows(
+        floats_of(floats, ints, ROW),
+        ints_of(ints, ROW_BODY),
+        floats_of(floats, ints, REACH),
+        floats_of(floats, ints, MATRIX),
+        floats_of(floats, ints, FACTOR),
+        floats_of(floats, ints, VECTOR),
     )

@@ -50,10 +50,10 @@ from engine.memory.arena import (
     STATE,
     SURFACE,
     TOUCHED,
-    TURNED,
     TYPE,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of
 from engine.narrow.collide import is_convex_pair
 
 __all__ = ["find_contacts", "keep_contacts"]
@@ -80,7 +80,7 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     """
     state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
     bounds, setting = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, SETTING)
-    body, turned = floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
+    body = floats_of(floats, ints, BODY)
     manifold, point = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     kind, shape_kind = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
     excluded, pair = ints_of(ints, EXCLUDED), ints_of(ints, PAIR)
@@ -108,7 +108,7 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
         kind[b, TOUCHED] = 0
     keep_old(count, kind, manifold, key, point, point_key, old, old_key, old_point, old_point_key, head, following, shapes)
     build_manifolds(
-        state, body, turned, kind, shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
+        bodies_of(floats, ints), shape, shape_kind, pose, surface, setting, count, pair, pairs, manifold, key, point,
         point_key, old, old_key, old_point, old_point_key, head, following, floats_of(floats, ints, CLIP), ints_of(ints,
         CLIP_KEY), floats_of(floats, ints, CONVEX_NORMAL), floats_of(floats, ints, CONVEX_POINT), ints_of(ints, CONVEX_KEY),
         ints_of(ints, CONVEX_POINT_KEY),

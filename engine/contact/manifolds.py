@@ -55,9 +55,10 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Bodies, Contacts, Shapes
 from engine.narrow.box_box import FACE_OF_B
 from engine.narrow.collide import collide, is_convex_pair
-from engine.respond.soft import prepare
+from engine.respond.prepare import prepare
 from engine.swept.begin import begins
 
 __all__ = ["CORNERS_OF_B", "build_manifolds", "keep_old", "look_ahead", "ordered", "start_anew", "thinnest"]
@@ -177,7 +178,7 @@ def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) ->
 
 @kernel
 def build_manifolds(
-    state: Floats, body: Floats, turned: Floats, body_kind: Ints, shape: Floats, shape_kind: Ints, pose: Floats,
+    bodies: Bodies, shape: Floats, shape_kind: Ints, pose: Floats,
     surface: Floats, setting: Floats, count: Ints, pair: Ints, pairs: int, manifold: Floats, manifold_key: Ints, point: Floats,
     point_key: Ints, old: Floats, old_key: Ints, old_point: Floats, old_point_key: Ints, head: Ints, following: Ints,
     clip: Floats, clip_key: Ints, convex_normal: Floats, convex_point: Floats, convex_key: Ints, convex_point_key: Ints,
@@ -186,6 +187,8 @@ def build_manifolds(
 
     Manifolds between still bodies stay what they were.
     """
+    state, body_kind = bodies.state, bodies.kind
+    shapes, contacts = Shapes(shape, pose, shape_kind), Contacts(manifold, point, manifold_key, point_key)
     found, new = 0, 0
     for p in range(pairs):
         a, b = ordered(shape_kind, pair[p, 0], pair[p, 1])
@@ -249,6 +252,6 @@ def build_manifolds(
                 if twin >= 0:
                     point[at + k, NORMAL_IMPULSE] = old_point[twin, NORMAL_IMPULSE]
                     store3(point, at + k, TANGENT_IMPULSE, load3(old_point, twin, TANGENT_IMPULSE))
-        prepare(state, body, turned, shape, shape_kind, pose, found, manifold, manifold_key, point)
+        prepare(bodies, shapes, contacts, found)
         found += 1
     count[0, MANIFOLDS], count[0, NEW] = found, new

@@ -5,35 +5,29 @@ their sum.
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.coordinate import bounded_rows
-from engine.constrain.direct import assemble
-from engine.constrain.joint_rows import equality_rows
+from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, write_rows
 from engine.integrate.semi_implicit_euler import drift
 from engine.islands.contacts import (
-    bodies_of,
-    contacts_of,
     copy_row,
     give_island,
+    island_bodies,
+    island_contacts,
     kick_island,
     patience_of,
-    substep_of,
+    softness_in,
     take_island,
 )
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
-    BIAS,
     CHILD,
     COUNT,
-    DAMPING_RATIO,
     EQUALITIES,
     FACTOR,
     FIRST_JOINT,
     FIRST_LOCAL,
     FIRST_ROW,
-    GAP,
     GROUPED_JOINT,
     GYROSCOPIC,
-    HERTZ,
     HIT,
     ISLANDS,
     ITERATIONS,
@@ -44,23 +38,23 @@ from engine.memory.arena import (
     LOCAL_JOINT_KIND,
     MANIFOLDS,
     MATRIX,
-    MAX_PUSH,
     PARENT,
     REACH,
     RELAXATIONS,
     ROW,
     ROW_BODY,
     ROWS,
-    SETTING,
     SPAN_OF_ISLAND,
     SUBSTEPS,
     TALLY,
     VECTOR,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
-from engine.respond.soft import bounce, end_substep, friction_mode, refresh, sweep, warm_start
-from engine.steps.contact import FRESH, soft_factors
-from engine.steps.contact_jointed import hold_joints
+from engine.memory.tables import Joints, Rows
+from engine.respond.arms import refresh
+from engine.respond.soft import sweep
+from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX
+from engine.respond.substep import bounce, end_substep, friction_mode, warm_start
 
 __all__ = ["advance_jointed_island", "make_room_for_rows"]
 
@@ -82,28 +76,25 @@ def make_room_for_rows(ints: Ints) -> None:
 
 
 @kernel
-def joints_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Ints, Floats, Ints, Floats]:
-    """Joints, their kinds, rows, the rows' bodies and the rows' reach of island i."""
+def island_joints(floats: Floats, ints: Ints, i: int) -> Joints:
+    """The tables of the joints of island i."""
     span = ints_of(ints, SPAN_OF_ISLAND)
     first, end = span[i, FIRST_JOINT], span[i + 1, FIRST_JOINT]
-    low, high = span[i, FIRST_ROW], span[i + 1, FIRST_ROW]
-    return (
-        floats_of(floats, ints, LOCAL_JOINT)[first:end],
-        ints_of(ints, LOCAL_JOINT_KIND)[first:end],
-        floats_of(floats, ints, ROW)[low:high],
-        ints_of(ints, ROW_BODY)[low:high],
-        floats_of(floats, ints, REACH)[low:high],
-    )
+    return Joints(floats_of(floats, ints, LOCAL_JOINT)[first:end], ints_of(ints, LOCAL_JOINT_KIND)[first:end])
 
 
 @kernel
-def matrices_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Floats]:
-    """Matrix (r, r), factor (r, r) and vectors (10, r) of the r rows of island i, out of those of all rows."""
+def island_rows(floats: Floats, ints: Ints, i: int) -> Rows:
+    """The tables of the r rows of island i, out of those of all rows: matrix and factor (r, r), vectors (10, r)."""
     span = ints_of(ints, SPAN_OF_ISLAND)
-    first, r = span[i, FIRST_ROW], span[i + 1, FIRST_ROW] - span[i, FIRST_ROW]
+    first, end = span[i, FIRST_ROW], span[i + 1, FIRST_ROW]
+    r = end - first
     matrix, factor, vector = floats_of(floats, ints, MATRIX), floats_of(floats, ints, FACTOR), floats_of(floats, ints, VECTOR)
     at = first * matrix.shape[1]
-    return (
+    return Rows(
+        floats_of(floats, ints, ROW)[first:end],
+        ints_of(ints, ROW_BODY)[first:end],
+        floats_of(floats, ints, REACH)[first:end],
         matrix.reshape(-1)[at : at + r * r].reshape((r, r)),
         factor.reshape(-1)[at : at + r * r].reshape((r, r)),
         vector.reshape(-1)[10 * first : 10 * (first + r)].reshape((10, r)),
@@ -114,7 +105,7 @@ def matrices_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Flo
 def take_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
     """Copy the bodies, contacts and joints of island i into its own memory."""
     take_island(floats, ints, i)
-    joint, joint_kind, _, _, _ = joints_of(floats, ints, i)
+    joint, joint_kind = island_joints(floats, ints, i)
     first, grouped, all_kinds = (
         ints_of(ints, SPAN_OF_ISLAND)[i, FIRST_JOINT],
         ints_of(ints, GROUPED_JOINT),
@@ -132,58 +123,48 @@ def take_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
 @kernel
 def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
     """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
-    state, body, turned, _, kind = bodies_of(floats, ints, i)
-    manifold, point, key = contacts_of(floats, ints, i)
-    joint, joint_kind, row, row_body, reach = joints_of(floats, ints, i)
-    matrix, low, vector = matrices_of(floats, ints, i)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    n, joints, h, most = manifold.shape[0], joint.shape[0], substep_of(floats, ints), setting[0, MAX_PUSH]
-    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
-    equalities = equality_rows(state, joint, joint_kind, joints, row, row_body)
-    for r in range(equalities):
-        row[r, BIAS] = row[r, GAP] / h
-    rows = bounded_rows(state, joint, joint_kind, joints, row, row_body, equalities, h, 0)
-    assemble(row, row_body, 0, rows, body, turned, reach, matrix)
-    warm_start(state, body, turned, n, manifold, key, point)
-    hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 0)
+    bodies, contacts = island_bodies(floats, ints, i), island_contacts(floats, ints, i)
+    joints, rows = island_joints(floats, ints, i), island_rows(floats, ints, i)
+    state, body, turned, _, kind = bodies
+    count, n, soft = ints_of(ints, COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
+    equalities, all_rows = write_rows(bodies, joints, rows, joints.joint.shape[0], soft.h)
+    warm_start(bodies, contacts, n)
+    hold_joints(bodies, rows, equalities, all_rows, NEW)
     # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.
     sweeps = patience if count[0, MANIFOLDS] > 0 else 0
     for _ in range(count[0, ITERATIONS] * sweeps):
-        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
-        hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)
+        sweep(bodies, contacts, n, soft, PRESS)
+        hold_joints(bodies, rows, equalities, all_rows, KNOWN)
     for b in range(state.shape[0]):
-        drift(state, body, kind, turned, b, h, count[0, GYROSCOPIC])
-    refresh(state, 0, n, manifold, key, point)
+        drift(state, body, kind, turned, b, soft.h, count[0, GYROSCOPIC])
+    refresh(state, contacts, n)
     for _ in range(count[0, RELAXATIONS] * sweeps):
-        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
-        hold_joints(state, row, row_body, equalities, rows, body, turned, reach, matrix, low, vector, 1)
-    ints_of(ints, SPAN_OF_ISLAND)[i, EQUALITIES], ints_of(ints, SPAN_OF_ISLAND)[i, ROWS] = equalities, rows
-    return bounce(n, manifold, key, point)
+        sweep(bodies, contacts, n, soft, RELAX)
+        hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+    span = ints_of(ints, SPAN_OF_ISLAND)
+    span[i, EQUALITIES], span[i, ROWS] = equalities, all_rows
+    return bounce(contacts, n)
 
 
 @kernel
 def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
     """Restitution of island i, where any island was hit, and the end of the sub-step."""
-    state, body, turned, _, _ = bodies_of(floats, ints, i)
-    manifold, point, key = contacts_of(floats, ints, i)
-    _, _, row, row_body, reach = joints_of(floats, ints, i)
-    matrix, low, vector = matrices_of(floats, ints, i)
-    setting, count, span = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), ints_of(ints, SPAN_OF_ISLAND)
-    n, h = manifold.shape[0], substep_of(floats, ints)
-    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
+    bodies, contacts, rows = island_bodies(floats, ints, i), island_contacts(floats, ints, i), island_rows(floats, ints, i)
+    count, span = ints_of(ints, COUNT), ints_of(ints, SPAN_OF_ISLAND)
+    n, soft = contacts.manifold.shape[0], softness_in(floats, ints)
     if hit == 1:
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-            sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, setting[0, MAX_PUSH], 0, 1)
-            hold_joints(state, row, row_body, span[i, EQUALITIES], span[i, ROWS], body, turned, reach, matrix, low, vector, 1)
-    friction_mode(state, body, n, manifold, key, point)
-    end_substep(n, key, point)
+            sweep(bodies, contacts, n, soft, REBOUND)
+            hold_joints(bodies, rows, span[i, EQUALITIES], span[i, ROWS], KNOWN)
+    friction_mode(bodies, contacts, n)
+    end_substep(contacts, n)
 
 
 @kernel
 def give_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
     """Copy the dynamic bodies, the contacts and the joints of island i back from its own memory."""
     give_island(floats, ints, i)
-    joint, _, _, _, _ = joints_of(floats, ints, i)
+    joint = island_joints(floats, ints, i).joint
     first, grouped = ints_of(ints, SPAN_OF_ISLAND)[i, FIRST_JOINT], ints_of(ints, GROUPED_JOINT)
     all_joints = floats_of(floats, ints, JOINT)
     for k in range(joint.shape[0]):

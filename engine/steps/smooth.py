@@ -5,9 +5,7 @@ from engine.constrain.jointed_runge_kutta import jointed_runge_kutta
 from engine.constrain.open_joints import open_joint
 from engine.constrain.shake import shake
 from engine.constrain.stiffness import mark_stiff
-from engine.integrate.finite_state import is_finite
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift_free
+from engine.integrate.all_bodies import advance_untouched
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
     BODIES,
@@ -25,7 +23,6 @@ from engine.memory.arena import (
     REACH,
     ROW,
     ROW_BODY,
-    RUNGE_KUTTA,
     SETTING,
     SLOPE,
     START,
@@ -37,28 +34,22 @@ from engine.memory.arena import (
     VECTOR,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DIVERGED, DONE
+from engine.memory.tables import bodies_of
+from engine.steps.count_step import count_step
 
 __all__ = ["step_free", "step_jointed_euler", "step_jointed_runge_kutta"]
 
 
 @entry
 def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies that nothing touches. Returns: steps done, and 0 or 1 if the state stopped being finite."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    load, setting = floats_of(floats, ints, LOAD), floats_of(floats, ints, SETTING)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    bodies, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
+    """Advance bodies that nothing touches. Returns: steps done, and DONE or DIVERGED."""
+    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     for step in range(steps):
-        if count[0, RUNGE_KUTTA] == 1:
-            for b in range(bodies):
-                runge_kutta_free(state, body, kind, turned, load, setting, b, dt, gyroscopic)
-        else:
-            for b in range(bodies):
-                drift_free(state, body, kind, turned, load, setting, b, dt, substeps, gyroscopic)
-        count[0, STEPS] += 1
-        if not is_finite(state, bodies):
-            return step + 1, 1
-    return steps, 0
+        advance_untouched(bodies, setting, count)
+        if count_step(bodies.state, count) == DIVERGED:
+            return step + 1, DIVERGED
+    return steps, DONE
 
 
 @entry
@@ -78,9 +69,8 @@ def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int
                 state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low,
                 vector, start, h, gyroscopic,
             )  # fmt: skip
-        count[0, STEPS] += 1
-        if not is_finite(state, bodies):
-            return step + 1, 1
+        if count_step(state, count) == DIVERGED:
+            return step + 1, DIVERGED
     return steps, open_joint(floats, ints, 0)
 
 
@@ -102,7 +92,6 @@ def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[in
             state, body, kind, turned, load, setting, bodies, joint, joint_kind, joints, row, row_body, reach, matrix, low,
             vector, start, slope, total, dt, gyroscopic,
         )  # fmt: skip
-        count[0, STEPS] += 1
-        if not is_finite(state, bodies):
-            return step + 1, 1
+        if count_step(state, count) == DIVERGED:
+            return step + 1, DIVERGED
     return steps, open_joint(floats, ints, 0)

@@ -11,6 +11,8 @@ from engine.build.assembly import grow
 from engine.describe.check import finite
 from engine.describe.errors import Diverged, NotSupported
 from engine.memory import arena as at
+from engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
+from engine.steps.choice import Kernels
 from engine.steps.many_worlds import (
     address_of_collide,
     address_of_search,
@@ -18,7 +20,7 @@ from engine.steps.many_worlds import (
     advance_worlds,
     advance_worlds_parallel,
 )
-from engine.world import Kernels, World
+from engine.world import World
 
 __all__ = ["Batch"]
 
@@ -86,19 +88,19 @@ class Batch:
         for kernels, which in self._kinds.items():
             while self._advance(kernels, which):
                 states = self._status[which]
-                if (states == 3).any() and self._collide == 0:
+                if (states == CONVEX_PENDING).any() and self._collide == 0:
                     from engine.contact.collide_convex import collide_convex
 
                     self._collide = address_of_collide(collide_convex)
-                self._grow([int(k) for k in which[states == 2]])
-                which = which[(states == 2) | (states == 3)]
-        lost = np.flatnonzero((self._status == 1) | (self._status == 4) | (self._status >= at.OPEN_JOINT))
+                self._grow([int(k) for k in which[states == FULL]])
+                which = which[(states == FULL) | (states == CONVEX_PENDING)]
+        lost = np.flatnonzero(np.isin(self._status, (DIVERGED, UNSOLVED)) | (self._status >= OPEN_JOINT))
         if len(lost) > 0:
             world = self._worlds[lost[0]]
             name = world.options.integrator
             status = int(self._status[lost[0]])
-            why = "the state is not finite" if status == 1 else f"integrator '{name}' found no solution"
-            if status >= at.OPEN_JOINT:
+            why = "the state is not finite" if status == DIVERGED else f"integrator '{name}' found no solution"
+            if status >= OPEN_JOINT:
                 why = world.open_joint(status)
             raise Diverged(world.steps, why, int(lost[0]))
 
@@ -131,9 +133,8 @@ class Batch:
 
     def _advance(self, kernels: Kernels, which: IntArray) -> int:
         """Advance the worlds of one kind as far as they go. Returns: how many stopped before."""
-        step, search, sift = self._addresses[kernels]
-        memory = (self._floats, self._ints, self._place)
-        given = (step, search, sift, self._collide, *memory, which, self._left, self._status)
+        addresses = (*self._addresses[kernels], self._collide)
+        given = (addresses, self._floats, self._ints, self._place, which, self._left, self._status)
         return advance_worlds(*given) if self._threads == 1 else advance_worlds_parallel(*given, self._threads)
 
     def _grow(self, which: Sequence[int]) -> None:

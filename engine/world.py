@@ -1,19 +1,19 @@
 """A world of bodies, joints and surfaces: advance it, read it, cast rays into it, save it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.broad.choice import DropApart, FindPairs, choose_broad_phase, load_search, load_volume, search_pairs
+from engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
 from engine.build.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
 from engine.build.initial_rates import check_initial_rates
 from engine.build.joint_order import elimination_order
+from engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from engine.describe.bodies import Body, Surface
 from engine.describe.check import finite, number, whole
 from engine.describe.errors import Diverged, NotSupported
@@ -22,8 +22,11 @@ from engine.describe.optics import Sun
 from engine.describe.shapes import Placed
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
-from engine.options import FREE_INTEGRATORS, Options
-from engine.rays.hits import Hits, room_for
+from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
+from engine.options import Options
+from engine.rays.cast import METHODS, as_rays, cast_on_shapes, unit_directions
+from engine.rays.hits import Hits
+from engine.steps.choice import Kernels, choose_step
 
 if TYPE_CHECKING:
     from engine.images.eye import Eye, Picture
@@ -32,40 +35,13 @@ if TYPE_CHECKING:
     from engine.respond.exact.steps import Certificate
     from engine.swept.steps import Impacts
 
-__all__ = ["Contacts", "Hits", "Kernels", "World"]
+__all__ = ["Contacts", "Hits", "World"]
 
 GEOMETRIES = ("collision", "visual")
-METHODS = ("tiles", "brute_force")
 RENDERERS = ("rasterised", "ray_traced")
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
-
-
-@dataclass(frozen=True, slots=True)
-class Kernels:
-    """What advances a world: its step, and where that does not find its pairs, the search before it and the test after that."""
-
-    step: Step
-    find_pairs: FindPairs | None
-    drop_apart: DropApart | None
-
-
-@dataclass(frozen=True, slots=True)
-class Contacts:
-    """The contact points of the last step.
-
-    Terms:
-        bodies (k, 2): indices of A and B; point (k, 3) m in W; normal (k, 3) from A to B; gap (k,) m at the start of the step;
-        force (k, 3) N on B: impulse of the step over dt.
-    """
-
-    bodies: IntArray
-    point: FloatArray
-    normal: FloatArray
-    gap: FloatArray
-    force: FloatArray
 
 
 class World:
@@ -124,7 +100,7 @@ class World:
             from engine.respond.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or _choose_step(self.touching, self.jointed, self.options, self.spheres, islands)
+        self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:
@@ -168,31 +144,31 @@ class World:
 
         Raises: Diverged, ValueError for count < 0.
         """
-        count, status = whole("world", "step count", count, 0), 0
+        count, status = whole("world", "step count", count, 0), DONE
         while count > 0:
-            if self._find_pairs is None or self._swept is not None or (status == 0 and self._all_asleep()):
+            if self._find_pairs is None or self._swept is not None or (status == DONE and self._all_asleep()):
                 done, status = self._step(self._floats, self._ints, count)
-            elif status == 3 or self._search() == 0:
+            elif status == CONVEX_PENDING or self._search() == DONE:
                 done, status = self._step(self._floats, self._ints, 1)
             else:
-                done, status = 0, 2
-            if status == 1:
+                done, status = 0, FULL
+            if status == DIVERGED:
                 raise Diverged(self.steps)
-            if status == 4:
+            if status == UNSOLVED:
                 raise Diverged(self.steps, f"integrator '{self.options.integrator}' found no solution for so long a step")
-            if status >= at.OPEN_JOINT:
+            if status >= OPEN_JOINT:
                 raise Diverged(self.steps, self.open_joint(status))
             count -= done
-            if status == 3:
+            if status == CONVEX_PENDING:
                 from engine.contact.collide_convex import collide_convex
 
                 collide_convex(self._floats, self._ints)
-            if status == 2:
+            if status == FULL:
                 self._floats, self._ints = grow(self._floats, self._ints)
 
     def open_joint(self, status: int) -> str:
         """What is to be said of the joint that a step with this status found open."""
-        name = self._joint_names[status - at.OPEN_JOINT]
+        name = self._joint_names[status - OPEN_JOINT]
         return f"joint '{name}' stays open by {float_table(self._floats, self._ints, at.SETTING)[0, at.OPEN_GAP]:.3g} m or rad"
 
     def compile(self) -> None:
@@ -207,7 +183,7 @@ class World:
             collide_convex(self._floats, self._ints)
 
     def _search(self) -> int:
-        """Find the pairs of the coming step. Returns: 0, or 2 if the arena must grow first."""
+        """Find the pairs of the coming step. Returns: DONE, or FULL."""
         assert self._find_pairs is not None
         return search_pairs(self._find_pairs, self._drop_apart, self._floats, self._ints)
 
@@ -268,52 +244,12 @@ class World:
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
-        if self.spheres:
-            return self._sphere_contacts(count)
-        key = int_table(self._ints, at.MANIFOLD_KEY)[:count]
-        manifold = float_table(self._floats, self._ints, at.MANIFOLD)[:count]
-        point = float_table(self._floats, self._ints, at.POINT)[: 4 * count]
-        resting = int(int_table(self._ints, at.TALLY)[0, at.RESTING])
-        if resting > 0:
-            key = np.vstack((key, int_table(self._ints, at.RESTING_KEY)[:resting]))
-            manifold = np.vstack((manifold, float_table(self._floats, self._ints, at.RESTING_MANIFOLD)[:resting]))
-            point = np.vstack((point, float_table(self._floats, self._ints, at.RESTING_POINT)[: 4 * resting]))
-        rows = np.array([4 * m + k for m in range(count + resting) for k in range(key[m, at.POINTS])], np.int64)
-        point = point[rows]
-        near = point[:, at.FIRST_GAP] <= self.options.margin
-        hit = near | (np.abs(point[:, at.SUM : at.SUM + 3]).max(axis=1, initial=0.0) > 0.0)
-        rows, point = rows[hit], point[hit]
-        found = Contacts(
-            bodies=key[rows // 4][:, [at.BODY_A, at.BODY_B]],
-            point=point[:, at.PLACE : at.PLACE + 3],
-            normal=manifold[rows // 4, at.NORMAL : at.NORMAL + 3],
-            gap=point[:, at.FIRST_GAP],
-            force=point[:, at.SUM : at.SUM + 3] / self.options.dt,
-        )
+        points = sphere_points if self.spheres else manifold_points
+        last = points(self._floats, self._ints, count, self.options.margin, self.options.dt)
         if self._swept is None:
-            return found
+            return last
         past = self._swept.earlier
-        return Contacts(
-            bodies=np.concatenate([past.bodies, found.bodies]),
-            point=np.concatenate([past.point, found.point]),
-            normal=np.concatenate([past.normal, found.normal]),
-            gap=np.concatenate([past.gap, found.gap]),
-            force=np.concatenate([past.impulse / self.options.dt, found.force]),
-        )
-
-    def _sphere_contacts(self, count: int) -> Contacts:
-        """As `contacts`, of a world of spheres."""
-        rest, key = float_table(self._floats, self._ints, at.TOUCH_REST)[:count], int_table(self._ints, at.TOUCH_KEY)[:count]
-        near = rest[:, at.R_FIRST_GAP] <= self.options.margin
-        hit = near | (np.abs(rest[:, at.R_SUM : at.R_SUM + 3]).max(axis=1, initial=0.0) > 0.0)
-        rest = rest[hit]
-        return Contacts(
-            bodies=key[hit][:, [at.K_BODY_A, at.K_BODY_B]],
-            point=rest[:, at.R_PLACE : at.R_PLACE + 3],
-            normal=rest[:, at.R_NORMAL : at.R_NORMAL + 3],
-            gap=rest[:, at.R_FIRST_GAP],
-            force=rest[:, at.R_SUM : at.R_SUM + 3] / self.options.dt,
-        )
+        return joined(Contacts(past.bodies, past.point, past.normal, past.gap, past.impulse / self.options.dt), last)
 
     def cast(
         self,
@@ -342,20 +278,10 @@ class World:
             raise ValueError(f"rays: max_range {max_range} m, expected at least 0")
         if geometry == "visual" and self._drawn is not self:
             return self._as_drawn().cast(origins, directions, max_range, method=method, threads=threads)
-        # Read-only arrays are another type to the compiler, which would compile everything once more for them.
-        d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
-        o = np.atleast_2d(o)
-        if d.ndim != 2 or d.shape[1] != 3 or o.shape not in (d.shape, (1, 3)):
-            raise ValueError(f"rays: origins {np.shape(origins)} and directions {d.shape}, expected (r, 3) and (r, 3), or (3,)")
-        hits = room_for(len(d))
+        o, d = as_rays(origins, directions)
         if method == "brute_force":
-            from engine.rays.one_by_one import cast_rays
-
-            _check_rays(o, d)
-            d = d / np.linalg.norm(d, axis=1, keepdims=True)
-            cast_rays(self._floats, self._ints, np.broadcast_to(o, d.shape).copy(), d, float(max_range), hits)
-        elif not _choose_tiles(threads)(self._floats, self._ints, o, d, float(max_range), hits):
-            _check_rays(o, d)
+            d = unit_directions(o, d)
+        hits = cast_on_shapes(self._floats, self._ints, o, d, float(max_range), method, threads)
         if self._polyhedral:
             from engine.rays.polyhedra import cast_on_polyhedra
             from engine.rays.tree import ray_tree
@@ -430,73 +356,7 @@ def _looks(body: Body) -> Sequence[Placed]:
     return body.shapes if body.visual is None else body.visual
 
 
-def _check_rays(origins: FloatArray, directions: FloatArray) -> None:
-    """Raises: ValueError naming what is wrong with rays."""
-    finite("rays", "origins", origins, origins.shape, "m")
-    finite("rays", "directions", directions, directions.shape, "1")
-    length = np.linalg.norm(directions, axis=1)
-    wrong = (length < 1e-12) | (length == np.inf)
-    if wrong.any():
-        raise ValueError(
-            f"rays: direction {int(wrong.argmax())} has length {length[wrong.argmax()]:g}, expected 1e-12 to 1e150"
-        )
-
-
-def _choose_tiles(threads: int) -> Callable[..., bool]:
-    """The compiled cast for so many threads."""
-    if threads == 1:
-        from engine.rays.tiles import cast_tiles
-
-        return cast_tiles
-    import numba
-
-    from engine.compile.compilers import most_threads
-    from engine.rays.tiles_parallel import cast_tiles_parallel
-
-    numba.set_num_threads(min(threads, most_threads()))
-    return cast_tiles_parallel
-
-
 def _may_touch(bodies: Sequence[Body]) -> bool:
     """Whether two bodies have shapes and one of them is dynamic."""
     solid = [body for body in bodies if body.shapes]
     return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
-
-
-def _choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, islands: bool) -> Step:
-    """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
-    integrator = options.integrator
-    if integrator in FREE_INTEGRATORS:
-        if touching or jointed:
-            raise NotSupported(
-                f"integrator '{integrator}' with {'contacts' if touching else 'joints'}",
-                "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
-            )
-        return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
-    if touching and options.solver == "sequential_impulses":
-        if jointed:
-            raise NotSupported("joints beside contacts", "sequential impulses know contacts only")
-        from engine.steps.sequential import step_sequential_impulses
-
-        return step_sequential_impulses
-    if spheres:
-        from engine.steps.spheres import step_spheres
-
-        return step_spheres
-    if islands:
-        name = f"islands{'_jointed' if jointed else ''}"
-        module = import_module(f"engine.steps.{name}")
-        return cast(Step, getattr(module, f"step_{name}{'_parallel' if options.threads > 1 else ''}"))
-    if touching and jointed:
-        from engine.steps.contact_jointed import step_contact_jointed
-
-        return step_contact_jointed
-    if touching:
-        from engine.steps.contact import step_contact
-
-        return step_contact
-    from engine.steps import smooth
-
-    if not jointed:
-        return smooth.step_free
-    return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler

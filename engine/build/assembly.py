@@ -17,6 +17,7 @@ from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Revolute
 from engine.describe.shapes import Box, Plane, Sphere
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table, new_arena
+from engine.memory.layout import FLOATS, INTS, Per, shapes_of
 from engine.options import CONTINUOUS, FREE_INTEGRATORS, Options
 
 __all__ = ["assemble_world", "grow", "islands_know", "spheres_only", "wants_islands"]
@@ -117,23 +118,15 @@ def assemble_world(
         for joint in joints
         if not joint.collide and joint.parent in index and joint.child in index
     ]
-    solids, swept = [polyhedron for _, polyhedron in polyhedra], options.continuous == "swept"
-    float_rooms, int_rooms = _convex_rooms(solids, ns, pairs if convex else 0, convex, swept)
-    island_float_rooms, island_int_rooms = _island_rooms(n, nj, pairs, options, islands)
-    float_shapes = [
-        (n + 1, 13), (n + 1, 18), (n + 1, 6), (n + 1, 6), (n + 1, 13), (n + 1, 13), (n + 1, 13), (ns, 12), (ns, 12), (ns, 7),
-        (nj, 40), (2 * rows + 2, 18), (rows, 12), (rows, rows), (rows, rows), (10, rows), (pairs, 61), (4 * pairs + 1, 36),
-        (pairs, 61), (4 * pairs, 36), (len(materials) ** 2, 6), (1, 24), (32, 8), *float_rooms,
-        (n + 1 if options.integrator in FREE_INTEGRATORS else 0, 8),
-        (ns, 6), (touches, 16), (touches, 18), (touches, 4), (n + 1 if spheres else 0, 8),
-        (n + 1, 7), *island_float_rooms,
-    ]  # fmt: skip
-    int_shapes = [
-        (n + 1, 4), (ns, 4), (nj, 6), (2 * rows + 2, 4), (near, 2), (pairs, 8), (4 * pairs + 1, 2), (pairs, 8),
-        (4 * pairs, 2), (ns, 1), (pairs, 1), (ns, 1), (len(excluded), 2), (1, 18), (32, 2), *int_rooms,
-        (near, 2), (touches, 6), (touches, 2), (1, 2), *island_int_rooms,
-    ]  # fmt: skip
-    floats, ints = new_arena(float_shapes, int_shapes)
+    sizes = {
+        Per.WORLD: 1, Per.BODY: n + 1, Per.SHAPE: ns, Per.JOINT: nj, Per.ROW: rows, Per.ROW_OR_TRIAL: 2 * rows + 2,
+        Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) ** 2, Per.CLIP_POINT: 32,
+        Per.PRINCIPAL_BODY: n + 1 if options.integrator in FREE_INTEGRATORS else 0, Per.MOVER: n + 1 if spheres else 0,
+        Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: touches,
+        **_convex_sizes([polyhedron for _, polyhedron in polyhedra], pairs if convex else 0, convex, options.continuous),
+        **_island_sizes(n, nj, pairs, options, islands),
+    }  # fmt: skip
+    floats, ints = new_arena(shapes_of(FLOATS, sizes), shapes_of(INTS, sizes))
     _write_bodies(floats, ints, bodies)
     float_table(floats, ints, at.REST)[:] = np.inf
     float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
@@ -197,40 +190,36 @@ def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tu
             raise ValueError(f"world: surfaces give {(one, two)} and {(two, one)} different laws, expected one")
 
 
-def _convex_rooms(
-    polyhedra: Sequence[Polyhedron], shapes: int, pairs: int, convex: bool, swept: bool
-) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
-    """Rows and columns of the tables of the convex narrow phase, empty where a world has none.
+def _convex_sizes(polyhedra: Sequence[Polyhedron], pairs: int, convex: bool, continuous: str) -> dict[Per, int]:
+    """How many rows the tables of the convex narrow phase have, none where a world needs none.
 
     Swept collision measures all shapes by GJK and EPA.
     """
-    faces, corners = sum(len(one.loops) for one in polyhedra), sum(len(loop) for one in polyhedra for loop in one.loops)
     widest = max((len(loop) for one in polyhedra for loop in one.loops), default=0)
-    work, polygon = 560 if convex or swept else 0, 3 * (2 * max(widest, 16) + 2) if convex else 0
-    vertices = sum(len(one.vertices) for one in polyhedra)
-    return (
-        [(vertices, 3), (faces, 3), (pairs, 3), (4 * pairs, 32), (work, 10), (polygon, 3)],
-        [(shapes, 5), (faces, 2), (corners, 1), (pairs, 1), (4 * pairs, 2), (work, 6), (polygon, 1)],
-    )
+    return {
+        Per.VERTEX: sum(len(one.vertices) for one in polyhedra),
+        Per.FACE: sum(len(one.loops) for one in polyhedra),
+        Per.FACE_CORNER: sum(len(loop) for one in polyhedra for loop in one.loops),
+        Per.CONVEX_PAIR: pairs,
+        Per.CONVEX_POINT: 4 * pairs,
+        Per.SIMPLEX_CORNER: 560 if convex or continuous == "swept" else 0,
+        Per.POLYGON_CORNER: 3 * (2 * max(widest, 16) + 2) if convex else 0,
+    }
 
 
-def _island_rooms(
-    bodies: int, joints: int, pairs: int, options: Options, wanted: bool
-) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
-    """Rows and columns of the tables of islands and of sleep, empty where a world has none."""
-    members, spans, owners = (bodies + 1, bodies + 2, bodies + 1 + pairs + 2 * joints) if wanted else (0, 0, 0)
-    links, ties = (pairs, joints) if wanted else (0, 0)
-    sleepers, rests = (bodies + 1, pairs) if options.sleeping else (0, 0)
-    return (
-        [
-            (owners, 13), (owners, 18), (owners, 6), (owners, 6), (ties, 40), (sleepers, 1), (sleepers, 19), (rests, 61),
-            (4 * rests, 36), (1, 2),
-        ],
-        [
-            (members, 8), (spans, 10), (links, 1), (ties, 1), (owners, 4), (owners, 1), (ties, 6), (rests, 8), (4 * rests, 2),
-            (1, 8),
-        ],
-    )  # fmt: skip
+def _island_sizes(bodies: int, joints: int, pairs: int, options: Options, wanted: bool) -> dict[Per, int]:
+    """How many rows the tables of islands and of sleep have, none where a world needs none."""
+    rests = pairs if options.sleeping else 0
+    return {
+        Per.MEMBER: bodies + 1 if wanted else 0,
+        Per.SPAN: bodies + 2 if wanted else 0,
+        Per.LINK: pairs if wanted else 0,
+        Per.TIE: joints if wanted else 0,
+        Per.LOCAL: bodies + 1 + pairs + 2 * joints if wanted else 0,
+        Per.SLEEPER: bodies + 1 if options.sleeping else 0,
+        Per.RESTING_PAIR: rests,
+        Per.RESTING_POINT: 4 * rests,
+    }
 
 
 def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
@@ -328,17 +317,11 @@ def _write_joint(
 
 def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
     """The same world in an arena with room for twice as many pairs."""
-    by_pair = {at.MANIFOLD, at.POINT, at.OLD_MANIFOLD, at.OLD_POINT, at.CONVEX_NORMAL, at.CONVEX_POINT}
-    by_pair |= {at.TOUCH, at.TOUCH_REST, at.OLD_TOUCH}
-    by_pair |= {at.LOCAL_STATE, at.LOCAL_BODY, at.LOCAL_TURNED, at.LOCAL_LOAD, at.RESTING_MANIFOLD, at.RESTING_POINT}
-    ints_by_pair = {at.PAIR, at.MANIFOLD_KEY, at.POINT_KEY, at.OLD_KEY, at.OLD_POINT_KEY, at.NEXT}
-    ints_by_pair |= {at.CONVEX_KEY, at.CONVEX_POINT_KEY, at.CANDIDATE, at.TOUCH_KEY, at.OLD_TOUCH_KEY}
-    ints_by_pair |= {at.GROUPED, at.LOCAL_KIND, at.LOCAL_OWNER, at.RESTING_KEY, at.RESTING_POINT_KEY}
     old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
     old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
     new_floats, new_ints = new_arena(
-        [(t.shape[0] * (2 if k in by_pair else 1), t.shape[1]) for k, t in enumerate(old_floats)],
-        [(t.shape[0] * (2 if k in ints_by_pair else 1), t.shape[1]) for k, t in enumerate(old_ints)],
+        [((1 + table.rows.grows) * old.shape[0], old.shape[1]) for table, old in zip(FLOATS, old_floats, strict=True)],
+        [((1 + table.rows.grows) * old.shape[0], old.shape[1]) for table, old in zip(INTS, old_ints, strict=True)],
     )
     for k, table in enumerate(old_floats):
         float_table(new_floats, new_ints, k)[: table.shape[0]] = table

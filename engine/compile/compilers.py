@@ -32,6 +32,7 @@ __all__ = [
     "loaded_lightly",
     "most_threads",
     "pointer_caller",
+    "pointer_maker",
     "prepare",
     "stream_options",
     "use_cache",
@@ -378,3 +379,25 @@ def pointer_caller(signature: Any) -> Callable[..., Any]:
         return signature.return_type(address, arguments), code
 
     return cast(Callable[..., Any], call)
+
+
+def pointer_maker(number: Any) -> Callable[..., Any]:
+    """How compiled code takes an address [bytes] for a pointer to numbers of a type.
+
+    Nothing counts who uses what lies there, as Numba does with arrays for each function that they are handed to: that costs a
+    quarter of the step of a free body.
+    """
+    import numba
+    from numba.extending import intrinsic
+
+    types: Any = numba.types
+    pointer = types.CPointer(number)
+
+    @intrinsic
+    def at(_: Any, address: Any) -> Any:
+        def code(context: Any, builder: Any, _: Any, values: Any) -> Any:
+            return builder.inttoptr(values[0], context.get_value_type(pointer))
+
+        return pointer(address), code
+
+    return cast(Callable[..., Any], at)

@@ -13,7 +13,6 @@ from engine.memory.arena import (
     JACOBIAN,
     LENGTH,
     OPEN_GAP,
-    OPEN_JOINT,
     PARENT,
     SETTING,
     STATE,
@@ -23,6 +22,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import OPEN_JOINT
 from engine.memory.tables import Joints, Rows, joints_of, rows_of
 
 __all__ = ["open_joint"]

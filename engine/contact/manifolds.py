@@ -41,7 +41,7 @@ from engine.memory.tables import Bodies, Contacts, Shapes
 from engine.narrow.box_box import FACE_OF_B
 from engine.narrow.collide import collide, is_convex_pair, ordered
 from engine.narrow.point import CORNERS_OF_B, Points
-from engine.respond.soft import prepare
+from engine.respond.prepare import prepare
 from engine.swept.begin import FAST, begins
 
 __all__ = ["AT_REST", "build_manifolds"]
@@ -114,7 +114,7 @@ def build_manifolds(
     Args: out: the points of the new contacts, and scratch.
     """
     state, kind, setting, count = bodies.state, bodies.kind, rules.setting, rules.numbers
-    shape, pose, shape_kind = shapes
+    shape, shape_kind = shapes.shape, shapes.kind
     row, fresh = 0, 0
     for p in range(count[0, PAIRS]):
         a, b = ordered(shape_kind, pairs.pair[p, 0], pairs.pair[p, 1])
@@ -141,6 +141,6 @@ def build_manifolds(
             start_slip(state, new, row)
         else:
             carry_over(new, row, old, m, NEAR * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b)))
-        prepare(state, bodies.body, bodies.turned, shape, shape_kind, pose, row, new.manifold, new.key, new.point)
+        prepare(bodies, shapes, new, row)
         row += 1
     count[0, MANIFOLDS], count[0, NEW] = row, fresh

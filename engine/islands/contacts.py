@@ -15,14 +15,12 @@ from engine.memory.arena import (
     BODY_B,
     BODY_KIND,
     COUNT,
-    DAMPING_RATIO,
     DT,
     DYNAMIC,
     FIRST_LOCAL,
     FIRST_MANIFOLD,
     GROUPED,
     GYROSCOPIC,
-    HERTZ,
     HIT,
     ITERATIONS,
     LOAD,
@@ -34,11 +32,11 @@ from engine.memory.arena import (
     LOCAL_TURNED,
     MANIFOLD,
     MANIFOLD_KEY,
-    MAX_PUSH,
     MOTION,
     OLD_KEY,
     OLD_MANIFOLD,
     OLD_POINT,
+    OLD_POINT_KEY,
     POINT,
     POINTS,
     RELAXATIONS,
@@ -50,13 +48,15 @@ from engine.memory.arena import (
     TURNED,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import Bodies
-from engine.respond.soft import approach, bounce, end_step, end_substep, friction_mode, refresh, sweep, warm_start
-from engine.steps.contact import FRESH, slow_approach, soft_factors
+from engine.memory.tables import Bodies, Contacts
+from engine.respond.arms import refresh
+from engine.respond.soft import sweep
+from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
+from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 
 __all__ = [
-    "advance_island", "contacts_of", "copy_row", "give_island", "island_bodies", "kick_island", "patience_of", "substep_of",
-    "take_island",
+    "advance_island", "copy_row", "give_island", "island_bodies", "island_contacts", "kick_island", "patience_of",
+    "softness_in", "take_island",
 ]  # fmt: skip
 
 Table = TypeVar("Table", Floats, Ints)
@@ -84,21 +84,23 @@ def island_bodies(floats: Floats, ints: Ints, i: int) -> Bodies:
 
 
 @kernel
-def contacts_of(floats: Floats, ints: Ints, i: int) -> tuple[Floats, Floats, Ints]:
-    """Manifolds, points and keys of island i. The last step's tables, which are done with, hold them."""
+def island_contacts(floats: Floats, ints: Ints, i: int) -> Contacts:
+    """The tables of the contacts of island i. The last step's, which are done with, hold them."""
     span = ints_of(ints, SPAN_OF_ISLAND)
     first, end = span[i, FIRST_MANIFOLD], span[i + 1, FIRST_MANIFOLD]
-    return (
+    return Contacts(
         floats_of(floats, ints, OLD_MANIFOLD)[first:end],
         floats_of(floats, ints, OLD_POINT)[4 * first : 4 * end],
         ints_of(ints, OLD_KEY)[first:end],
+        ints_of(ints, OLD_POINT_KEY)[4 * first : 4 * end],
     )
 
 
 @kernel
-def substep_of(floats: Floats, ints: Ints) -> float:
-    """The length [s] of a sub-step."""
-    return float(floats_of(floats, ints, SETTING)[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
+def softness_in(floats: Floats, ints: Ints) -> Softness:
+    """The softness of contacts over a sub-step."""
+    setting = floats_of(floats, ints, SETTING)
+    return softness_of(setting, setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
 
 
 @kernel
@@ -111,7 +113,7 @@ def patience_of(ints: Ints, stage: int, strikes: int) -> int:
 def take_island(floats: Floats, ints: Ints, i: int) -> None:
     """Copy the bodies and contacts of island i into its own memory."""
     state, body, turned, load, kind = island_bodies(floats, ints, i)
-    manifold, point, key = contacts_of(floats, ints, i)
+    manifold, point, key, _ = island_contacts(floats, ints, i)
     span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
     first = span[i, FIRST_LOCAL]
     all_states, all_bodies, all_kinds = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), ints_of(ints, BODY_KIND)
@@ -139,56 +141,47 @@ def take_island(floats: Floats, ints: Ints, i: int) -> None:
 @kernel
 def kick_island(floats: Floats, ints: Ints, i: int) -> int:
     """Begin a sub-step of island i: gravity and loads. Returns: how many points are about to strike."""
-    bodies = island_bodies(floats, ints, i)
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, h = floats_of(floats, ints, SETTING), substep_of(floats, ints)
+    bodies, contacts = island_bodies(floats, ints, i), island_contacts(floats, ints, i)
+    setting, h = floats_of(floats, ints, SETTING), softness_in(floats, ints).h
     for b in range(bodies.state.shape[0]):
         kick(bodies, setting, b, h)
-    return int(
-        approach(bodies.state, bodies.kind, setting, manifold.shape[0], manifold, key, point, h, slow_approach(setting, h))
-    )
+    return int(approach(bodies, contacts, contacts.manifold.shape[0], setting, h, slow_approach(setting, h)))
 
 
 @kernel
 def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
     """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
-    bodies = island_bodies(floats, ints, i)
-    state, body, turned, _, _ = bodies
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    n, h, most = manifold.shape[0], substep_of(floats, ints), setting[0, MAX_PUSH]
-    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
-    warm_start(state, body, turned, n, manifold, key, point)
+    bodies, contacts = island_bodies(floats, ints, i), island_contacts(floats, ints, i)
+    count, n, soft = ints_of(ints, COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
+    warm_start(bodies, contacts, n)
     for _ in range(count[0, ITERATIONS] * patience):
-        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
-    for b in range(state.shape[0]):
-        drift(bodies, b, h, count[0, GYROSCOPIC])
-    refresh(state, 0, n, manifold, key, point)
+        sweep(bodies, contacts, n, soft, PRESS)
+    for b in range(bodies.state.shape[0]):
+        drift(bodies, b, soft.h, count[0, GYROSCOPIC])
+    refresh(bodies.state, contacts, n)
     for _ in range(count[0, RELAXATIONS] * patience):
-        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
-    return bounce(n, manifold, key, point)
+        sweep(bodies, contacts, n, soft, RELAX)
+    return bounce(contacts, n)
 
 
 @kernel
 def release_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
     """Restitution of island i, where any was hit, and the end of the sub-step."""
-    state, body, turned, _, _ = island_bodies(floats, ints, i)
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    n, h = manifold.shape[0], substep_of(floats, ints)
-    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
+    bodies, contacts, count = island_bodies(floats, ints, i), island_contacts(floats, ints, i), ints_of(ints, COUNT)
+    n, soft = contacts.manifold.shape[0], softness_in(floats, ints)
     if hit == 1:
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-            sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, setting[0, MAX_PUSH], 0, 1)
-    friction_mode(state, body, n, manifold, key, point)
-    end_substep(n, key, point)
+            sweep(bodies, contacts, n, soft, REBOUND)
+    friction_mode(bodies, contacts, n)
+    end_substep(contacts, n)
 
 
 @kernel
 def give_island(floats: Floats, ints: Ints, i: int) -> None:
     """End the step of island i, and copy its dynamic bodies and its contacts back from its own memory."""
     state, _, turned, _, kind = island_bodies(floats, ints, i)
-    manifold, point, key = contacts_of(floats, ints, i)
+    contacts = island_contacts(floats, ints, i)
+    manifold, point, key, _ = contacts
     span, owner, grouped = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER), ints_of(ints, GROUPED)
     first = span[i, FIRST_LOCAL]
     all_states, all_turned = floats_of(floats, ints, STATE), floats_of(floats, ints, TURNED)
@@ -198,7 +191,7 @@ def give_island(floats: Floats, ints: Ints, i: int) -> None:
             copy_row(turned, r, all_turned, owner[first + r, 0])
     all_manifolds, all_points = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT)
     all_keys = ints_of(ints, MANIFOLD_KEY)
-    end_step(manifold.shape[0], manifold, key, point)
+    end_step(contacts, manifold.shape[0])
     first = span[i, FIRST_MANIFOLD]
     for k in range(manifold.shape[0]):
         m = grouped[first + k, 0]

@@ -8,20 +8,19 @@ from engine.compile.jit import kernel
 from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, write_rows
 from engine.integrate.semi_implicit_euler import drift
 from engine.islands.contacts import (
-    contacts_of,
     copy_row,
     give_island,
     island_bodies,
+    island_contacts,
     kick_island,
     patience_of,
-    substep_of,
+    softness_in,
     take_island,
 )
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
     CHILD,
     COUNT,
-    DAMPING_RATIO,
     EQUALITIES,
     FACTOR,
     FIRST_JOINT,
@@ -29,7 +28,6 @@ from engine.memory.arena import (
     FIRST_ROW,
     GROUPED_JOINT,
     GYROSCOPIC,
-    HERTZ,
     HIT,
     ISLANDS,
     ITERATIONS,
@@ -40,14 +38,12 @@ from engine.memory.arena import (
     LOCAL_JOINT_KIND,
     MANIFOLDS,
     MATRIX,
-    MAX_PUSH,
     PARENT,
     REACH,
     RELAXATIONS,
     ROW,
     ROW_BODY,
     ROWS,
-    SETTING,
     SPAN_OF_ISLAND,
     SUBSTEPS,
     TALLY,
@@ -55,8 +51,10 @@ from engine.memory.arena import (
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Joints, Rows
-from engine.respond.soft import bounce, end_substep, friction_mode, refresh, sweep, warm_start
-from engine.steps.contact import FRESH, soft_factors
+from engine.respond.arms import refresh
+from engine.respond.soft import sweep
+from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX
+from engine.respond.substep import bounce, end_substep, friction_mode, warm_start
 
 __all__ = ["advance_jointed_island", "make_room_for_rows"]
 
@@ -125,45 +123,40 @@ def take_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
 @kernel
 def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
     """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
-    bodies, joints, rows = island_bodies(floats, ints, i), island_joints(floats, ints, i), island_rows(floats, ints, i)
-    state, body, turned, _, _ = bodies
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, count, span = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), ints_of(ints, SPAN_OF_ISLAND)
-    n, h, most = manifold.shape[0], substep_of(floats, ints), setting[0, MAX_PUSH]
-    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
-    equalities, every = write_rows(bodies, joints, rows, h)
-    warm_start(state, body, turned, n, manifold, key, point)
-    hold_joints(bodies, rows, equalities, every, NEW)
+    bodies, contacts = island_bodies(floats, ints, i), island_contacts(floats, ints, i)
+    joints, rows = island_joints(floats, ints, i), island_rows(floats, ints, i)
+    count, n, soft = ints_of(ints, COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
+    equalities, all_rows = write_rows(bodies, joints, rows, soft.h)
+    warm_start(bodies, contacts, n)
+    hold_joints(bodies, rows, equalities, all_rows, NEW)
     # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.
     sweeps = patience if count[0, MANIFOLDS] > 0 else 0
     for _ in range(count[0, ITERATIONS] * sweeps):
-        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 1, 0)
-        hold_joints(bodies, rows, equalities, every, KNOWN)
-    for b in range(state.shape[0]):
-        drift(bodies, b, h, count[0, GYROSCOPIC])
-    refresh(state, 0, n, manifold, key, point)
+        sweep(bodies, contacts, n, soft, PRESS)
+        hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+    for b in range(bodies.state.shape[0]):
+        drift(bodies, b, soft.h, count[0, GYROSCOPIC])
+    refresh(bodies.state, contacts, n)
     for _ in range(count[0, RELAXATIONS] * sweeps):
-        sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, most, 0, 0)
-        hold_joints(bodies, rows, equalities, every, KNOWN)
-    span[i, EQUALITIES], span[i, ROWS] = equalities, every
-    return bounce(n, manifold, key, point)
+        sweep(bodies, contacts, n, soft, RELAX)
+        hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+    span = ints_of(ints, SPAN_OF_ISLAND)
+    span[i, EQUALITIES], span[i, ROWS] = equalities, all_rows
+    return bounce(contacts, n)
 
 
 @kernel
 def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
     """Restitution of island i, where any island was hit, and the end of the sub-step."""
-    bodies, rows = island_bodies(floats, ints, i), island_rows(floats, ints, i)
-    state, body, turned, _, _ = bodies
-    manifold, point, key = contacts_of(floats, ints, i)
-    setting, count, span = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), ints_of(ints, SPAN_OF_ISLAND)
-    n, h = manifold.shape[0], substep_of(floats, ints)
-    rate, mass_scale, keep = soft_factors(setting[0, HERTZ], setting[0, DAMPING_RATIO], h)
+    bodies, contacts, rows = island_bodies(floats, ints, i), island_contacts(floats, ints, i), island_rows(floats, ints, i)
+    count, span = ints_of(ints, COUNT), ints_of(ints, SPAN_OF_ISLAND)
+    n, soft = contacts.manifold.shape[0], softness_in(floats, ints)
     if hit == 1:
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-            sweep(state, body, turned, n, manifold, key, point, h, rate, mass_scale, keep, setting[0, MAX_PUSH], 0, 1)
+            sweep(bodies, contacts, n, soft, REBOUND)
             hold_joints(bodies, rows, span[i, EQUALITIES], span[i, ROWS], KNOWN)
-    friction_mode(state, body, n, manifold, key, point)
-    end_substep(n, key, point)
+    friction_mode(bodies, contacts, n)
+    end_substep(contacts, n)
 
 
 @kernel

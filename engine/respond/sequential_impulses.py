@@ -18,13 +18,12 @@ Iterative Methods for Sparse Linear Systems, 2003, section 4.1 (symmetric Gauss-
 """
 
 import math
+from typing import Final
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.vec import (
     Floats,
-    Ints,
-    Sym,
     Vec,
     add,
     axpy,
@@ -32,7 +31,6 @@ from engine.maths.vec import (
     dot,
     load3,
     load4,
-    load6,
     norm,
     quat_turn,
     scale,
@@ -49,7 +47,6 @@ from engine.memory.arena import (
     BODY_B,
     DYNAMIC,
     HELD,
-    INV_MASS,
     LAW,
     MOTION,
     NORMAL,
@@ -70,24 +67,34 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.tables import Bodies, Contacts
+from engine.respond.pair import Motion, Pair, motion_of, pair_of, store_motion
+from engine.respond.softness import REBOUND
 
-__all__ = ["push_apart", "sweep_velocities"]
+__all__ = ["BACKWARDS", "FORWARDS", "push_apart", "sweep_velocities"]
 
 BAUMGARTE = 0.2
 """Share of a depth [1] that one position correction works off; Baumgarte's, here on pseudo-velocities."""
+FORWARDS: Final = 0
+BACKWARDS: Final = 1
+"""The order of a sweep through the manifolds and their points."""
 
 
 @kernel
-def push(
-    ma: float, ia: Sym, ra: Vec, mb: float, ib: Sym, rb: Vec, impulse: Vec, va: Vec, wa: Vec, vb: Vec, wb: Vec
-) -> tuple[Vec, Vec, Vec, Vec]:
+def push(pair: Pair, arm_a: Vec, arm_b: Vec, impulse: Vec, motion: Motion) -> Motion:
     """The velocities after an impulse on B and its reaction on A."""
-    return (
-        axpy(-ma, impulse, va),
-        sub(wa, sym_vec(ia, cross(ra, impulse))),
-        axpy(mb, impulse, vb),
-        add(wb, sym_vec(ib, cross(rb, impulse))),
+    return Motion(
+        axpy(-pair.mass_a, impulse, motion.va),
+        sub(motion.wa, sym_vec(pair.inertia_a, cross(arm_a, impulse))),
+        axpy(pair.mass_b, impulse, motion.vb),
+        add(motion.wb, sym_vec(pair.inertia_b, cross(arm_b, impulse))),
     )
+
+
+@kernel
+def velocity_at(arm_a: Vec, arm_b: Vec, motion: Motion) -> Vec:
+    """The velocity [m/s] of B against A where both arms end."""
+    return sub(add(motion.vb, cross(motion.wb, arm_b)), add(motion.va, cross(motion.wa, arm_a)))
 
 
 @kernel
@@ -104,37 +111,38 @@ def spin_impulse(manifold: Floats, m: int, n: Vec, w: Vec, total: float) -> Vec:
 
 
 @kernel
-def sweep_velocities(
-    state: Floats, body: Floats, turned: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats, h: float,
-    bouncing: int, back: int,
-) -> None:  # fmt: skip
+def sweep_velocities(bodies: Bodies, contacts: Contacts, manifolds: int, h: float, aim: int, order: int) -> None:
     """One sweep over all manifolds: friction first, then the normals, which matter most.
 
-    Args: bouncing: 1 to aim at the velocity after restitution where a point struck; then points that gave no impulse stay out,
-    for what a rebound meets is a blow to come. back: 1 to go from the last to the first.
+    Args: aim: RELAX, or REBOUND to aim at the velocity after restitution where a point struck; then points that gave no impulse
+    stay out, for what a rebound meets is a blow to come. order: FORWARDS or BACKWARDS.
     """
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for turn in range(manifolds):
-        m = manifolds - 1 - turn if back == 1 else turn
+        m = manifolds - 1 - turn if order == BACKWARDS else turn
         a, b = key[m, BODY_A], key[m, BODY_B]
         n, t1, t2 = load3(manifold, m, NORMAL), load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
-        ma, mb = body[a, INV_MASS], body[b, INV_MASS]
-        ia, ib = load6(turned, a, 0), load6(turned, b, 0)
-        va, wa, vb, wb = load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W)
+        pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
         first, last = 4 * m, 4 * m + key[m, POINTS]
         if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
             total = 0.0
             for i in range(first, last):
                 total += point[i, NORMAL_IMPULSE]
-            spin = spin_impulse(manifold, m, n, sub(wb, wa), total)
+            spin = spin_impulse(manifold, m, n, sub(motion.wb, motion.wa), total)
             change = sub(spin, load3(manifold, m, SPIN_IMPULSE))
             store3(manifold, m, SPIN_IMPULSE, spin)
-            wa, wb = sub(wa, sym_vec(ia, change)), add(wb, sym_vec(ib, change))
+            motion = Motion(
+                motion.va,
+                sub(motion.wa, sym_vec(pair.inertia_a, change)),
+                motion.vb,
+                add(motion.wb, sym_vec(pair.inertia_b, change)),
+            )
         friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
         if friction > 0.0:
             for k in range(first, last):
-                i = first + last - 1 - k if back == 1 else k
+                i = first + last - 1 - k if order == BACKWARDS else k
                 ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
-                u = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
+                u = velocity_at(ra, rb, motion)
                 was_1, was_2 = point[i, HELD], point[i, HELD + 1]
                 one, two = was_1 - point[i, TANGENT_MASS] * dot(t1, u), was_2 - point[i, TANGENT_MASS] * dot(t2, u)
                 size, most = math.sqrt(one * one + two * two), friction * point[i, NORMAL_IMPULSE]
@@ -142,36 +150,32 @@ def sweep_velocities(
                     one, two = most / size * one, most / size * two
                 point[i, HELD], point[i, HELD + 1] = one, two
                 change = axpy(one - was_1, t1, scale(two - was_2, t2))
-                va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, change, va, wa, vb, wb)
+                motion = push(pair, ra, rb, change, motion)
         for k in range(first, last):
-            i = first + last - 1 - k if back == 1 else k
-            if bouncing == 1 and point[i, SEPARATION] > 0.0 and point[i, NORMAL_IMPULSE] == 0.0:
+            i = first + last - 1 - k if order == BACKWARDS else k
+            if aim == REBOUND and point[i, SEPARATION] > 0.0 and point[i, NORMAL_IMPULSE] == 0.0:
                 continue
             ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
             bias = max(point[i, SEPARATION], 0.0) / h
-            if bouncing == 1 and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
+            if aim == REBOUND and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
                 bias = manifold[m, LAW + 2] * point[i, APPROACH]
-            speed = dot(n, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
+            speed = dot(n, velocity_at(ra, rb, motion))
             before = point[i, NORMAL_IMPULSE]
             impulse = max(before - point[i, NORMAL_MASS] * (speed + bias), 0.0)
             point[i, NORMAL_IMPULSE] = impulse
             point[i, SPIKE] = max(point[i, SPIKE], impulse)
-            va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, scale(impulse - before, n), va, wa, vb, wb)
-        store3(state, a, V, va)
-        store3(state, a, W, wa)
-        store3(state, b, V, vb)
-        store3(state, b, W, wb)
+            motion = push(pair, ra, rb, scale(impulse - before, n), motion)
+        store_motion(bodies.state, a, b, motion)
 
 
 @kernel
-def push_apart(
-    state: Floats, body: Floats, kind: Ints, turned: Floats, bodies: int, pseudo: Floats, manifolds: int, manifold: Floats,
-    key: Ints, point: Floats, h: float, sweeps: int, slop: float,
-) -> bool:  # fmt: skip
+def push_apart(bodies: Bodies, contacts: Contacts, manifolds: int, pseudo: Floats, h: float, sweeps: int, slop: float) -> bool:
     """Work off depths by pseudo-velocities, kept in `pseudo` (bodies + 1, 13), that last for this one move of h seconds.
 
     Args: slop [m]: the depth that is left. Returns: whether anything was deep enough to move.
     """
+    state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
+    rows = state.shape[0]
     deep = False
     for m in range(manifolds):
         for i in range(4 * m, 4 * m + key[m, POINTS]):
@@ -179,32 +183,27 @@ def push_apart(
             deep = deep or point[i, SEPARATION] < -slop
     if not deep:
         return False
-    for b in range(bodies + 1):
+    for b in range(rows):
         store3(pseudo, b, V, (0.0, 0.0, 0.0))
         store3(pseudo, b, W, (0.0, 0.0, 0.0))
     for _ in range(sweeps):
         for m in range(manifolds):
             a, b = key[m, BODY_A], key[m, BODY_B]
             n = load3(manifold, m, NORMAL)
-            ma, mb = body[a, INV_MASS], body[b, INV_MASS]
-            ia, ib = load6(turned, a, 0), load6(turned, b, 0)
-            va, wa, vb, wb = load3(pseudo, a, V), load3(pseudo, a, W), load3(pseudo, b, V), load3(pseudo, b, W)
+            pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(pseudo, a, b)
             for i in range(4 * m, 4 * m + key[m, POINTS]):
                 s, before = point[i, SEPARATION], point[i, PUSH]
                 if s > -slop and before == 0.0:
                     continue
                 ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
-                speed = dot(n, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
+                speed = dot(n, velocity_at(ra, rb, motion))
                 after = max(before - point[i, NORMAL_MASS] * (speed + BAUMGARTE * min(s + slop, 0.0) / h), 0.0)
                 point[i, PUSH] = after
-                va, wa, vb, wb = push(ma, ia, ra, mb, ib, rb, scale(after - before, n), va, wa, vb, wb)
-            store3(pseudo, a, V, va)
-            store3(pseudo, a, W, wa)
-            store3(pseudo, b, V, vb)
-            store3(pseudo, b, W, wb)
-    for b in range(bodies):
-        if kind[b, MOTION] == DYNAMIC:
+                motion = push(pair, ra, rb, scale(after - before, n), motion)
+            store_motion(pseudo, a, b, motion)
+    for b in range(rows - 1):
+        if bodies.kind[b, MOTION] == DYNAMIC:
             store3(state, b, P, axpy(h, load3(pseudo, b, V), load3(state, b, P)))
             store4(state, b, Q, quat_turn(load4(state, b, Q), load3(pseudo, b, W), h))
-            turn_inertia(state, body, turned, b)
+            turn_inertia(state, bodies.body, bodies.turned, b)
     return True

@@ -28,6 +28,7 @@ from engine.memory.arena import (
     STRUCK,
     TANGENTS,
 )  # fmt: skip
+from engine.memory.tables import Bodies, Contacts
 
 __all__ = ["share_loads"]
 
@@ -58,11 +59,13 @@ def bears(point: Floats, i: int) -> bool:
 
 
 @kernel
-def share_loads(kind: Ints, bodies: int, sums: Floats, manifolds: int, manifold: Floats, key: Ints, point: Floats) -> None:
+def share_loads(bodies: Bodies, contacts: Contacts, manifolds: int, sums: Floats) -> None:
     """Make the normal impulses that the contacts bring along even. Args: sums (bodies + 1, 13): room to work in."""
     if manifolds <= 1:
         return
-    for b in range(bodies):
+    kind, manifold, point, key = bodies.kind, contacts.manifold, contacts.point, contacts.key
+    rows = sums.shape[0] - 1
+    for b in range(rows):
         for c in range(sums.shape[1]):
             sums[b, c] = 0.0
     for m in range(manifolds):
@@ -89,7 +92,7 @@ def share_loads(kind: Ints, bodies: int, sums: Floats, manifolds: int, manifold:
                 sums[b, SL] += impulse
                 sums[b, SLX] += impulse * x
                 sums[b, SLY] += impulse * y
-    for b in range(bodies):
+    for b in range(rows):
         size = sums[b, SIZE]
         if size <= FEW or sums[b, MIXED] == 1.0:
             sums[b, MIXED] = 1.0

@@ -12,6 +12,7 @@ Source: Catto, Solver2D, 2024 (TGS Soft).
 """
 
 import math
+from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
 from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, scale, store3, sub
@@ -24,6 +25,7 @@ from engine.memory.arena import (
     K_SLIPS,
     M_INV_INERTIA,
     M_INV_MASS,
+    MOVER,
     R_APPROACH,
     R_KINETIC,
     R_RESTITUTION,
@@ -31,6 +33,7 @@ from engine.memory.arena import (
     R_STATIC,
     R_STRUCK,
     R_SUM,
+    SURFACE,
     T_BASE,
     T_FRICTION,
     T_GAP,
@@ -40,27 +43,80 @@ from engine.memory.arena import (
     T_RADIUS_B,
     T_TANGENT,
     T_TANGENT_MASS,
+    TOUCH,
+    TOUCH_KEY,
+    TOUCH_REST,
     P,
 )  # fmt: skip
-from engine.respond.soft import STUCK, TOUCHING
+from engine.memory.carve import floats_of, ints_of
+from engine.respond.pair import Motion
+from engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
-__all__ = ["close_substep", "note_strikes", "press_spheres", "push_again", "relax_spheres", "turn_normals"]
+__all__ = [
+    "Touches", "any_struck", "close_substep", "note_strikes", "press_spheres", "push_again", "relax_spheres", "touches_of",
+    "turn_normals",
+]  # fmt: skip
 
 
-@inlined
-def slip_of(va: Vec, wa: Vec, la: float, vb: Vec, wb: Vec, lb: float, n: Vec) -> Vec:
-    """The tangential velocity of B's surface against A's [m/s]."""
-    way = sub(sub(vb, va), cross(axpy(la, wa, scale(lb, wb)), n))
-    return axpy(-dot(n, way), n, way)
+class Touches(NamedTuple):
+    """The contacts of spheres: what a sweep reads, what it needs less often, their keys, and the bodies that they move.
+
+    Terms: elastic: 1 where some law has restitution.
+    """
+
+    touch: Floats
+    rest: Floats
+    key: Ints
+    mover: Floats
+    elastic: int
+
+
+class Levers(NamedTuple):
+    """Of A and B: inverse masses [1/kg], inverse inertias [1/(kg m2)], and arms [m] along the normal."""
+
+    mass_a: float
+    inertia_a: float
+    arm_a: float
+    mass_b: float
+    inertia_b: float
+    arm_b: float
 
 
 @kernel
-def note_strikes(
-    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, setting: Floats, h: float, slow: float
-) -> int:
-    """As `contact_solver.approach`: note what is about to strike, and drop impulses that are no guess for a blow."""
+def touches_of(floats: Floats, ints: Ints) -> Touches:
+    """The contacts of spheres of an arena."""
+    surface = floats_of(floats, ints, SURFACE)
+    most = 0.0
+    for law in range(surface.shape[0]):
+        most = max(most, surface[law, 2])
+    return Touches(
+        floats_of(floats, ints, TOUCH),
+        floats_of(floats, ints, TOUCH_REST),
+        ints_of(ints, TOUCH_KEY),
+        floats_of(floats, ints, MOVER),
+        1 if most > 0.0 else 0,
+    )
+
+
+@inlined
+def slip_of(motion: Motion, arm_a: float, arm_b: float, n: Vec) -> Vec:
+    """The tangential velocity of B's surface against A's [m/s]."""
+    way = sub(sub(motion.vb, motion.va), cross(axpy(arm_a, motion.wa, scale(arm_b, motion.wb)), n))
+    return axpy(-dot(n, way), n, way)
+
+
+@inlined
+def moving(mover: Floats, a: int, b: int) -> Motion:
+    """The velocities of two bodies."""
+    return Motion(load3(mover, a, 0), load3(mover, a, 3), load3(mover, b, 0), load3(mover, b, 3))
+
+
+@kernel
+def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: float) -> int:
+    """As `substep.approach`: note what is about to strike, and drop impulses that are no guess for a blow."""
+    touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     g, strikes = load3(setting, 0, GRAVITY), 0
-    for t in range(touches):
+    for t in range(count):
         n, gap = load3(touch, t, 0), touch[t, T_GAP]
         way = sub(load3(mover, key[t, K_BODY_B], 0), load3(mover, key[t, K_BODY_A], 0))
         u = dot(n, way)
@@ -76,9 +132,10 @@ def note_strikes(
 
 
 @kernel
-def push_again(touches: int, touch: Floats, key: Ints, mover: Floats) -> None:
+def push_again(touches: Touches, count: int) -> None:
     """Apply the impulses of the last sub-step."""
-    for t in range(touches):
+    touch, key, mover = touches.touch, touches.key, touches.mover
+    for t in range(count):
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
         tangent, half = load3(touch, t, T_TANGENT), 0.5 * touch[t, T_GAP]
         impulse, turn = axpy(touch[t, T_NORMAL], n, tangent), cross(n, tangent)
@@ -90,17 +147,14 @@ def push_again(touches: int, touch: Floats, key: Ints, mover: Floats) -> None:
 
 
 @kernel
-def turn_normals(
-    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, state: Floats, striking: int
-) -> None:  # fmt: skip
+def turn_normals(touches: Touches, count: int, state: Floats) -> None:
     """Normals and gaps at the present places; friction is turned along with its normal.
 
     So is the impulse of a blow, with what it did to the velocities: the whole of it has then the direction that the rebound
     is measured along. A blow at the angle of an earlier place gives energy, in proportion to the time step.
-
-    Args: striking: 1 where some law has restitution.
     """
-    for t in range(touches):
+    touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
+    for t in range(count):
         pa = load3(state, key[t, K_BODY_A], P)
         if key[t, K_ROUND] == 1:
             d = sub(load3(state, key[t, K_BODY_B], P), pa)
@@ -108,7 +162,7 @@ def turn_normals(
             touch[t, T_GAP] = length - touch[t, T_RADIUS_A] - touch[t, T_RADIUS_B]
             if length > 1e-300:
                 n, tangent = scale(1.0 / length, d), load3(touch, t, T_TANGENT)
-                if striking == 1 and rest[t, R_STRUCK] == 1.0:
+                if touches.elastic == 1 and rest[t, R_STRUCK] == 1.0:
                     a, b = key[t, K_BODY_A], key[t, K_BODY_B]
                     turn = scale(touch[t, T_NORMAL], sub(n, load3(touch, t, 0)))
                     store3(mover, a, 0, axpy(-mover[a, M_INV_MASS], turn, load3(mover, a, 0)))
@@ -121,99 +175,106 @@ def turn_normals(
 
 
 @inlined
-def rub(
-    va: Vec, wa: Vec, vb: Vec, wb: Vec, ma: float, ia: float, la: float, mb: float, ib: float, lb: float, n: Vec, held: Vec,
-    mass: float, most: float,
-) -> tuple[Vec, Vec, Vec, Vec, Vec]:  # fmt: skip
-    """Friction that stops the slip, or else is as large as it may be. Returns: its impulse and the four velocities after it."""
-    after = axpy(-mass, slip_of(va, wa, la, vb, wb, lb, n), held)
+def rub(levers: Levers, n: Vec, held: Vec, mass: float, most: float, motion: Motion) -> tuple[Vec, Motion]:
+    """Friction that stops the slip, or else is as large as it may be. Returns: its impulse, the motion after it."""
+    after = axpy(-mass, slip_of(motion, levers.arm_a, levers.arm_b, n), held)
     size = dot(after, after)
     if size > most * most:
         after = scale(most / math.sqrt(size), after)
     change = sub(after, held)
     turn = cross(n, change)
-    return after, axpy(-ma, change, va), axpy(-ia * la, turn, wa), axpy(mb, change, vb), axpy(-ib * lb, turn, wb)
+    return after, Motion(
+        axpy(-levers.mass_a, change, motion.va),
+        axpy(-levers.inertia_a * levers.arm_a, turn, motion.wa),
+        axpy(levers.mass_b, change, motion.vb),
+        axpy(-levers.inertia_b * levers.arm_b, turn, motion.wb),
+    )
 
 
 @kernel
-def press_spheres(
-    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, h: float, bias_rate: float, mass_scale: float,
-    impulse_scale: float, max_push: float, striking: int,
-) -> None:  # fmt: skip
-    """One sweep that corrects positions, as `contact_solver.sweep` while soft: friction and then the normal of each contact.
-
-    Args: striking: 1 where some law has restitution.
-    """
-    for t in range(touches):
+def press_spheres(touches: Touches, count: int, soft: Softness) -> None:
+    """One sweep that corrects positions, as `soft.sweep` does to PRESS: friction and then the normal of each contact."""
+    touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
+    for t in range(count):
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
         s, before = touch[t, T_GAP], touch[t, T_NORMAL]
-        va, wa, vb, wb = load3(mover, a, 0), load3(mover, a, 3), load3(mover, b, 0), load3(mover, b, 3)
-        ma, ia, mb, ib = mover[a, M_INV_MASS], mover[a, M_INV_INERTIA], mover[b, M_INV_MASS], mover[b, M_INV_INERTIA]
+        motion, mass_a, mass_b = moving(mover, a, b), mover[a, M_INV_MASS], mover[b, M_INV_MASS]
         held = load3(touch, t, T_TANGENT)
         if before > 0.0 or dot(held, held) > 0.0:
             la, lb = touch[t, T_RADIUS_A] + 0.5 * s, touch[t, T_RADIUS_B] + 0.5 * s
-            after, va, wa, vb, wb = rub(
-                va, wa, vb, wb, ma, ia, la, mb, ib, lb, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * before
-            )
+            levers = Levers(mass_a, mover[a, M_INV_INERTIA], la, mass_b, mover[b, M_INV_INERTIA], lb)
+            after, motion = rub(levers, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * before, motion)
             store3(touch, t, T_TANGENT, after)
-        bias, hard, keep = s / h, 1.0, 0.0
+        bias, hard, keep = s / soft.h, 1.0, 0.0
         if s <= 0.0:
-            bias, hard, keep = max(bias_rate * s, -max_push), mass_scale, impulse_scale
-        impulse = max(before - touch[t, T_NORMAL_MASS] * hard * (dot(n, sub(vb, va)) + bias) - keep * before, 0.0)
+            bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
+        impulse = max(before - touch[t, T_NORMAL_MASS] * hard * (dot(n, sub(motion.vb, motion.va)) + bias) - keep * before, 0.0)
         touch[t, T_NORMAL] = impulse
-        if striking == 1:
+        if touches.elastic == 1:
             rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
-        store3(mover, a, 0, axpy(ma * (before - impulse), n, va))
-        store3(mover, a, 3, wa)
+        store3(mover, a, 0, axpy(mass_a * (before - impulse), n, motion.va))
+        store3(mover, a, 3, motion.wa)
         if key[t, K_MOVES] == 1:
-            store3(mover, b, 0, axpy(mb * (impulse - before), n, vb))
-            store3(mover, b, 3, wb)
+            store3(mover, b, 0, axpy(mass_b * (impulse - before), n, motion.vb))
+            store3(mover, b, 3, motion.wb)
 
 
 @kernel
-def relax_spheres(
-    touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, bouncing: int, striking: int
-) -> None:  # fmt: skip
-    """One sweep without the position error, as `contact_solver.sweep` while not soft: the normal and then friction.
+def relax_spheres(touches: Touches, count: int, aim: int) -> None:
+    """One sweep without the position error, as `soft.sweep`: the normal and then friction.
 
-    Args: bouncing: 1 to give struck contacts their rebound. striking: 1 where some law has restitution.
+    Args: aim: RELAX, or REBOUND to give struck contacts their rebound.
     """
-    for t in range(touches):
+    touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
+    for t in range(count):
         s, before = touch[t, T_GAP], touch[t, T_NORMAL]
         if s > 0.0 and before == 0.0:
             continue
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
-        va, wa, vb, wb = load3(mover, a, 0), load3(mover, a, 3), load3(mover, b, 0), load3(mover, b, 3)
-        ma, ia, mb, ib = mover[a, M_INV_MASS], mover[a, M_INV_INERTIA], mover[b, M_INV_MASS], mover[b, M_INV_INERTIA]
+        motion, mass_a, mass_b = moving(mover, a, b), mover[a, M_INV_MASS], mover[b, M_INV_MASS]
         bias = 0.0
-        if bouncing == 1 and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
+        if aim == REBOUND and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
             bias = rest[t, R_RESTITUTION] * min(dot(n, load3(rest, t, R_APPROACH)), 0.0)
-        impulse = max(before - touch[t, T_NORMAL_MASS] * (dot(n, sub(vb, va)) + bias), 0.0)
-        va, vb = axpy(ma * (before - impulse), n, va), axpy(mb * (impulse - before), n, vb)
+        impulse = max(before - touch[t, T_NORMAL_MASS] * (dot(n, sub(motion.vb, motion.va)) + bias), 0.0)
+        motion = Motion(
+            axpy(mass_a * (before - impulse), n, motion.va),
+            motion.wa,
+            axpy(mass_b * (impulse - before), n, motion.vb),
+            motion.wb,
+        )
         held = load3(touch, t, T_TANGENT)
         if impulse > 0.0 or dot(held, held) > 0.0:
             la, lb = touch[t, T_RADIUS_A] + 0.5 * s, touch[t, T_RADIUS_B] + 0.5 * s
-            after, va, wa, vb, wb = rub(
-                va, wa, vb, wb, ma, ia, la, mb, ib, lb, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * impulse
-            )
+            levers = Levers(mass_a, mover[a, M_INV_INERTIA], la, mass_b, mover[b, M_INV_INERTIA], lb)
+            after, motion = rub(levers, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * impulse, motion)
             store3(touch, t, T_TANGENT, after)
         touch[t, T_NORMAL] = impulse
-        if striking == 1:
+        if touches.elastic == 1:
             rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
-        store3(mover, a, 0, va)
-        store3(mover, a, 3, wa)
+        store3(mover, a, 0, motion.va)
+        store3(mover, a, 3, motion.wa)
         if key[t, K_MOVES] == 1:
-            store3(mover, b, 0, vb)
-            store3(mover, b, 3, wb)
+            store3(mover, b, 0, motion.vb)
+            store3(mover, b, 3, motion.wb)
 
 
 @kernel
-def close_substep(touches: int, touch: Floats, rest: Floats, key: Ints, mover: Floats, striking: int) -> None:
+def any_struck(touches: Touches, count: int) -> bool:
+    """Whether a contact with restitution was struck in this sub-step."""
+    rest, struck = touches.rest, False
+    for t in range(count):
+        struck = struck or (rest[t, R_RESTITUTION] > 0.0 and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0)
+    return struck
+
+
+@kernel
+def close_substep(touches: Touches, count: int) -> None:
     """Sum up the impulses, and let contacts that use up their static disc slip, and slipping ones that it can stop stick.
 
-    Args: striking: 1 to drop the impulses of blows, which do not last.
+    The impulses of blows do not last, and are dropped.
     """
-    for t in range(touches):
+    touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
+    for t in range(count):
         n, normal, held = load3(touch, t, 0), touch[t, T_NORMAL], load3(touch, t, T_TANGENT)
         if normal == 0.0 and dot(held, held) == 0.0:
             continue
@@ -224,11 +285,10 @@ def close_substep(touches: int, touch: Floats, rest: Floats, key: Ints, mover: F
             if key[t, K_SLIPS] == 1:
                 a, b, half = key[t, K_BODY_A], key[t, K_BODY_B], 0.5 * touch[t, T_GAP]
                 la, lb = touch[t, T_RADIUS_A] + half, touch[t, T_RADIUS_B] + half
-                va, wa, vb, wb = load3(mover, a, 0), load3(mover, a, 3), load3(mover, b, 0), load3(mover, b, 3)
-                needed = axpy(-touch[t, T_NORMAL_MASS], slip_of(va, wa, la, vb, wb, lb, n), held)
+                needed = axpy(-touch[t, T_NORMAL_MASS], slip_of(moving(mover, a, b), la, lb, n), held)
             key[t, K_SLIPS] = 1 if dot(needed, needed) >= STUCK * STUCK * room * room else 0
             touch[t, T_FRICTION] = rest[t, R_STATIC] if key[t, K_SLIPS] == 0 else rest[t, R_KINETIC]
-        if striking == 1:
+        if touches.elastic == 1:
             if rest[t, R_STRUCK] == 1.0:
                 touch[t, T_NORMAL] = 0.0
                 store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))

@@ -9,30 +9,31 @@ from engine.islands.stages import any_hit, begin_islands, end_islands, next_meet
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import COUNT, ISLANDS, SPAN_OF_ISLAND, SUBSTEPS, TALLY, THREADS
 from engine.memory.carve import ints_of
+from engine.memory.status import DONE
 
 __all__ = ["step_islands", "step_islands_parallel"]
 
 
 @entry
 def step_islands(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies in contact, one island after the other. Returns: as `step_contact`, or 5 as `begin_islands`."""
+    """Advance bodies in contact, one island after the other. Returns: as `step_contact`, or SEARCH_PENDING."""
     stages, tally = ints_of(ints, COUNT)[0, SUBSTEPS] * 2 + 1, ints_of(ints, TALLY)
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
-            return steps, 0
+            return steps, DONE
         status = begin_islands(floats, ints, keeping=True)
-        if status != 0:
+        if status != DONE:
             return step, status
-        first, told = 0, 0
+        first, hit = 0, 0
         while first < stages:
             end = next_meeting(ints, first)
             for i in range(tally[0, ISLANDS]):
-                advance_island(floats, ints, i, first, end, told)
-            first, told = end, any_hit(ints)
+                advance_island(floats, ints, i, first, end, hit)
+            first, hit = end, any_hit(ints)
         status = end_islands(floats, ints)
-        if status != 0:
+        if status != DONE:
             return step + 1, status
-    return steps, 0
+    return steps, DONE
 
 
 @parallel_entry
@@ -44,18 +45,18 @@ def step_islands_parallel(floats: Floats, ints: Ints, steps: int) -> tuple[int, 
     stages, tally, span = ints_of(ints, COUNT)[0, SUBSTEPS] * 2 + 1, ints_of(ints, TALLY), ints_of(ints, SPAN_OF_ISLAND)
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
-            return steps, 0
+            return steps, DONE
         status = begin_islands(floats, ints, keeping=True)
-        if status != 0:
+        if status != DONE:
             return step, status
-        first, told = 0, 0
+        first, hit = 0, 0
         while first < stages:
             end = next_meeting(ints, first)
             for t in prange(tally[0, THREADS]):
                 for i in range(share(span, tally, t), share(span, tally, t + 1)):
-                    advance_island(floats, ints, i, first, end, told)
-            first, told = end, any_hit(ints)
+                    advance_island(floats, ints, i, first, end, hit)
+            first, hit = end, any_hit(ints)
         status = end_islands(floats, ints)
-        if status != 0:
+        if status != DONE:
             return step + 1, status
-    return steps, 0
+    return steps, DONE

@@ -5,7 +5,7 @@ second, and the machine code that a world runs is the same with others beside it
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 from numba import prange
@@ -13,6 +13,7 @@ from numba import prange
 from engine.compile.compilers import entry_point, pointer_caller
 from engine.compile.jit import entry, jit_is_off, kernel, parallel_entry
 from engine.maths.vec import Floats, Ints
+from engine.memory.status import CONVEX_PENDING, DONE, SEARCH_PENDING
 
 __all__ = ["address_of_collide", "address_of_search", "address_of_step", "advance_worlds", "advance_worlds_parallel"]
 
@@ -58,58 +59,69 @@ def _caller(signature: Any) -> Callable[..., Any]:
 call_step, call_search, call_collide = _caller(STEP), _caller(SEARCH), _caller(COLLIDE)
 
 
+class Addresses(NamedTuple):
+    """Addresses of what advances a world.
+
+    Terms: search: for the pairs of each step, or 0 where the step finds them; sift: drops pairs that are apart, or 0; collide:
+    answers convex pairs, or 0 to stop at them.
+    """
+
+    step: int
+    search: int
+    sift: int
+    collide: int
+
+
 @kernel
-def advance_world(
-    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, w: int, left: Ints, status: Ints
-) -> int:
+def advance_world(kernels: Addresses, floats: Floats, ints: Ints, place: Ints, w: int, left: Ints, status: Ints) -> int:
     """Advance world w by `left[w]` steps, as `World.step` does.
 
-    Args: search: for the pairs of each step, or 0 where the step finds them; sift: drops pairs that are apart, or 0; collide:
-    answers convex pairs, or 0 to stop at them; floats, ints: the arenas of all worlds in a row; place (k, 4): where those of
-    each world begin and end.
+    Args: floats, ints: the arenas of all worlds in a row; place (k, 4): where those of each world begin and end.
     Returns: 0, or 1 where it stopped before; `left` and `status` then say where and why, as `World.step` reads it.
     """
     own_floats, own_ints = floats[place[w, 0] : place[w, 1]], ints[place[w, 2] : place[w, 3]]
-    status[w] = 0
+    status[w] = DONE
     while left[w] > 0:
-        if search != 0 and status[w] != 3:
-            status[w] = call_search(search, (own_floats, own_ints))
-            if status[w] != 0:
+        if kernels.search != 0 and status[w] != CONVEX_PENDING:
+            status[w] = call_search(kernels.search, (own_floats, own_ints))
+            if status[w] != DONE:
                 return 1
-            if sift != 0:
-                call_collide(sift, (own_floats, own_ints))
-        done, status[w] = call_step(step, (own_floats, own_ints, left[w] if search == 0 else 1))
+            if kernels.sift != 0:
+                call_collide(kernels.sift, (own_floats, own_ints))
+        done, status[w] = call_step(kernels.step, (own_floats, own_ints, left[w] if kernels.search == 0 else 1))
         left[w] -= done
-        if status[w] == 3 and collide != 0:
-            call_collide(collide, (own_floats, own_ints))
-        elif status[w] not in (0, 5):
+        if status[w] == CONVEX_PENDING and kernels.collide != 0:
+            call_collide(kernels.collide, (own_floats, own_ints))
+        elif status[w] not in (DONE, SEARCH_PENDING):
             return 1
     return 0
 
 
 @entry
 def advance_worlds(
-    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints,
-    status: Ints,
-) -> int:  # fmt: skip
-    """Advance the worlds numbered `which`, one after the other. Returns: how many stopped before."""
-    stopped = 0
+    addresses: tuple[Any, Any, Any, Any], floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints, status: Ints
+) -> int:
+    """Advance the worlds numbered `which`, one after the other.
+
+    Args: addresses: as `Addresses`. Returns: how many stopped before.
+    """
+    kernels, stopped = Addresses(addresses[0], addresses[1], addresses[2], addresses[3]), 0
     for at in range(which.shape[0]):
-        stopped += advance_world(step, search, sift, collide, floats, ints, place, which[at], left, status)
+        stopped += advance_world(kernels, floats, ints, place, which[at], left, status)
     return stopped
 
 
 @parallel_entry
 def advance_worlds_parallel(
-    step: int, search: int, sift: int, collide: int, floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints,
-    status: Ints, threads: int,
+    addresses: tuple[Any, Any, Any, Any], floats: Floats, ints: Ints, place: Ints, which: Ints, left: Ints, status: Ints,
+    threads: int,
 ) -> int:  # fmt: skip
-    """Advance the worlds numbered `which`, a run of neighbours on each thread. Returns: how many stopped before."""
-    worlds = which.shape[0]
+    """As `advance_worlds`, with a run of neighbouring worlds on each thread."""
+    kernels, worlds = Addresses(addresses[0], addresses[1], addresses[2], addresses[3]), which.shape[0]
     for chunk in prange(threads):
         for at in range(chunk * worlds // threads, (chunk + 1) * worlds // threads):
-            advance_world(step, search, sift, collide, floats, ints, place, which[at], left, status)
+            advance_world(kernels, floats, ints, place, which[at], left, status)
     stopped = 0
     for at in range(worlds):
-        stopped += status[which[at]] != 0
+        stopped += status[which[at]] != DONE
     return stopped

@@ -6,25 +6,25 @@ from engine.constrain.open_joints import open_joint
 from engine.constrain.shake import shake
 from engine.constrain.stiffness import mark_stiff
 from engine.integrate.all_bodies import advance_untouched
-from engine.integrate.finite_state import is_finite
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BODIES, COUNT, DT, GYROSCOPIC, SETTING, START, STEPS, SUBSTEPS
+from engine.memory.arena import COUNT, DT, GYROSCOPIC, SETTING, START, STEPS, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, joints_of, rows_of
+from engine.steps.count_step import count_step
 
 __all__ = ["step_free", "step_jointed_euler", "step_jointed_runge_kutta"]
 
 
 @entry
 def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies that nothing touches. Returns: steps done, and 0 or 1 if the state stopped being finite."""
+    """Advance bodies that nothing touches. Returns: steps done, and DONE or DIVERGED."""
     bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     for step in range(steps):
         advance_untouched(bodies, setting, count)
-        count[0, STEPS] += 1
-        if not is_finite(bodies.state, count[0, BODIES]):
-            return step + 1, 1
-    return steps, 0
+        if count_step(bodies.state, count) == DIVERGED:
+            return step + 1, DIVERGED
+    return steps, DONE
 
 
 @entry
@@ -36,9 +36,8 @@ def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int
     for step in range(steps):
         for _ in range(count[0, SUBSTEPS]):
             shake(bodies, joints, rows, start, setting, h, gyroscopic)
-        count[0, STEPS] += 1
-        if not is_finite(bodies.state, count[0, BODIES]):
-            return step + 1, 1
+        if count_step(bodies.state, count) == DIVERGED:
+            return step + 1, DIVERGED
     return steps, open_joint(floats, ints, touching=False)
 
 
@@ -52,7 +51,6 @@ def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[in
         if count[0, STEPS] == 0:
             mark_stiff(bodies, joints, rows, dt)
         jointed_runge_kutta(bodies, joints, rows, stages, setting, dt, gyroscopic)
-        count[0, STEPS] += 1
-        if not is_finite(bodies.state, count[0, BODIES]):
-            return step + 1, 1
+        if count_step(bodies.state, count) == DIVERGED:
+            return step + 1, DIVERGED
     return steps, open_joint(floats, ints, touching=False)

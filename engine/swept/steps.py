@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from engine.describe.errors import ManyImpacts
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
+from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
 from engine.options import Options
 from engine.swept.earliest import earliest_impact
 from engine.swept.path import PATH_COLUMNS
@@ -80,9 +81,9 @@ class SweptSteps:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
         for step in range(steps):
             status = self._step(floats, ints)
-            if status != 0:
-                return step + int(status == 1), status
-        return steps, 0
+            if status != DONE:
+                return step + int(status == DIVERGED), status
+        return steps, DONE
 
     @property
     def earlier(self) -> Earlier:
@@ -99,8 +100,8 @@ class SweptSteps:
         number = int(count[at.STEPS])
         status = self._finish(floats, ints, number)
         float_table(floats, ints, at.SETTING)[0, at.DT] = self._dt
-        count[at.CONTINUOUS], count[at.STEPS] = at.SWEPT, number + int(status != 2)
-        if status != 2:
+        count[at.CONTINUOUS], count[at.STEPS] = at.SWEPT, number + int(status != FULL)
+        if status != FULL:
             self._left = 0.0
         return status
 
@@ -110,13 +111,13 @@ class SweptSteps:
         while True:
             if self._strikes:
                 status = self._strike(floats, ints)
-                if status != 0:
+                if status != DONE:
                     return status
             follows, manifolds = self._done < MAX_IMPACTS, int(count[at.MANIFOLDS])
             count[at.CONTINUOUS] = at.SWEPT if follows else at.SPECULATIVE
             start, saved = state.copy(), [table.copy() for table in _moving(floats, ints)]
             status = self._advance(floats, ints, self._left)
-            if status != 0:
+            if status != DONE:
                 return status
             time = math.inf
             if follows:
@@ -128,7 +129,7 @@ class SweptSteps:
                 table[:] = old
             if time > 0.0:
                 status = self._advance(floats, ints, time)
-                if status != 0:
+                if status != DONE:
                     return status
                 self._note(floats, ints)
             place_bodies(floats, ints, self._path, time)
@@ -137,15 +138,15 @@ class SweptSteps:
             warnings.warn(ManyImpacts(f"step {number + 1} had {MAX_IMPACTS} impacts or more"), stacklevel=2)
         past = self.impacts
         self.impacts = Impacts(past.count + self._done, past.crowded + int(self._done == MAX_IMPACTS))
-        return 0 if np.isfinite(state).all() else 1
+        return DONE if np.isfinite(state).all() else DIVERGED
 
     def _strike(self, floats: FloatArray, ints: IntArray) -> int:
         """The blow of this instant. Returns: a status."""
         status = self._find_anew(floats, ints) or int(strike(floats, ints, SWEEPS))
-        if status == 3:
+        if status == CONVEX_PENDING:
             _answer(floats, ints)
             status = int(strike(floats, ints, SWEEPS))
-        if status == 0:
+        if status == DONE:
             self._strikes = False
             self._note(floats, ints)
         return status
@@ -161,10 +162,10 @@ class SweptSteps:
             float_table(floats, ints, at.MANIFOLD)[:manifolds, at.SPIN_IMPULSE : at.SPIN_IMPULSE + 3] *= share
             setting[at.LAST_SPAN] = span
         status = self._find_anew(floats, ints)
-        if status != 0:
+        if status != DONE:
             return status
         _, status = self._trial(floats, ints, 1)
-        if status == 3:
+        if status == CONVEX_PENDING:
             _answer(floats, ints)
             _, status = self._trial(floats, ints, 1)
         return status
@@ -175,7 +176,7 @@ class SweptSteps:
         Contacts kept from part to part would miss bodies that are put where their paths are. Returns: a status.
         """
         float_table(floats, ints, at.REST)[:] = np.inf
-        return 0 if self._search is None else self._search(floats, ints)
+        return DONE if self._search is None else self._search(floats, ints)
 
     def compile(self, floats: FloatArray, ints: IntArray) -> None:
         """Compile what only an impact calls for, in a world to be thrown away."""

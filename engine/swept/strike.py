@@ -24,15 +24,12 @@ from engine.memory.arena import (
     DYNAMIC,
     GYROSCOPIC,
     HELD,
-    MANIFOLD,
-    MANIFOLD_KEY,
     MANIFOLDS,
     MOTION,
     NORMAL,
     NORMAL_IMPULSE,
     OLD_MANIFOLD,
     OLD_POINT,
-    POINT,
     POINTS,
     SEPARATION,
     SETTING,
@@ -51,9 +48,10 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import bodies_of, contacts_of
 from engine.respond.sequential_impulses import sweep_velocities
-from engine.respond.soft import bounce, end_step, end_substep
-from engine.steps.contact import slow_approach
+from engine.respond.softness import REBOUND, RELAX, slow_approach
+from engine.respond.substep import bounce, end_step, end_substep
 from engine.swept.begin import touch_gap
 from engine.swept.path import body_at
 
@@ -87,8 +85,8 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
     status = find_contacts(floats, ints)
     if status != 0:
         return status
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    manifold, point, key = floats_of(floats, ints, MANIFOLD), floats_of(floats, ints, POINT), ints_of(ints, MANIFOLD_KEY)
+    bodies, contacts = bodies_of(floats, ints), contacts_of(floats, ints)
+    state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
     kept, kept_point = floats_of(floats, ints, OLD_MANIFOLD), floats_of(floats, ints, OLD_POINT)
     setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     n = count[0, MANIFOLDS]
@@ -111,12 +109,12 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
                 if u < -slow:
                     key[m, STRIKES], point[i, STRUCK] = 1, 1.0
     for k in range(sweeps):
-        sweep_velocities(state, body, turned, n, manifold, key, point, AT_ONCE, 0, k % 2)
-    if bounce(n, manifold, key, point):
+        sweep_velocities(bodies, contacts, n, AT_ONCE, RELAX, k % 2)
+    if bounce(contacts, n):
         for k in range(sweeps):
-            sweep_velocities(state, body, turned, n, manifold, key, point, AT_ONCE, 1, k % 2)
-    end_substep(n, key, point)
-    end_step(n, manifold, key, point)
+            sweep_velocities(bodies, contacts, n, AT_ONCE, REBOUND, k % 2)
+    end_substep(contacts, n)
+    end_step(contacts, n)
     for m in range(n):
         store3(manifold, m, SPIN_IMPULSE, load3(kept, m, SPIN_IMPULSE))
         for i in range(4 * m, 4 * m + key[m, POINTS]):

@@ -25,7 +25,7 @@ COMMON = {"codegen", "compile", "finalize", "flags", "initialize", "library", "s
 OWN = {"alone"}
 """Attributes in that file of its own classes."""
 PLAIN = {name for kind in (str, list, dict) for name in dir(kind)} | {
-    *("NUMBA_NUM_THREADS", "config", "types", "unliteral", "none", "return_type", "args"),  # what Numba documents
+    *("NUMBA_NUM_THREADS", "config", "types", "unliteral", "none", "return_type", "args", "CPointer"),  # what Numba documents
     *("call", "inttoptr", "extract_value"),  # the builder of llvmlite, documented
     *("clone", "functions", "global_variables", "linkage", "link_in", "name", "preserve"),  # its modules, documented
     *("__name__", "_asdict", "bound", "BytesIO", "getvalue", "load", "loads", "read"),  # Python's own

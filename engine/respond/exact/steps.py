@@ -18,6 +18,7 @@ from engine.describe.bodies import Surface
 from engine.describe.errors import NotSupported
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
+from engine.memory.status import DIVERGED, DONE
 from engine.options import Options
 from engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
 from engine.respond.exact.problem import (
@@ -81,12 +82,12 @@ class ExactSteps:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
         for step in range(steps):
             status = int(begin_step(floats, ints))
-            if status != 0:
+            if status != DONE:
                 return step, status
             for substep in range(self._substeps):
                 if self._advance(floats, ints, int(substep == self._substeps - 1)):
-                    return step + 1, 1
-        return steps, 0
+                    return step + 1, DIVERGED
+        return steps, DONE
 
     def _advance(self, floats: FloatArray, ints: IntArray, last: int) -> bool:
         """One sub-step, from blow to blow. Args: last: 1 to end the step. Returns: whether it stopped being finite."""

@@ -1,0 +1,74 @@
+"""The contact points of a step, read off an arena."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
+
+__all__ = ["Contacts", "joined", "manifold_points", "sphere_points"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """The contact points of the last step.
+
+    Terms:
+        bodies (k, 2): indices of A and B; point (k, 3) m in W; normal (k, 3) from A to B; gap (k,) m at the start of the step;
+        force (k, 3) N on B: impulse of the step over dt.
+    """
+
+    bodies: IntArray
+    point: FloatArray
+    normal: FloatArray
+    gap: FloatArray
+    force: FloatArray
+
+
+def manifold_points(floats: FloatArray, ints: IntArray, count: int, margin: float, dt: float) -> Contacts:
+    """The points of the first `count` manifolds, and of islands asleep, that are within the margin [m] or gave an impulse."""
+    key = int_table(ints, at.MANIFOLD_KEY)[:count]
+    manifold = float_table(floats, ints, at.MANIFOLD)[:count]
+    point = float_table(floats, ints, at.POINT)[: 4 * count]
+    resting = int(int_table(ints, at.TALLY)[0, at.RESTING])
+    if resting > 0:
+        key = np.vstack((key, int_table(ints, at.RESTING_KEY)[:resting]))
+        manifold = np.vstack((manifold, float_table(floats, ints, at.RESTING_MANIFOLD)[:resting]))
+        point = np.vstack((point, float_table(floats, ints, at.RESTING_POINT)[: 4 * resting]))
+    rows = np.array([4 * m + k for m in range(count + resting) for k in range(key[m, at.POINTS])], np.int64)
+    point = point[rows]
+    near = point[:, at.FIRST_GAP] <= margin
+    hit = near | (np.abs(point[:, at.SUM : at.SUM + 3]).max(axis=1, initial=0.0) > 0.0)
+    rows, point = rows[hit], point[hit]
+    return Contacts(
+        bodies=key[rows // 4][:, [at.BODY_A, at.BODY_B]],
+        point=point[:, at.PLACE : at.PLACE + 3],
+        normal=manifold[rows // 4, at.NORMAL : at.NORMAL + 3],
+        gap=point[:, at.FIRST_GAP],
+        force=point[:, at.SUM : at.SUM + 3] / dt,
+    )
+
+
+def sphere_points(floats: FloatArray, ints: IntArray, count: int, margin: float, dt: float) -> Contacts:
+    """As `manifold_points`, of a world of spheres."""
+    rest, key = float_table(floats, ints, at.TOUCH_REST)[:count], int_table(ints, at.TOUCH_KEY)[:count]
+    near = rest[:, at.R_FIRST_GAP] <= margin
+    hit = near | (np.abs(rest[:, at.R_SUM : at.R_SUM + 3]).max(axis=1, initial=0.0) > 0.0)
+    rest = rest[hit]
+    return Contacts(
+        bodies=key[hit][:, [at.K_BODY_A, at.K_BODY_B]],
+        point=rest[:, at.R_PLACE : at.R_PLACE + 3],
+        normal=rest[:, at.R_NORMAL : at.R_NORMAL + 3],
+        gap=rest[:, at.R_FIRST_GAP],
+        force=rest[:, at.R_SUM : at.R_SUM + 3] / dt,
+    )
+
+
+def joined(first: Contacts, second: Contacts) -> Contacts:
+    """The points of both, one after the other."""
+    return Contacts(*(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(Contacts)))

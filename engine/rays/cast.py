@@ -1,0 +1,78 @@
+"""Rays as a caller gives them: checked, and cast on all shapes but polyhedra, in tiles or one by one."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.describe.check import finite
+from engine.rays.hits import Hits, room_for
+
+__all__ = ["METHODS", "as_rays", "cast_on_shapes", "unit_directions"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+METHODS = ("tiles", "brute_force")
+
+
+def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
+    """Origins (r, 3) or (1, 3) and directions (r, 3) as compiled code takes them. Raises: ValueError for other shapes."""
+    # Read-only arrays are another type to the compiler, which would compile everything once more for them.
+    d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
+    o = np.atleast_2d(o)
+    if d.ndim != 2 or d.shape[1] != 3 or o.shape not in (d.shape, (1, 3)):
+        raise ValueError(f"rays: origins {np.shape(origins)} and directions {d.shape}, expected (r, 3) and (r, 3), or (3,)")
+    return o, d
+
+
+def unit_directions(o: FloatArray, d: FloatArray) -> FloatArray:
+    """The directions d at length 1. Raises: ValueError naming what is wrong with rays."""
+    check_rays(o, d)
+    unit: FloatArray = d / np.linalg.norm(d, axis=1, keepdims=True)
+    return unit
+
+
+def cast_on_shapes(
+    floats: FloatArray, ints: IntArray, o: FloatArray, d: FloatArray, max_range: float, method: str, threads: int
+) -> Hits:
+    """The first hits within max_range [m] of rays with origins o and directions d. Raises: ValueError naming what is wrong.
+
+    Args: method: 'tiles', or 'brute_force', which takes directions of length 1; threads: of the tiles.
+    """
+    hits = room_for(len(d))
+    if method == "brute_force":
+        from engine.rays.one_by_one import cast_rays
+
+        cast_rays(floats, ints, np.broadcast_to(o, d.shape).copy(), d, max_range, hits)
+    elif not choose_tiles(threads)(floats, ints, o, d, max_range, hits):
+        check_rays(o, d)
+    return hits
+
+
+def check_rays(origins: FloatArray, directions: FloatArray) -> None:
+    """Raises: ValueError naming what is wrong with rays."""
+    finite("rays", "origins", origins, origins.shape, "m")
+    finite("rays", "directions", directions, directions.shape, "1")
+    length = np.linalg.norm(directions, axis=1)
+    wrong = (length < 1e-12) | (length == np.inf)
+    if wrong.any():
+        raise ValueError(
+            f"rays: direction {int(wrong.argmax())} has length {length[wrong.argmax()]:g}, expected 1e-12 to 1e150"
+        )
+
+
+def choose_tiles(threads: int) -> Callable[..., bool]:
+    """The compiled cast for so many threads."""
+    if threads == 1:
+        from engine.rays.tiles import cast_tiles
+
+        return cast_tiles
+    import numba
+
+    from engine.compile.compilers import most_threads
+    from engine.rays.tiles_parallel import cast_tiles_parallel
+
+    numba.set_num_threads(min(threads, most_threads()))
+    return cast_tiles_parallel

@@ -1,0 +1,56 @@
+"""The relative motion of two bodies at the centre of their manifold, six numbers, and impulses there given back to the bodies.
+
+V of B against A at the centre and W = w_B - w_A, in the manifold's frame (t1, t2, n); force and moment in the same frame.
+
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 2.4 (motion and force as six-vectors).
+"""
+
+from typing import NamedTuple
+
+from engine.compile.jit import inlined, kernel
+from engine.maths.vec import Floats, Mat, Vec, add, axpy, cross, load3, mat_vec, store3, sub, sym_vec, tmat_vec
+from engine.memory.arena import CENTRE_A, CENTRE_B, NORMAL, TANGENTS, V, W
+from engine.respond.pair import Motion, Pair
+
+__all__ = ["Centre", "centre_of", "frame_of", "give_impulse", "relative_motion"]
+
+
+class Centre(NamedTuple):
+    """The rotation from W to a manifold's frame, and the arms [m] to its centre from the centres of mass of A and B, in W."""
+
+    frame: Mat
+    arm_a: Vec
+    arm_b: Vec
+
+
+@kernel
+def frame_of(manifold: Floats, m: int) -> Mat:
+    """The rotation from W to the frame of manifold m, rows t1, t2, n."""
+    t1, t2, n = load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3), load3(manifold, m, NORMAL)
+    return t1[0], t1[1], t1[2], t2[0], t2[1], t2[2], n[0], n[1], n[2]
+
+
+@inlined
+def centre_of(manifold: Floats, m: int) -> Centre:
+    """The centre of manifold m."""
+    return Centre(frame_of(manifold, m), load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B))
+
+
+@kernel
+def relative_motion(centre: Centre, motion: Motion) -> tuple[Vec, Vec]:
+    """(V, W) of B against A at the centre, in the frame."""
+    va, wa, vb, wb = motion
+    return (
+        mat_vec(centre.frame, sub(add(vb, cross(wb, centre.arm_b)), add(va, cross(wa, centre.arm_a)))),
+        mat_vec(centre.frame, sub(wb, wa)),
+    )
+
+
+@kernel
+def give_impulse(state: Floats, pair: Pair, centre: Centre, motion: Motion, force: Vec, moment: Vec) -> None:
+    """Give the impulses of force [N s] and moment [N m s] at the centre, in the frame, to B, and their reaction to A."""
+    f, t = tmat_vec(centre.frame, force), tmat_vec(centre.frame, moment)
+    store3(state, pair.a, V, axpy(-pair.mass_a, f, motion.va))
+    store3(state, pair.a, W, sub(motion.wa, sym_vec(pair.inertia_a, add(cross(centre.arm_a, f), t))))
+    store3(state, pair.b, V, axpy(pair.mass_b, f, motion.vb))
+    store3(state, pair.b, W, add(motion.wb, sym_vec(pair.inertia_b, add(cross(centre.arm_b, f), t))))

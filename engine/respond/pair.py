@@ -1,0 +1,51 @@
+"""The two bodies of a contact in registers: their inverse masses, and their velocities while a sweep works on them."""
+
+from typing import NamedTuple
+
+from engine.compile.jit import inlined
+from engine.maths.vec import Floats, Sym, Vec, load3, load6, store3
+from engine.memory.arena import INV_MASS, V, W
+
+__all__ = ["Motion", "Pair", "motion_of", "pair_of", "store_motion"]
+
+
+class Pair(NamedTuple):
+    """Bodies A and B: their rows, inverse masses [1/kg], and inverse inertias in W [1/(kg m2)]."""
+
+    a: int
+    b: int
+    mass_a: float
+    inertia_a: Sym
+    mass_b: float
+    inertia_b: Sym
+
+
+class Motion(NamedTuple):
+    """Velocities [m/s] and angular velocities [rad/s] of A and B, in W."""
+
+    va: Vec
+    wa: Vec
+    vb: Vec
+    wb: Vec
+
+
+@inlined
+def pair_of(body: Floats, turned: Floats, a: int, b: int) -> Pair:
+    """Two bodies as they weigh now."""
+    mass_a, mass_b = body[a, INV_MASS], body[b, INV_MASS]
+    return Pair(a, b, mass_a, load6(turned, a, 0), mass_b, load6(turned, b, 0))
+
+
+@inlined
+def motion_of(state: Floats, a: int, b: int) -> Motion:
+    """The velocities of two bodies."""
+    return Motion(load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W))
+
+
+@inlined
+def store_motion(state: Floats, a: int, b: int, motion: Motion) -> None:
+    """Put the velocities back into the state."""
+    store3(state, a, V, motion.va)
+    store3(state, a, W, motion.wa)
+    store3(state, b, V, motion.vb)
+    store3(state, b, W, motion.wb)

@@ -1,0 +1,61 @@
+"""Surfaces along which contact points roll, and do not turn with the body: round shapes, and the rims of tilted cylinders."""
+
+import math
+from typing import NamedTuple
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, norm, scale, sub
+from engine.memory.arena import CAPSULE, CYLINDER, SIZE, SPHERE, TYPE
+
+__all__ = ["Rim", "lowest_of", "radius", "rim_of", "rolls_on"]
+
+UPRIGHT = 1e-3
+"""Sine of a cylinder's tilt [1] below which it stands, and no point of its rim is the lowest; as in the narrow phase."""
+ON_RIM = 1e-6
+"""Share of its radius [1] by which a point may be off the lowest line of a cylinder."""
+
+
+class Rim(NamedTuple):
+    """Radius [m], centre [m], axis and lowest direction along a normal of a cylinder, in W; radius 0: no rim to roll on."""
+
+    radius: float
+    centre: Vec
+    axis: Vec
+    lowest: Vec
+
+
+@kernel
+def radius(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> float:
+    """The radius [m] along the normal n that does not turn with a round shape; 0 for boxes and planes."""
+    if shape_kind[s, TYPE] == SPHERE or shape_kind[s, TYPE] == CAPSULE:
+        return float(shape[s, SIZE])
+    if shape_kind[s, TYPE] == CYLINDER:
+        along = n[0] * pose[s, 5] + n[1] * pose[s, 8] + n[2] * pose[s, 11]
+        return float(shape[s, SIZE] * math.sqrt(max(1.0 - along * along, 0.0)))
+    return 0.0
+
+
+@kernel
+def lowest_of(axis: Vec, n: Vec) -> Vec:
+    """The unit vector from a cylinder's axis to what lies furthest along n; (0, 0, 0) where the rim is level."""
+    fall = axpy(-dot(n, axis), axis, n)
+    sine = norm(fall)
+    return scale(1.0 / sine, fall) if sine > UPRIGHT else (0.0, 0.0, 0.0)
+
+
+@kernel
+def rim_of(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> Rim:
+    """The rim of shape s that is lowest along the normal n."""
+    if shape_kind[s, TYPE] != CYLINDER:
+        return Rim(0.0, n, n, n)
+    axis = (pose[s, 5], pose[s, 8], pose[s, 11])
+    lowest = lowest_of(axis, n)
+    return Rim(shape[s, SIZE] if dot(lowest, lowest) > 0.5 else 0.0, load3(pose, s, 0), axis, lowest)
+
+
+@kernel
+def rolls_on(rim: Rim, place: Vec) -> bool:
+    """Whether a place on a cylinder is the lowest of its rim, or of its side."""
+    way = sub(place, rim.centre)
+    off = axpy(-rim.radius, rim.lowest, axpy(-dot(way, rim.axis), rim.axis, way))
+    return rim.radius > 0.0 and dot(off, off) < (ON_RIM * rim.radius) ** 2

@@ -1,0 +1,57 @@
+"""The numbers of a soft contact: its spring in a sub-step, from which speed it bounces, when it slips, how it is swept.
+
+Source: Catto, Soft Constraints, GDC 2011.
+"""
+
+import math
+from typing import Final, NamedTuple
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, load3, norm
+from engine.memory.arena import BOUNCE_SPEED, DAMPING_RATIO, GRAVITY, HERTZ, MAX_PUSH
+
+__all__ = ["FRESH", "PRESS", "REBOUND", "RELAX", "STUCK", "TOUCHING", "Softness", "slow_approach", "softness_of"]
+
+FRESH = 8
+"""Times as many sweeps for a blow and in the first sub-step of a contact, which have no impulses to start from."""
+STUCK = 0.999999
+"""Share of the static disc from which a contact counts as slipping."""
+TOUCHING = 1e-9
+"""Share of a sub-step's way [1] by which rounding may put a gap beyond its end."""
+
+# What a sweep aims at.
+PRESS: Final = 0  # velocities that also correct the position error
+RELAX: Final = 1  # velocities alone
+REBOUND: Final = 2  # the velocity after restitution, where a point struck
+
+
+class Softness(NamedTuple):
+    """How a contact gives way in a sub-step of h [s].
+
+    Terms: bias_rate [1/s]: of a depth, into velocity; mass_scale, impulse_scale [1]: of the answer, and of the impulse that is
+    forgotten; max_push [m/s]: the fastest correction.
+    """
+
+    h: float
+    bias_rate: float
+    mass_scale: float
+    impulse_scale: float
+    max_push: float
+
+
+@kernel
+def softness_of(setting: Floats, h: float) -> Softness:
+    """The spring of the settings over a sub-step of h [s]; at most a quarter turn per sub-step."""
+    omega = 2.0 * math.pi * min(setting[0, HERTZ], 0.25 / h)
+    a1 = 2.0 * setting[0, DAMPING_RATIO] + h * omega
+    a2 = h * omega * a1
+    a3 = 1.0 / (1.0 + a2)
+    return Softness(h, omega / a1, a2 * a3, a3, setting[0, MAX_PUSH])
+
+
+@kernel
+def slow_approach(setting: Floats, h: float) -> float:
+    """The approach speed [m/s] below which nothing bounces: as set, or four times what gravity gives in one sub-step."""
+    if setting[0, BOUNCE_SPEED] >= 0.0:
+        return float(setting[0, BOUNCE_SPEED])
+    return 4.0 * h * norm(load3(setting, 0, GRAVITY)) + 1e-9

@@ -1,0 +1,168 @@
+"""What begins and ends a sub-step of contact: warm start, blows to come, restitution, friction's mode, sums of impulses."""
+
+import math
+
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, add, axpy, dot, load3, mat_vec, store3, tmat_vec
+from engine.memory.arena import (
+    APPROACH,
+    BODY_A,
+    BODY_B,
+    CENTRE_A,
+    CENTRE_B,
+    DYNAMIC,
+    GRAVITY,
+    HELD,
+    INV_MASS,
+    LAW,
+    MOTION,
+    NORMAL,
+    NORMAL_IMPULSE,
+    POINTS,
+    SEPARATION,
+    SLIPS,
+    SPIKE,
+    SPIN_IMPULSE,
+    SPREAD,
+    STRIKES,
+    STRUCK,
+    SUM,
+    TANGENT_IMPULSE,
+)
+from engine.memory.tables import Bodies, Contacts
+from engine.respond.centre import Centre, centre_of, frame_of, give_impulse, relative_motion
+from engine.respond.pair import motion_of, pair_of
+from engine.respond.softness import STUCK, TOUCHING
+
+__all__ = ["approach", "bounce", "end_step", "end_substep", "friction_mode", "sum_impulses", "warm_start"]
+
+
+@kernel
+def warm_start(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
+    """Apply the impulses of the last sub-step."""
+    state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        frame = frame_of(manifold, m)
+        moment = mat_vec(frame, load3(manifold, m, SPIN_IMPULSE))
+        f1, f2, f3, m1, m2, m3 = 0.0, 0.0, 0.0, moment[0], moment[1], moment[2]
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            x, y, normal, one, two = (
+                point[i, SPREAD], point[i, SPREAD + 1], point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1]
+            )  # fmt: skip
+            f1, f2, f3 = f1 + one, f2 + two, f3 + normal
+            m1, m2, m3 = m1 + y * normal, m2 - x * normal, m3 + x * two - y * one
+        pair = pair_of(bodies.body, bodies.turned, a, b)
+        centre = Centre(frame, load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B))
+        give_impulse(state, pair, centre, motion_of(state, a, b), (f1, f2, f3), (m1, m2, m3))
+
+
+@kernel
+def approach(bodies: Bodies, contacts: Contacts, manifolds: int, setting: Floats, h: float, slow: float) -> int:
+    """Note the points that are about to strike in this sub-step, with their normal velocity at the moment of impact [m/s].
+
+    With separation s and normal velocity u < 0 after the kick a h, the impact comes after the share tau = s / (-u h) of the
+    sub-step, when the velocity is u - (1 - tau) a h. Impulses of earlier sub-steps are no guess for a blow and are dropped. A
+    gap that is the way of the sub-step to rounding is one that closes in it.
+
+    Returns: how many points strike.
+    """
+    state, kind = bodies.state, bodies.kind
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    strikes = 0
+    g = load3(setting, 0, GRAVITY)
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        v, w = relative_motion(centre_of(manifold, m), motion_of(state, a, b))
+        kick = h * dot(load3(manifold, m, NORMAL), g)
+        kick *= (1.0 if kind[b, MOTION] == DYNAMIC else 0.0) - (1.0 if kind[a, MOTION] == DYNAMIC else 0.0)
+        if key[m, STRIKES] == 1:
+            key[m, STRIKES] = 0
+            for i in range(4 * m, 4 * m + key[m, POINTS]):
+                point[i, STRUCK] = 0.0
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            u = v[2] + w[0] * point[i, SPREAD + 1] - w[1] * point[i, SPREAD]
+            if u < -slow and point[i, SEPARATION] < -u * h * (1.0 + TOUCHING):
+                share = min(max(point[i, SEPARATION] / (-u * h), 0.0), 1.0)
+                strikes += 1
+                key[m, STRIKES] = 1
+                point[i, STRUCK] = 1.0
+                point[i, SPIKE] = 0.0
+                point[i, APPROACH] = min(u - (1.0 - share) * kick, 0.0)
+                point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
+                store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))
+    return strikes
+
+
+@kernel
+def bounce(contacts: Contacts, manifolds: int) -> bool:
+    """Whether any point struck a surface with restitution in this sub-step."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    for m in range(manifolds):
+        if key[m, STRIKES] == 1 and manifold[m, LAW + 2] > 0.0:
+            for i in range(4 * m, 4 * m + key[m, POINTS]):
+                if point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
+                    return True
+    return False
+
+
+@kernel
+def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
+    """Sticking manifolds that use up their static disc start to slip; slipping ones that it can stop stick."""
+    state, body = bodies.state, bodies.body
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    for m in range(manifolds):
+        static = manifold[m, LAW]
+        if static == manifold[m, LAW + 1]:
+            continue
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        v, w = relative_motion(centre_of(manifold, m), motion_of(state, a, b))
+        used, needed, room = 0.0, 0.0, 0.0
+        share = 1.0 / (max(body[a, INV_MASS] + body[b, INV_MASS], 1e-300) * max(key[m, POINTS], 1))
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            one, two = point[i, HELD], point[i, HELD + 1]
+            used += math.sqrt(one * one + two * two)
+            one -= share * (v[0] - point[i, SPREAD + 1] * w[2])
+            two -= share * (v[1] + point[i, SPREAD] * w[2])
+            needed += math.sqrt(one * one + two * two)
+            room += static * point[i, NORMAL_IMPULSE]
+        if room > 0.0:
+            key[m, SLIPS] = int(used >= STUCK * room) if key[m, SLIPS] == 0 else int(needed >= STUCK * room)
+
+
+@kernel
+def end_substep(contacts: Contacts, manifolds: int) -> None:
+    """Add the sub-step's impulses to the step's, in the frames, and drop those of a blow, which do not last."""
+    point, key = contacts.point, contacts.key
+    for m in range(manifolds):
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            point[i, SUM] += point[i, HELD]
+            point[i, SUM + 1] += point[i, HELD + 1]
+            point[i, SUM + 2] += point[i, NORMAL_IMPULSE]
+            if point[i, STRUCK] == 1.0:
+                point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
+
+
+@kernel
+def end_step(contacts: Contacts, manifolds: int) -> None:
+    """Turn the sum of the step's impulses, and the friction that the next step starts from, into W."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    for m in range(manifolds):
+        frame = frame_of(manifold, m)
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            store3(point, i, SUM, tmat_vec(frame, load3(point, i, SUM)))
+            store3(point, i, TANGENT_IMPULSE, tmat_vec(frame, (point[i, HELD], point[i, HELD + 1], 0.0)))
+
+
+@kernel
+def sum_impulses(contacts: Contacts, manifolds: int) -> None:
+    """As `end_substep`, where friction impulses are kept in W all along."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    for m in range(manifolds):
+        n = load3(manifold, m, NORMAL)
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            tangent = load3(point, i, TANGENT_IMPULSE)
+            store3(point, i, SUM, add(load3(point, i, SUM), axpy(point[i, NORMAL_IMPULSE], n, tangent)))
+            if point[i, STRUCK] == 1.0:
+                point[i, NORMAL_IMPULSE] = 0.0
+                store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))

@@ -1,0 +1,65 @@
+"""Which compiled step advances a world: the one that runs exactly the stages which its contents call for."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.broad.choice import DropApart, FindPairs
+from engine.describe.errors import NotSupported
+from engine.options import FREE_INTEGRATORS, Options
+
+__all__ = ["Kernels", "Step", "choose_step"]
+
+Step = Callable[[NDArray[np.float64], NDArray[np.int64], int], tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class Kernels:
+    """What advances a world: its step, and where that does not find its pairs, the search before it and the test after that."""
+
+    step: Step
+    find_pairs: FindPairs | None
+    drop_apart: DropApart | None
+
+
+def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, islands: bool) -> Step:
+    """The compiled step that runs exactly the stages needed. Raises: NotSupported."""
+    integrator = options.integrator
+    if integrator in FREE_INTEGRATORS:
+        if touching or jointed:
+            raise NotSupported(
+                f"integrator '{integrator}' with {'contacts' if touching else 'joints'}",
+                "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
+            )
+        return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
+    if touching and options.solver == "sequential_impulses":
+        if jointed:
+            raise NotSupported("joints beside contacts", "sequential impulses know contacts only")
+        from engine.steps.sequential import step_sequential_impulses
+
+        return step_sequential_impulses
+    if spheres:
+        from engine.steps.spheres import step_spheres
+
+        return step_spheres
+    if islands:
+        name = f"islands{'_jointed' if jointed else ''}"
+        module = import_module(f"engine.steps.{name}")
+        return cast(Step, getattr(module, f"step_{name}{'_parallel' if options.threads > 1 else ''}"))
+    if touching and jointed:
+        from engine.steps.contact_jointed import step_contact_jointed
+
+        return step_contact_jointed
+    if touching:
+        from engine.steps.contact import step_contact
+
+        return step_contact
+    from engine.steps import smooth
+
+    if not jointed:
+        return smooth.step_free
+    return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler

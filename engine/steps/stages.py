@@ -1,0 +1,27 @@
+"""What steps with contact have in common: contacts kept or found, and how long a sub-step is swept."""
+
+from engine.compile.jit import kernel
+from engine.contact.find_contacts import find_contacts, keep_contacts
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import COUNT, NEW, REST, SETTING
+from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DONE
+from engine.memory.tables import Bodies, Contacts
+from engine.respond.softness import FRESH
+
+__all__ = ["meet", "patience"]
+
+
+@kernel
+def meet(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts) -> int:
+    """Keep the contacts of the last step where all bodies are still, else find those of this one. Returns: a status."""
+    rest, setting, count = floats_of(floats, ints, REST), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    if keep_contacts(bodies.state, bodies.body, bodies.kind, rest, setting, count, contacts.key, contacts.point):
+        return DONE
+    return find_contacts(floats, ints)
+
+
+@kernel
+def patience(count: Ints, substep: int, strikes: int) -> int:
+    """Times as many sweeps: after a blow, and in the first sub-step with a new contact."""
+    return FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1

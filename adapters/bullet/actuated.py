@@ -7,10 +7,10 @@ import numpy as np
 
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.drives import Actuation, Actuator
-from adapters.bullet.frames import conjugate
 from adapters.bullet.mobility import Footing, Skeleton
 from adapters.bullet.plan import Plan
 from adapters.bullet.trees import Tree, joint_axis
+from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene, rotate
 
 __all__ = ["actuated"]

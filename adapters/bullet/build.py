@@ -10,7 +10,6 @@ from adapters.bullet.assembly import Assembly
 from adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
 from adapters.bullet.closures import close_loop
 from adapters.bullet.coordinates import maximal
-from adapters.bullet.frames import conjugate
 from adapters.bullet.multibodies import put_multibody
 from adapters.bullet.options import resolved_settings, set_parameters
 from adapters.bullet.plan import Plan
@@ -19,6 +18,7 @@ from adapters.bullet.simulation import BulletSimulation
 from adapters.bullet.trees import constrained_joints, spanning_trees
 from adapters.bullet.vendor import Port
 from harness.adapter import Settings, Unsupported
+from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Distance, Effect, Scene
 from harness.trajectory import State
 

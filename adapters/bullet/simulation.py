@@ -8,10 +8,10 @@ import numpy as np
 
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.drives import Actuation
-from adapters.bullet.frames import IDENTITY, products
 from adapters.bullet.sensing import Twin
 from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
 from harness.adapter import Diverged, Settings, Unsupported
+from harness.adapter.rotations import IDENTITY, products
 from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State

@@ -1,8 +1,8 @@
 """The one boundary between the harness and an engine.
 
 An adapter file holds one frozen `Adapter` subclass and ends in `ADAPTER = ...`. Its stations, in this order: docstring (engine,
-version tried, sources, section *Deviations*), constants, the `Simulation`, the builder, the `Adapter`, `ADAPTER`. The vendor's
-package is imported inside functions only.
+version tried, sources, section *Deviations*), constants, the `Simulation`, the builder, the `Adapter`, `ADAPTER`. A package has
+the first and the last two in its `__init__` and one station a file. The vendor's package is imported inside functions only.
 
 The contract, proven by `harness.conformance`:
 

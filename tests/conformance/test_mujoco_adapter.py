@@ -8,7 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from adapters.mujoco import ADAPTER, MujocoSimulation, _law, _Options
+from adapters.mujoco import ADAPTER
+from adapters.mujoco.options import Options
+from adapters.mujoco.simulation import MujocoSimulation
+from adapters.mujoco.surfaces import contact_law
 from harness.adapter import Diverged, Settings, SettingsError, Unsupported
 from harness.scene import (
     WORLD,
@@ -459,7 +462,7 @@ REBOUNDING = Effect.CONTACT | Effect.FRICTION | Effect.RESTITUTION
 
 def _bent(slip: float, mu: float, restitution: float, friction_constant: float) -> float:
     """The mean rebound over e, less 1, of a ball at 1 m/s and a slip [m/s], in MuJoCo's own words throughout."""
-    mj, law = pytest.importorskip("mujoco"), _law(_surface(mu, restitution), REBOUNDING, _Options(), 1e-3, "euler")
+    mj, law = pytest.importorskip("mujoco"), contact_law(_surface(mu, restitution), REBOUNDING, Options(), 1e-3, "euler")
     left = []
     for phase in PHASES:
         spec = mj.MjSpec()

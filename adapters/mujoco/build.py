@@ -19,7 +19,7 @@ from adapters.mujoco.start import check_start, start
 from adapters.mujoco.surfaces import Law, contact_laws
 from adapters.mujoco.vendor import flag
 from adapters.mujoco.world import Indices, World
-from harness.adapter import Settings, Unsupported
+from harness.adapter import Notice, Settings, Unsupported
 from harness.scene import Distance, Effect, Fixed, Scene
 
 __all__ = ["build"]
@@ -50,7 +50,7 @@ def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
     tolerance_scale = settle(plan, draft, model)
     resolved = resolved_settings(plan, draft, model, tolerance_scale)
     world = World(mj, model, mj.MjData(model), scene, _indices(plan, draft, model))
-    simulation = MujocoSimulation(world, resolved, _remarks(plan, mj, model))
+    simulation = MujocoSimulation(world, resolved, _notices(plan, mj, model))
     start(plan, draft, world)
     check_start(plan, world, simulation)
     return simulation
@@ -87,14 +87,16 @@ def _indices(plan: Plan, draft: Draft, model: Any) -> Indices:
     )
 
 
-def _remarks(plan: Plan, mj: Any, model: Any) -> tuple[str, ...]:
+def _notices(plan: Plan, mj: Any, model: Any) -> tuple[Notice, ...]:
     """Effects that could not be left out or in, and the faults of this version that the model may meet."""
-    remarks = []
+    notices = []
     if Effect.GYROSCOPIC not in plan.effects and any(body.movable for body in plan.scene.bodies):
-        remarks.append("surplus: gyroscopic terms are part of the bias force")
+        notices.append(Notice("gyroscopic terms are part of the bias force", "surplus", Effect.GYROSCOPIC))
     if plan.passable:
-        remarks.append("missing: continuous_collision: speculative contacts are off unless asked for")
+        text = "continuous_collision: speculative contacts are off unless asked for"
+        notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
     sparse = flag(mj, "mjtJacobian", "mjJAC_DENSE") != model.opt.jacobian and model.nv >= 60
     if sparse and mj.__version__ == FAULTY_SPARSE and plan.settings.solver in (None, "newton"):
-        remarks.append("mujoco 4.0.0: the sparse factor of the Newton solver is wrong for some models, by its makers' account")
-    return tuple(remarks)
+        text = "mujoco 4.0.0: the sparse factor of the Newton solver is wrong for some models, by its makers' account"
+        notices.append(Notice(text))
+    return tuple(notices)

@@ -11,7 +11,7 @@ from adapters.mujoco.inertial import Inertial
 from adapters.mujoco.rays import cast, caster
 from adapters.mujoco.vendor import FATAL, OPEN, flag
 from adapters.mujoco.world import World
-from harness.adapter import Diverged, Settings
+from harness.adapter import Diverged, Notice, Settings
 from harness.adapter.rotations import products
 from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
 from harness.scene import Camera
@@ -26,8 +26,8 @@ COUNTED = ("INERTIA", "CONTACTFULL", "CNSTRFULL", "BADQPOS", "BADQVEL", "BADQACC
 class MujocoSimulation:
     """One scene in one `MjData`."""
 
-    def __init__(self, world: World, resolved: Settings, remarks: tuple[str, ...]) -> None:
-        self._world, self._resolved, self._remarks = world, resolved, remarks
+    def __init__(self, world: World, resolved: Settings, notices: tuple[Notice, ...]) -> None:
+        self._world, self._resolved, self._notices = world, resolved, notices
         self._mj, self._m, self._d, self._indices = world.mj, world.model, world.state, world.indices
         self._substeps = resolved.substeps or 1
         self._advance = world.mj.mj_step
@@ -126,9 +126,9 @@ class MujocoSimulation:
         self._d.xfrc_applied[rows, :3] = f_B_W[self._movable]
         self._d.xfrc_applied[rows, 3:] = tau_B_W[self._movable]
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Notice, ...]:
         """The engine's counters and the effects that could not be left out."""
-        return (*self._remarks, *(f"mujoco: {counted}" for counted in self._counted()))
+        return (*self._notices, *(Notice(f"mujoco: {counted}") for counted in self._counted()))
 
     def save(self) -> object:
         """Everything that `mj_step` reads, warm start included (mjSTATE_INTEGRATION)."""

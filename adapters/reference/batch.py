@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from harness.adapter import Diverged, Settings, Unsupported
+from harness.adapter import Diverged, Notice, Settings, Unsupported
 from harness.trajectory import State
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class ReferenceBatch:
         table = self._batch.world(world).state()
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Notice, ...]:
         """Nothing to say."""
         return ()
 

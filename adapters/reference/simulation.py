@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, cast
 
 from adapters.reference.sensing import picture
-from harness.adapter import Diverged, Settings, Unsupported
+from harness.adapter import Diverged, Notice, Settings, Unsupported
 from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
@@ -94,11 +94,12 @@ class ReferenceSimulation:
         check_wrench(len(self._scene.bodies), f_B_W, tau_B_W)
         self._world.set_load(f_B_W, tau_B_W)
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Notice, ...]:
         """Steps with too many impacts, and how well hard contacts were solved."""
         impacts = self._world.impacts
         if impacts is not None and impacts.crowded > 0:
-            return (f"swept: {impacts.crowded} steps had too many impacts and were ended with speculative contacts",)
+            text = f"swept: {impacts.crowded} steps had too many impacts and were ended with speculative contacts"
+            return (Notice(text),)
         certificate = self._world.certificate
         if certificate is None or certificate.solves == 0:
             return ()
@@ -109,7 +110,7 @@ class ReferenceSimulation:
         missed = (
             f", {certificate.missed} of them above the tolerance {self._resolved.tolerance:g}" if certificate.missed else ""
         )
-        return (said + missed + crowded,)
+        return (Notice(said + missed + crowded),)
 
     def save(self) -> object:
         """Both arrays of the world."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from harness.store.notices import StoredNotice
 
-__all__ = ["notices_in_sentences"]
+__all__ = ["base_of_track", "notices_in_sentences"]
 
 
 def notices_in_sentences(sentences: Iterable[str]) -> tuple[StoredNotice, ...]:
@@ -13,6 +13,11 @@ def notices_in_sentences(sentences: Iterable[str]) -> tuple[StoredNotice, ...]:
     They are sentences. One about an effect begins with 'surplus: ' or 'missing: ', and names it as a word of its own.
     """
     return tuple(map(_notice, sentences))
+
+
+def base_of_track(track: str) -> str:
+    """What a track of schema 2 or 1 descends from: what was turned in it stands behind a comma."""
+    return track.partition(",")[0]
 
 
 def _notice(sentence: str) -> StoredNotice:

@@ -9,12 +9,13 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from harness.store.notices import StoredNotice
-from harness.store.older_schemas import notices_in_sentences
+from harness.store.older_schemas import base_of_track, notices_in_sentences
 
 __all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "Timing", "digest"]
 
 SCHEMA_VERSION = 3
-"""Raised when a field changes its meaning; a store with a higher number is refused. Up to 2 warnings were sentences."""
+"""Raised when a field changes its meaning; a store with a higher number is refused. Up to 2 warnings were
+sentences, and the base of a track its first word."""
 
 Status = Literal["passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted"]
 
@@ -114,7 +115,8 @@ class Record:
         parameters, settings, resolved: JSON. sim_seconds [s] simulated, steps taken. cpu_per_sim_s [s/s]: median with the 95 %
         bootstrap interval cpu_low..cpu_high, None without a timing run. wall_per_sim_s likewise. realtime_factor:
         simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
-        track: 'default', 'tuned', or the name of a variant of the study.
+        track: 'default', 'tuned', the name of a variant of the study, or one of them with what a search turned in it. base: the
+        one that it descends from; no column.
         warnings: what the engine, its adapter or the harness said; in the table as sentences. detail: trace or tail of
         standard error, for people.
         rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
@@ -172,6 +174,7 @@ class Record:
     answered_on: str = ""
     clocked_on: str = ""
     timing_note: str = ""
+    base: str = ""
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 
@@ -193,6 +196,8 @@ class Record:
         fields = {name: value for name, value in plain.items() if name in known}
         said = fields.get("warnings", ())
         fields["warnings"] = tuple(StoredNotice(**each) for each in said) if schema > 2 else notices_in_sentences(said)
+        if schema < 3:
+            fields["base"] = base_of_track(fields["track"])
         fields["measurements"] = tuple(
             Measurement(**{**m, "value": float(m["value"]), "at_most": None if m["at_most"] is None else float(m["at_most"])})
             for m in fields.get("measurements", ())

@@ -17,7 +17,7 @@ from harness.store import disk
 from harness.store.arrays import read_arrays
 from harness.store.journal import NoRun, StoreError, Written, read_journal, read_written
 from harness.store.notices import StoredNotice
-from harness.store.older_schemas import notices_in_sentences
+from harness.store.older_schemas import base_of_track, notices_in_sentences
 from harness.store.record import Measurement, Record, Sample
 from harness.store.seal import Damaged, check_seal, sealed_json
 from harness.store.stored_tables import read_tables
@@ -29,7 +29,7 @@ __all__ = [
 
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 TABLES = ("trials", "measurements", "samples")
-TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
+TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"base", "measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
 _SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0} | {
@@ -160,6 +160,16 @@ class Store:
         return {
             str(trial): notices_in_sentences(json.loads(said))
             for trial, said in zip(table["trial"], table["warnings"], strict=True)
+        }
+
+    @cached_property
+    def bases(self) -> Mapping[str, str]:
+        """The track that the settings of each trial descend from, by trial."""
+        if (self.folder / "journal.jsonl").is_file():
+            return {trial: record.base for trial, record in self._written.records.items()}
+        return {
+            str(trial): base_of_track(str(track))
+            for trial, track in zip(self.trials["trial"], self.trials["track"], strict=True)
         }
 
     @cached_property

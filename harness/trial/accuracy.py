@@ -40,6 +40,7 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         engine=trial.engine,
         engine_version=trial.engine_version,
         track=trial.track,
+        base=trial.base or trial.track,
         dt=trial.settings.dt,
         settings=trial.settings.plain(),
         seed=trial.seed,

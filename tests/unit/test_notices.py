@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -35,9 +36,9 @@ def record(trial: str, warnings: tuple[StoredNotice, ...]) -> Record:
     )  # fmt: skip
 
 
-def line_of_schema_2(trial: str) -> bytes:
+def line_of_schema_2(trial: str, track: str = "default") -> bytes:
     """The first line of a journal that was written before notices had types."""
-    content = record(trial, ()).plain() | {"warnings": SENTENCES}
+    content = record(trial, ()).plain() | {"warnings": SENTENCES, "track": track}
     entry = {"schema": 2, "number": 1, "before": "", "kind": "accuracy", "content": content}
     text = json.dumps(entry, sort_keys=True).encode()
     return hashlib.sha256(text).hexdigest()[:16].encode() + b" " + text + b"\n"
@@ -131,3 +132,12 @@ def test_a_surplus_names_one_effect(notice: Notice, status: str) -> None:
     (check,) = (check for check in CHECKS if check.name == "surplus_names_effects")
     adapter = plant(plugins.adapter("mujoco"), simulation=speak)
     assert check.run(adapter, adapter.tracks["default"]).status == status
+
+
+def test_what_a_track_descends_from_is_a_field_and_was_its_first_word(tmp_path: Path) -> None:
+    (tmp_path / "journal.jsonl").write_bytes(line_of_schema_2("old", track="default, iterations 4"))
+    journal = Journal(tmp_path)
+    journal.append(replace(record("new", ()), track="a variant, with a comma, iterations 4", base="a variant, with a comma"))
+    journal.close()
+    assert Store(tmp_path).bases == {"old": "default", "new": "a variant, with a comma"}
+    assert "base" not in Store(tmp_path).trials

@@ -174,9 +174,9 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     for origin, settings in wanted:
         if _key(settings) not in tried and len(found) < limit:
             tried.append(_key(settings))
-            base = origin.base or origin.track
-            track = _label(base, settings, adapter)
-            found.append(origin.probing(case, track=track, base=base, settings=settings, round=number))
+            ancestor = origin.base or origin.track
+            track = _label(ancestor, settings, adapter)
+            found.append(origin.probing(case, track=track, base=ancestor, settings=settings, round=number))
     return found
 
 

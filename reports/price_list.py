@@ -119,7 +119,7 @@ def entry(price: Price) -> Entry:
 
 def marked(store: "Store", price: Price) -> Entry:
     """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
-    law = whose(store.catalogue, price.engine, price.case, price.track.partition(",")[0])
+    law = whose(store.catalogue, price.engine, price.case, store.bases.get(price.trial, ""))
     against = disputed(store, price.engine, price.case)
     plain = entry(price)
     hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", against) if word)

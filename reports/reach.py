@@ -117,7 +117,7 @@ def cell(one: Search, law: str = "") -> Cell:
     hint = f"{verdict}{share}{cost}{taken}; {one.values} values, {one.members} starts each; {one.reason or one.signs}"
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if one.own_holds and one.broke is not None else ""
-    hint = "; ".join(word for word in (hint, own, *one.noticed) if word)
+    hint = "; ".join(word for word in (hint, own, *map(str, one.noticed)) if word)
     words = "; ".join(word for word in (why.partition(":")[0][:40], own, law) if word)
     return Cell(one.reach, text, words, f"{hint}; {law}" if law else hint)
 

@@ -7,10 +7,11 @@ import numpy as np
 
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.drives import Actuation, Actuator
-from adapters.bullet.frames import conjugate
 from adapters.bullet.mobility import Footing, Skeleton
 from adapters.bullet.plan import Plan
 from adapters.bullet.trees import Tree, joint_axis
+from harness.adapter import Notice
+from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene, rotate
 
 __all__ = ["actuated"]
@@ -38,7 +39,7 @@ def actuated(plan: Plan, made: Assembly, tree: Tree) -> Actuation | None:
             if joint.spring is not None or drive is not None:
                 acted.append((joint, Actuator(joint.name, k, joint.position, joint.spring, drive, target)))
     if motors:
-        made.notices.append(MOTORS)
+        made.notices.append(Notice(MOTORS))
     if not acted and not motors:
         return None
     actuators, skeleton = tuple(actuator for _, actuator in acted), None

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from adapters.bullet.drives import Actuation
 from adapters.bullet.vendor import Port
+from harness.adapter import Notice
 from harness.scene import Vector3
 from harness.trajectory import Floats
 
@@ -20,7 +21,7 @@ class Assembly:
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
         address: (number, link) -> place. waiting: (number, link) of bodies whose contacts wait until they touch.
-        notices: what the engine computes beside the scene, in words.
+        notices: what the engine computes beside the scene.
     """
 
     port: Port
@@ -32,4 +33,4 @@ class Assembly:
     prescribed: list[tuple[int, int, Vector3]] = field(default_factory=list)
     address: dict[tuple[int, int], int] = field(default_factory=dict)
     waiting: set[tuple[int, int]] = field(default_factory=set)
-    notices: list[str] = field(default_factory=list)
+    notices: list[Notice] = field(default_factory=list)

@@ -8,7 +8,7 @@ from adapters.bullet.frames import xyzw
 from adapters.bullet.plan import Plan
 from adapters.bullet.shapes import collision_shape, inner_radius, padded
 from adapters.bullet.vendor import LIFTED
-from harness.adapter import Unsupported
+from harness.adapter import Notice, Unsupported
 from harness.scene import Effect
 
 __all__ = ["check_joined", "put_base", "put_free", "put_static", "renew_inertia", "tell_body", "tell_multibody"]
@@ -89,7 +89,8 @@ def check_joined(plan: Plan, made: Assembly, place: int) -> None:
     if damping_of(plan, body) is not None:
         raise Unsupported(f"damping of body '{body.name}'", "a multibody's damping in Bullet is c v (1 + |v|)")
     if Effect.CONTINUOUS_COLLISION in plan.effects and plan.solid:
-        notice = "missing: continuous_collision: joined bodies are multibodies, which Bullet cannot sweep"
+        text = "continuous_collision: joined bodies are multibodies, which Bullet cannot sweep"
+        notice = Notice(text, "missing", Effect.CONTINUOUS_COLLISION)
         made.notices += [] if notice in made.notices else [notice]
 
 
@@ -117,9 +118,8 @@ def tell_body(plan: Plan, made: Assembly, number: int, link: int, place: int, ma
         if link < 0:
             port.call("changeDynamics", number, -1, collisionMargin=plan.options["margin"])
         else:
-            made.notices.append(
-                f"body '{body.name}': its hull keeps the vendor's margin of 1 mm, which cannot be set on a link"
-            )
+            text = f"body '{body.name}': its hull keeps the vendor's margin of 1 mm, which cannot be set on a link"
+            made.notices.append(Notice(text))
 
 
 def tell_multibody(plan: Plan, made: Assembly, number: int, place: int | None, maximal: bool) -> None:

@@ -10,7 +10,6 @@ from adapters.bullet.assembly import Assembly
 from adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
 from adapters.bullet.closures import close_loop
 from adapters.bullet.coordinates import maximal
-from adapters.bullet.frames import conjugate
 from adapters.bullet.multibodies import put_multibody
 from adapters.bullet.options import resolved_settings, set_parameters
 from adapters.bullet.plan import Plan
@@ -18,7 +17,8 @@ from adapters.bullet.shapes import check_shapes, unseen_shape
 from adapters.bullet.simulation import BulletSimulation
 from adapters.bullet.trees import constrained_joints, spanning_trees
 from adapters.bullet.vendor import Port
-from harness.adapter import Settings, Unsupported
+from harness.adapter import Notice, Settings, Unsupported
+from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Distance, Effect, Scene
 from harness.trajectory import State
 
@@ -101,15 +101,17 @@ def _filter(plan: Plan, made: Assembly) -> None:
 def _surplus(plan: Plan, made: Assembly) -> None:
     """Name what is computed although the scene does not call for it, and what is not although it does."""
     if Effect.CONTINUOUS_COLLISION in plan.effects and not plan.swept:
-        made.notices.append("missing: continuous_collision: multibodies, pybullet's default, cannot be swept")
+        text = "continuous_collision: multibodies, pybullet's default, cannot be swept"
+        made.notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
     movable = [k for k, body in enumerate(plan.scene.bodies) if body.movable]
     uneven = any(max(plan.principal[k][0]) > min(plan.principal[k][0]) * (1 + 1e-12) for k in movable)
     if Effect.GYROSCOPIC not in plan.effects and uneven:
-        made.notices.append("surplus: gyroscopic (pybullet offers no switch)")
+        made.notices.append(Notice("gyroscopic (pybullet offers no switch)", "surplus", Effect.GYROSCOPIC))
     if plan.options["damping"] == "vendor":
-        for effect, name in ((Effect.LINEAR_DAMPING, "linear_damping"), (Effect.ANGULAR_DAMPING, "angular_damping")):
+        for effect in (Effect.LINEAR_DAMPING, Effect.ANGULAR_DAMPING):
             if effect not in plan.effects and movable:
-                made.notices.append(f"surplus: {name} (the vendor's default of 0.04 on bodies of which the scene says 0)")
+                text = f"{effect.names[0]} (the vendor's default of 0.04 on bodies of which the scene says 0)"
+                made.notices.append(Notice(text, "surplus", effect))
 
 
 def _verify(plan: Plan, made: Assembly, simulation: BulletSimulation) -> None:

@@ -3,11 +3,12 @@
 import math
 
 from adapters.bullet.assembly import Assembly
-from adapters.bullet.frames import IDENTITY, conjugate, minus, xyzw
+from adapters.bullet.frames import minus, xyzw
 from adapters.bullet.plan import Plan
 from adapters.bullet.trees import loaded
 from adapters.bullet.vendor import LIFTED
 from harness.adapter import Unsupported
+from harness.adapter.rotations import IDENTITY, conjugate
 from harness.scene import Ball, Fixed, Joint, Revolute, Vector3, rotate
 
 __all__ = ["close_loop"]

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from adapters.bullet.frames import conjugate, matrices
+from adapters.bullet.frames import matrices
 from adapters.bullet.trees import Tree, joint_axis
 from adapters.bullet.vendor import Port
+from harness.adapter.rotations import conjugate
 from harness.scene import Ball, Fixed, Prismatic, Quaternion, Scene, Vector3, multiply, rotate
 from harness.trajectory import Floats
 

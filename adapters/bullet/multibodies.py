@@ -7,12 +7,13 @@ import numpy as np
 from adapters.bullet.actuated import actuated
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.bodies import check_joined, put_base, tell_body, tell_multibody
-from adapters.bullet.frames import IDENTITY, conjugate, minus, xyzw
+from adapters.bullet.frames import minus, xyzw
 from adapters.bullet.plan import Plan
 from adapters.bullet.shapes import collision_shape
 from adapters.bullet.trees import Link, Tree, joint_axis
 from adapters.bullet.vendor import LIFTED
 from harness.adapter import Unsupported
+from harness.adapter.rotations import IDENTITY, conjugate
 from harness.scene import Ball, Distance, Fixed, Prismatic, Quaternion, Revolute, Vector3, multiply, rotate
 
 __all__ = ["put_multibody"]

@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from adapters.bullet.frames import conjugate, plus, principal_frame
+from adapters.bullet.frames import plus
 from adapters.bullet.options import substep, with_slop
-from adapters.bullet.surfaces import Coefficients, Kind, braked, coefficients, rubbing, stands
+from adapters.bullet.surfaces import Coefficients, braked, coefficients, rubbing, stands
 from harness.adapter import Settings
+from harness.adapter.rotations import conjugate, principal_frame
+from harness.adapter.touching_kinds import Kind
 from harness.scene import Body, Effect, Joint, Quaternion, Scene, Shape, Vector3, multiply, rotate
 
 __all__ = ["Plan"]

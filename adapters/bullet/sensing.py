@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from adapters.bullet.frames import IDENTITY, plus, xyzw
+from adapters.bullet.frames import plus, xyzw
 from adapters.bullet.shapes import single_shape, unseen_shape, visual_shape
 from adapters.bullet.vendor import Port, connected, silenced
+from harness.adapter.rotations import IDENTITY
 from harness.scene import WORLD, Camera, ConvexHull, Quaternion, Scene, TriangleMesh, Vector3, multiply, rotate
 from harness.trajectory import Floats, Hits, Image, State
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.drives import Actuation
-from adapters.bullet.frames import IDENTITY, products
 from adapters.bullet.sensing import Twin
 from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
-from harness.adapter import Diverged, Settings, Unsupported
+from harness.adapter import Diverged, Notice, Settings, Unsupported
+from harness.adapter.rotations import IDENTITY, products
 from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -238,8 +238,8 @@ class BulletSimulation:
             if self._scene.bodies[place].movable and (f_B_W[place].any() or tau_B_W[place].any())
         )
 
-    def warnings(self) -> tuple[str, ...]:
-        """What the engine computes beside the scene, in words."""
+    def warnings(self) -> tuple[Notice, ...]:
+        """What the engine computes beside the scene."""
         return self._notices
 
     def save(self) -> object:

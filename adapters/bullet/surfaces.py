@@ -7,17 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.adapter import Unsupported
-from harness.scene import Body, Box, Capsule, Effect, Plane, Scene, Sphere, Surface, multiply, rotate
+from harness.adapter.touching_kinds import Kind, touching_kinds
+from harness.scene import Box, Capsule, Effect, Plane, Scene, Sphere, Surface, multiply, rotate
 
-__all__ = ["Coefficients", "Kind", "braked", "coefficients", "gathers", "rubbing", "stands"]
+__all__ = ["Coefficients", "braked", "coefficients", "gathers", "rubbing", "stands"]
 
 GREATEST_FRICTION = 10.0
 """btManifoldResult clamps every combined coefficient to this."""
 SLOPE = 1e-6
 """The least cosine between gravity and a plane's normal, and between gravity and the plane, that counts as a slope."""
-
-Kind = tuple[str, bool]
-"""A material, and whether the bodies of it move: statics may carry another number than movable bodies of the same material."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,18 +29,8 @@ class Coefficients:
 
 
 def _pairs(scene: Scene) -> dict[tuple[Kind, Kind], Surface]:
-    """The kinds that can touch, with their law."""
-    solid: dict[Kind, list[Body]] = {}
-    for body in scene.bodies:
-        if body.collision:
-            solid.setdefault((body.material, body.movable), []).append(body)
-    kinds, apart = sorted(solid), {frozenset(pair) for pair in scene.apart}
-    return {
-        (a, b): scene.surface(solid[a][0], solid[b][0])
-        for i, a in enumerate(kinds)
-        for b in kinds[i:]
-        if (a[1] or b[1]) and (a != b or len(solid[a]) > 1) and frozenset((a[0], b[0])) not in apart
-    }
+    """The kinds that can touch, with their law, whatever the order of the bodies."""
+    return dict(sorted(touching_kinds(scene).items()))
 
 
 def _factors(values: Mapping[tuple[Kind, Kind], float], what: str) -> dict[Kind, float]:

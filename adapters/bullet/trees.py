@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Container, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from adapters.bullet.frames import matrices, xyzw
 from harness.adapter import Unsupported
+from harness.adapter.disjoint_sets import DisjointSets
+from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import WORLD, Ball, Effect, Fixed, Joint, Revolute, Scene, Vector3
 
 __all__ = ["Link", "Tree", "constrained_joints", "fast_tops", "joint_axis", "loaded", "spanning_trees"]
@@ -29,25 +31,6 @@ class Tree:
     base: int | None
     links: tuple[Link, ...] = ()
     closures: tuple[Joint, ...] = ()
-
-
-@dataclass(slots=True)
-class _Forest:
-    """Disjoint sets of names."""
-
-    parent: dict[str, str] = field(default_factory=dict)
-
-    def root(self, name: str) -> str:
-        """The name that stands for the set."""
-        while self.parent.setdefault(name, name) != name:
-            name = self.parent[name]
-        return name
-
-    def join(self, a: str, b: str) -> bool:
-        """Unite two sets; False where they are one already."""
-        a, b = self.root(a), self.root(b)
-        self.parent[b] = a
-        return a != b
 
 
 def loaded(joint: Joint) -> bool:
@@ -100,10 +83,10 @@ def spanning_trees(scene: Scene, joints: Sequence[Joint], constrained: Container
     """
     place = {body.name: k for k, body in enumerate(scene.bodies)}
     motion = {body.name: body.motion for body in scene.bodies} | {WORLD: "static"}
-    groups, spanning = _Forest(), _Forest()
+    groups = DisjointSets[str]()
     for joint in joints:
         if "static" not in (motion[joint.parent], motion[joint.child]):
-            groups.join(joint.parent, joint.child)
+            groups.unite(joint.parent, joint.child)
 
     def ground(name: str, other: str) -> str:
         # All that stands still is one node per group: two pendulums on one wall stay two multibodies. Names are printable, so
@@ -112,15 +95,10 @@ def spanning_trees(scene: Scene, joints: Sequence[Joint], constrained: Container
 
     ends = {j.name: (ground(j.parent, j.child), ground(j.child, j.parent)) for j in joints}
     grounds = sorted({end for pair in ends.values() for end in pair if end.startswith("\n")})
-    edges: dict[str, list[tuple[str, Joint]]] = {}
-    closing: list[tuple[str, Joint]] = []
-    for joint in sorted(joints, key=lambda j: (not loaded(j), j.type == "ball", j.type == "fixed")):
-        a, b = ends[joint.name]
-        if joint.name not in constrained and spanning.join(a, b):
-            edges.setdefault(a, []).append((b, joint))
-            edges.setdefault(b, []).append((a, joint))
-        else:
-            closing.append((a, joint))
+    ordered = sorted(joints, key=lambda j: (not loaded(j), j.type == "ball", j.type == "fixed"))
+    forest = spanning_forest((j for j in ordered if j.name not in constrained), lambda j: ends[j.name])
+    looping = {joint.name for joint in forest.closing}
+    closing = [(ends[j.name][0], j) for j in ordered if j.name in constrained or j.name in looping]
     moving = [body.name for body in scene.bodies if body.motion != "static"]
     children = {joint.child for joint in joints}
     roots = [*grounds]
@@ -131,20 +109,16 @@ def spanning_trees(scene: Scene, joints: Sequence[Joint], constrained: Container
     for root in roots:
         if root in seen:
             continue
-        numbers, links = dict[str, int](), list[Link]()
+        numbers, links = {root: -1}, list[Link]()
         # Depth first, children in their order: pybullet numbers links so, whatever order it is told.
-        stack: list[tuple[str, str, Joint | None]] = [(root, root, None)]
-        while stack:
-            name, above, by = stack.pop()
-            numbers[name] = len(links) if by is not None else -1
-            seen.add(name)
-            if by is not None:
-                if motion[name] == "kinematic":
-                    raise Unsupported(
-                        f"joint '{by.name}'", "Bullet's multibody has one base; a second prescribed body is no link"
-                    )
-                links.append(Link(place[name], numbers[above], by))
-            stack += [(other, name, joint) for other, joint in reversed(edges.get(name, [])) if other != above]
+        for branch in forest.depth_first(root):
+            if motion[branch.node] == "kinematic":
+                raise Unsupported(
+                    f"joint '{branch.edge.name}'", "Bullet's multibody has one base; a second prescribed body is no link"
+                )
+            numbers[branch.node] = len(links)
+            links.append(Link(place[branch.node], numbers[branch.above], branch.edge))
+        seen |= numbers.keys()
         closures = [joint for name, joint in closing if name in numbers]
         trees.append(Tree(None if root in grounds else place[root], tuple(links), tuple(closures)))
     return trees

@@ -8,9 +8,9 @@ import numpy as np
 from adapters.dart.built import Built
 from adapters.dart.joints import add_joint
 from adapters.dart.shapes import add_shapes
-from adapters.dart.surfaces import Kind
 from adapters.dart.trees import WORLD_FRAME, Edge
 from adapters.dart.vendor import pose
+from harness.adapter.touching_kinds import Kind
 from harness.scene import Effect
 
 __all__ = ["add_bodies", "start"]

@@ -14,7 +14,7 @@ from adapters.dart.solvers import set_solver
 from adapters.dart.surfaces import coefficients
 from adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
 from adapters.dart.vendor import overheard
-from harness.adapter import Settings, SettingsError, Unsupported
+from harness.adapter import Notice, Settings, SettingsError, Unsupported
 from harness.scene import Effect, Scene
 
 __all__ = ["build"]
@@ -51,8 +51,8 @@ def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:
         add_constraints(built, cut)
         keep_apart(built)
     # The one message that says what it does not do: the request that it claims to ignore takes effect (see `resolved`).
-    built.notes += [f"dart: {line}" for line in heard if "primary LCP solver that is the same" not in line]
-    built.notes += _surplus(scene)
+    built.notices += [Notice(f"dart: {line}") for line in heard if "primary LCP solver that is the same" not in line]
+    built.notices += _surplus(scene)
     return DartSimulation(built)
 
 
@@ -65,8 +65,8 @@ def _empty(dart: Any, scene: Scene, settings: Settings, options: dict[str, Any])
     if world.getTimeStep() != h:
         raise SettingsError(f"settings: a step of {h} s, dart keeps {world.getTimeStep()} s")
     world.setGravity(scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
-    notes: list[str] = []
-    detector = choose_detector(scene, options["detector"], notes)
+    notices: list[Notice] = []
+    detector = choose_detector(scene, options["detector"], notices)
     world.setCollisionDetector(getattr(dart.simulation.CollisionDetectorType, detector.upper()))
     sleeping = world.getDeactivationOptions()
     if options["deactivation"] is not None:
@@ -96,18 +96,20 @@ def _empty(dart: Any, scene: Scene, settings: Settings, options: dict[str, Any])
         },
         source=settings.source,
     )
-    return Built(scene, dart, world, resolved, nodes=[None] * len(scene.bodies), cone=used.cone, notes=notes)
+    return Built(scene, dart, world, resolved, nodes=[None] * len(scene.bodies), cone=used.cone, notices=notices)
 
 
-def _surplus(scene: Scene) -> list[str]:
+def _surplus(scene: Scene) -> list[Notice]:
     """What DART computes unasked, and what it cannot be asked for."""
-    notes = []
+    notices = []
     if Effect.CONTINUOUS_COLLISION in scene.effects:
-        notes.append("missing: continuous_collision: dartpy's step has none")
+        text = "continuous_collision: dartpy's step has none"
+        notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
     spins = False
     for body in scene.bodies:
         low, _, high = np.linalg.eigvalsh(np.asarray(body.inertia))
         spins = spins or (body.movable and high - low > 1e-12 * high)
     if spins and Effect.GYROSCOPIC not in scene.effects:
-        notes.append("surplus: gyroscopic, DART's equations of motion always hold the term")
-    return notes
+        text = "gyroscopic, DART's equations of motion always hold the term"
+        notices.append(Notice(text, "surplus", Effect.GYROSCOPIC))
+    return notices

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from adapters.dart.drives import Motor
-from harness.adapter import Settings
+from harness.adapter import Notice, Settings
 from harness.scene import Scene
 from harness.trajectory import Floats
 
@@ -37,7 +37,7 @@ class Built:
     shapes: list[Any] = field(default_factory=list)
     loops: list[tuple[tuple[int, Floats], ...]] = field(default_factory=list)
     cone: Any = None
-    notes: list[str] = field(default_factory=list)
+    notices: list[Notice] = field(default_factory=list)
 
     @property
     def substeps(self) -> int:

@@ -5,7 +5,7 @@ from itertools import combinations, combinations_with_replacement
 
 from adapters.dart.built import Built
 from adapters.dart.surfaces import touching_bodies
-from harness.adapter import Unsupported
+from harness.adapter import Notice, Unsupported
 from harness.scene import Effect, Scene
 
 __all__ = ["DETECTORS", "WRONG_PAIRS", "choose_detector", "keep_apart"]
@@ -34,7 +34,7 @@ mesh by Bullet 10 mm and more, on a hull 19 mm, box on a mesh 3 mm.
 """
 
 
-def choose_detector(scene: Scene, asked: str | None, notes: list[str]) -> str:
+def choose_detector(scene: Scene, asked: str | None, notices: list[Notice]) -> str:
     """The detector of this scene: None is the vendor's default, 'auto' one that has every pair that can meet right.
 
     Raises: Unsupported.
@@ -56,9 +56,8 @@ def choose_detector(scene: Scene, asked: str | None, notes: list[str]) -> str:
             "of these pairs DART's ODE detector has the former wrong and its Bullet detector the latter; none has all right",
         )
     if asked is None:
-        notes.append(
-            f"detector: FCL, the vendor's default, has {', '.join(_wrong('fcl', meetings))} wrong; '{right}' stands in"
-        )
+        named = ", ".join(_wrong("fcl", meetings))
+        notices.append(Notice(f"detector: FCL, the vendor's default, has {named} wrong; '{right}' stands in"))
     return right
 
 

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from harness.adapter import Notice
 from harness.scene import Drive, Spring
 
-__all__ = ["SERVO_NOTE", "Motor", "drive_within_limits"]
+__all__ = ["SERVO_NOTICE", "Motor", "drive_within_limits"]
 
-SERVO_NOTE = (
+SERVO_NOTICE = Notice(
     "drives: DART's own servo holds the velocity (c u + k (target - x))/(c + dt k) by whatever force within the limit: another "
     "law than the scene's k (target - x) + c (u - x')"
 )

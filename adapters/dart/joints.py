@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from adapters.dart.built import Built
-from adapters.dart.drives import SERVO_NOTE, Motor
+from adapters.dart.drives import SERVO_NOTICE, Motor
 from adapters.dart.trees import WORLD_FRAME, Edge, ends
 from adapters.dart.vendor import pose
 from harness.adapter import Unsupported
@@ -94,8 +94,8 @@ def _set_servo(built: Built, motor: Motor, name: str) -> None:
     if motor.drive.limit is not None:
         motor.joint.setForceLowerLimit(0, -motor.drive.limit)
         motor.joint.setForceUpperLimit(0, motor.drive.limit)
-    if SERVO_NOTE not in built.notes:
-        built.notes.append(SERVO_NOTE)
+    if SERVO_NOTICE not in built.notices:
+        built.notices.append(SERVO_NOTICE)
 
 
 def add_constraints(built: Built, cut: list[Joint]) -> None:

@@ -8,10 +8,10 @@ from typing import Any, assert_never
 import numpy as np
 
 from adapters.dart.built import Built
-from adapters.dart.surfaces import Kind
 from adapters.dart.vectors import tangents
 from adapters.dart.vendor import pose
 from harness.adapter import Unsupported
+from harness.adapter.touching_kinds import Kind
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Plane, Shape, Sphere, TriangleMesh
 from harness.trajectory import Floats, Integers
 

@@ -12,7 +12,7 @@ from adapters.dart.foresight import Foresight
 from adapters.dart.sensing import Caster
 from adapters.dart.vectors import quaternions
 from adapters.dart.vendor import correcting
-from harness.adapter import Diverged, Settings, Simulation, Unsupported
+from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
 from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
 from harness.scene import Camera, Effect
 from harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -151,20 +151,22 @@ class DartSimulation(Simulation):
         f, tau = f_B_W.copy(), tau_B_W.copy()
         self._wrench = (f, tau) if f.any() or tau.any() else None
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Notice, ...]:
         """Stand-in detectors, surplus effects, the vendor's messages while building, and solves that stopped early."""
         built = self._open
-        notes = list(built.notes)
+        notices = list(built.notices)
         if built.cone is not None:
             stats = built.cone.getStats()
             if stats.numAcceptedAtCap or stats.numFailed:
-                notes.append(
+                text = (
                     f"{built.resolved.solver}: of {stats.numSolves} solves {stats.numAcceptedAtCap} stopped at the greatest "
                     f"number of iterations and {stats.numFailed} were left to PGS"
                 )
+                notices.append(Notice(text))
         if self._crowded:
-            notes.append(f"contacts reached {MOST_CONTACTS}, which the pairs then share; dartpy cannot raise the bound")
-        return tuple(notes)
+            text = f"contacts reached {MOST_CONTACTS}, which the pairs then share; dartpy cannot raise the bound"
+            notices.append(Notice(text))
+        return tuple(notices)
 
     def save(self) -> object:
         """Not there. Raises: Unsupported."""

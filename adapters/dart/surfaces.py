@@ -5,16 +5,13 @@ from collections import deque
 from collections.abc import Mapping
 
 from harness.adapter import Unsupported
+from harness.adapter.touching_kinds import Kind, kinds_of, touching_kinds
 from harness.scene import Body, Effect, Scene
 
-__all__ = ["SMALLEST_COEFFICIENT", "Kind", "coefficients", "touching_bodies"]
+__all__ = ["SMALLEST_COEFFICIENT", "coefficients", "touching_bodies"]
 
 SMALLEST_COEFFICIENT = 1e-3
 """DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""
-
-
-Kind = tuple[str, bool]
-"""(material, movable): the bodies that share a number."""
 
 
 def coefficients(scene: Scene) -> dict[Kind, tuple[float, float]]:
@@ -23,28 +20,23 @@ def coefficients(scene: Scene) -> dict[Kind, tuple[float, float]]:
     Friction: min(f_a, f_b) = mu_ab has a solution only if f_a = max over b of mu_ab is one. Restitution: r_a r_b = e_ab.
     Raises: Unsupported.
     """
-    effects, kinds = scene.effects, _classes(scene)
-    laws, apart = {s.pair: s for s in scene.surfaces}, {frozenset(pair) for pair in scene.apart}
+    effects, kinds = scene.effects, kinds_of(scene)
     friction: dict[tuple[Kind, Kind], float] = {}
     bounce: dict[tuple[Kind, Kind], float] = {}
-    for a in kinds:
-        for b in kinds:
-            if b < a or not (a[1] or b[1]) or (a == b and kinds[a] < 2) or frozenset((a[0], b[0])) in apart:
-                continue
-            law = laws[frozenset((a[0], b[0]))]
-            name = f"surface {law.between[0]}/{law.between[1]}"
-            if Effect.ROLLING_FRICTION in effects and law.rolling_friction > 0:
-                raise Unsupported(name, "DART has no rolling friction")
-            if Effect.TORSIONAL_FRICTION in effects and law.torsional_friction > 0:
-                raise Unsupported(name, "DART has no torsional friction")
-            mu = law.kinetic_friction if Effect.FRICTION in effects else 0.0
-            if Effect.FRICTION in effects and law.static_friction > law.kinetic_friction:
-                raise Unsupported(name, f"DART has one coefficient, not static {law.static_friction} above kinetic {mu}")
-            e = law.restitution if Effect.RESTITUTION in effects else 0.0
-            for what, value in (("friction", mu), ("restitution", e)):
-                if 0 < value <= SMALLEST_COEFFICIENT:
-                    raise Unsupported(name, f"DART takes a {what} of {SMALLEST_COEFFICIENT} and less for zero, got {value}")
-            friction[a, b], bounce[a, b] = mu, e
+    for (a, b), law in touching_kinds(scene).items():
+        name = f"surface {law.between[0]}/{law.between[1]}"
+        if Effect.ROLLING_FRICTION in effects and law.rolling_friction > 0:
+            raise Unsupported(name, "DART has no rolling friction")
+        if Effect.TORSIONAL_FRICTION in effects and law.torsional_friction > 0:
+            raise Unsupported(name, "DART has no torsional friction")
+        mu = law.kinetic_friction if Effect.FRICTION in effects else 0.0
+        if Effect.FRICTION in effects and law.static_friction > law.kinetic_friction:
+            raise Unsupported(name, f"DART has one coefficient, not static {law.static_friction} above kinetic {mu}")
+        e = law.restitution if Effect.RESTITUTION in effects else 0.0
+        for what, value in (("friction", mu), ("restitution", e)):
+            if 0 < value <= SMALLEST_COEFFICIENT:
+                raise Unsupported(name, f"DART takes a {what} of {SMALLEST_COEFFICIENT} and less for zero, got {value}")
+        friction[a, b], bounce[a, b] = mu, e
     f = {kind: max((mu for pair, mu in friction.items() if kind in pair), default=0.0) for kind in kinds}
     for (a, b), mu in friction.items():
         if min(f[a], f[b]) != mu:
@@ -54,15 +46,6 @@ def coefficients(scene: Scene) -> dict[Kind, tuple[float, float]]:
             )
     r = _factors(kinds, bounce)
     return {kind: (f[kind], r[kind]) for kind in kinds}
-
-
-def _classes(scene: Scene) -> dict[tuple[str, bool], int]:
-    """How many bodies with shapes there are of each (material, movable)."""
-    found: dict[tuple[str, bool], int] = {}
-    for body in scene.bodies:
-        if body.collision:
-            found[body.material, body.movable] = found.get((body.material, body.movable), 0) + 1
-    return found
 
 
 def _factors(kinds: Mapping[Kind, int], wanted: Mapping[tuple[Kind, Kind], float]) -> dict[Kind, float]:

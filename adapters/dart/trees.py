@@ -1,6 +1,5 @@
 """The graph of joints: what becomes trees of skeletons, and which joints are constraints instead."""
 
-from collections import deque
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from adapters.dart.tops import spins
 from harness.adapter import Unsupported
+from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 from harness.trajectory import Floats
 
@@ -33,48 +33,30 @@ def forest(scene: Scene, joints: tuple[Joint, ...], constrained: list[Joint]) ->
     Raises: Unsupported.
     """
     moving = [i for i, b in enumerate(scene.bodies) if b.motion != "static"]
-    group = {i: i for i in (WORLD_FRAME, *moving)}
-    anchored = {WORLD_FRAME, *(i for i in moving if not scene.bodies[i].movable)}
-
-    def root(i: int) -> int:
-        while group[i] != i:
-            group[i] = group[group[i]]
-            i = group[i]
-        return i
-
-    kept: dict[int, list[tuple[int, Joint, float]]] = {i: [] for i in group}
-    cut = list(constrained)
-    for joint in sorted((joint for joint in joints if joint not in cut), key=cuttable):
-        parent, child = ends(scene, joint)
-        a, b = root(parent), root(child)
-        if a == b or (a in anchored and b in anchored):
-            if not cuttable(joint):
-                raise Unsupported(
-                    f"joint '{joint.name}'",
-                    f"it closes a loop, and DART has no such constraint for {joint.type} joints, limits, springs and drives",
-                )
-            cut.append(joint)
-            continue
-        group[a if b in anchored else b] = b if b in anchored else a
-        kept[parent].append((child, joint, 1.0))
-        kept[child].append((parent, joint, -1.0))
+    trees = spanning_forest(
+        sorted((joint for joint in joints if joint not in constrained), key=cuttable),
+        lambda joint: ends(scene, joint),
+        ground=(WORLD_FRAME, *(i for i in moving if not scene.bodies[i].movable)),
+    )
+    for joint in trees.closing:
+        if not cuttable(joint):
+            raise Unsupported(
+                f"joint '{joint.name}'",
+                f"it closes a loop, and DART has no such constraint for {joint.type} joints, limits, springs and drives",
+            )
     edges: list[Edge] = []
     seen = {WORLD_FRAME}
-    for start in (WORLD_FRAME, *sorted(moving, key=lambda i: scene.bodies[i].movable)):
-        if start in seen and start != WORLD_FRAME:
+    for root in (WORLD_FRAME, *sorted(moving, key=lambda i: scene.bodies[i].movable)):
+        if root in seen and root != WORLD_FRAME:
             continue
-        if start != WORLD_FRAME:
-            edges.append(Edge(start, WORLD_FRAME, None, 1.0))
-            seen.add(start)
-        queue = deque([start])
-        while queue:
-            i = queue.popleft()
-            for k, joint, sign in kept[i]:
-                if k not in seen:
-                    seen.add(k)
-                    edges.append(Edge(k, i, joint, sign))
-                    queue.append(k)
-    return edges, cut
+        if root != WORLD_FRAME:
+            edges.append(Edge(root, WORLD_FRAME, None, 1.0))
+            seen.add(root)
+        for branch in trees.breadth_first(root):
+            seen.add(branch.node)
+            sign = 1.0 if ends(scene, branch.edge)[0] == branch.above else -1.0
+            edges.append(Edge(branch.node, branch.above, branch.edge, sign))
+    return edges, [*constrained, *trees.closing]
 
 
 def constrained_joints(scene: Scene, joints: tuple[Joint, ...], how: str) -> list[Joint]:

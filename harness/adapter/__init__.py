@@ -12,6 +12,7 @@ from harness.adapter.contract import (
     Unavailable,
     Unsupported,
 )
+from harness.adapter.notice import Notice
 
 __all__ = [
     "Adapter",
@@ -19,6 +20,7 @@ __all__ = [
     "Diverged",
     "Emulation",
     "Feature",
+    "Notice",
     "Settings",
     "SettingsError",
     "Simulation",

@@ -1,8 +1,8 @@
 """The one boundary between the harness and an engine.
 
 An adapter file holds one frozen `Adapter` subclass and ends in `ADAPTER = ...`. Its stations, in this order: docstring (engine,
-version tried, sources, section *Deviations*), constants, the `Simulation`, the builder, the `Adapter`, `ADAPTER`. The vendor's
-package is imported inside functions only.
+version tried, sources, section *Deviations*), constants, the `Simulation`, the builder, the `Adapter`, `ADAPTER`. A package has
+the first and the last two in its `__init__` and one station a file. The vendor's package is imported inside functions only.
 
 The contract, proven by `harness.conformance`:
 
@@ -17,13 +17,14 @@ The contract, proven by `harness.conformance`:
 * Tracks: `default` is what a newcomer gets (the vendor's physics defaults left alone: damping, sleeping, clamps, pyramids),
   though frames, units, order, finiteness, shapes, and the scene's own material law are right; `tuned` switches off what
   the scene does not ask for and follows the vendor's recommendation for this kind of scene, with the source cited.
-* Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as 'surplus: ...'.
+* Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as a `Notice` of kind
+  'surplus' with its effect.
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,
-  a scene that calls for it runs without, and `warnings()` says 'missing: continuous_collision ...'.
-* What comes back is checked too: quaternions have norm 1, `resolved` and `warnings()` hold text, Python's own numbers and lists
-  and names of such; contacts, hits, pictures and inertial readings are arrays as `harness.trajectory` says (see
-  `harness.adapter.what_comes_out`). What breaks that is a crash with a reason, and costs its own cell. What `state` leaves out
-  is not finite.
+  a scene that calls for it runs without, and `warnings()` has a `Notice` of kind 'missing' with that effect.
+* What comes back is checked too: quaternions have norm 1, `warnings()` holds texts and notices, `resolved` text, Python's own
+  numbers and lists and names of such; contacts, hits, pictures and inertial readings are arrays as `harness.trajectory` says
+  (see `harness.adapter.what_comes_out`). What breaks that is a crash with a reason, and costs its own cell. What `state` leaves
+  out is not finite.
 * Arrays that are handed in are checked at one door, `harness.adapter.what_goes_in`: `wrench`, `cast`, `caster`, `command` and
   `state` raise `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
@@ -41,6 +42,7 @@ from enum import Flag, auto
 from typing import Any, Literal, Protocol
 
 from harness.adapter.many_worlds import Batch, Turns
+from harness.adapter.notice import Notice
 from harness.intake.mendable import Mendable
 from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -202,8 +204,11 @@ class Simulation(Protocol):
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Apply f_B_W (n, 3) N at the centres of mass and tau_B_W (n, 3) N m in every step from now on. Raises: Unsupported."""
 
-    def warnings(self) -> tuple[str, ...]:
-        """What the engine or the adapter has to say: numerical warnings, and effects that could not be switched off."""
+    def warnings(self) -> tuple[str | Notice, ...]:
+        """What the engine or the adapter has to say: numerical warnings, and effects that could not be switched off.
+
+        A plain text is a note.
+        """
 
     def save(self) -> object:
         """All that decides the future, bit for bit. Raises: Unsupported."""

@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 
 from harness.adapter import Feature
-from harness.scene import Ball, Distance, Effect, Fixed, Joint, Scene
+from harness.adapter.disjoint_sets import DisjointSets
+from harness.scene import WORLD, Ball, Distance, Effect, Fixed, Joint, Scene
 
 __all__ = ["features_of"]
 
@@ -61,19 +62,12 @@ def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
 
 def _loops(scene: Scene, joints: tuple[Joint, ...]) -> bool:
     """Do joints, distances apart, hold a body to another, or to what stands still, in two ways?"""
-    above: dict[str, str] = {}
-
-    def root(name: str) -> str:
-        while (over := above.get(name, name)) != name:
-            above[name] = name = above.get(over, over)  # each walk shortens the next one
-        return name
-
+    sets = DisjointSets[str]()
     still = {body.name for body in scene.bodies if body.motion == "static"}
     for joint in joints:
         if isinstance(joint, Distance):
             continue
-        a, b = (root("" if name in still or name == "world" else name) for name in (joint.parent, joint.child))
-        if a == b:
+        a, b = ("" if name in still or name == WORLD else name for name in (joint.parent, joint.child))
+        if not sets.unite(a, b):
             return True
-        above[b] = a
     return False

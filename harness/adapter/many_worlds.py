@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from harness.adapter.notice import Notice
 from harness.trajectory import State
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Batch(Protocol):
     def state(self, world: int, out: State) -> None:
         """Write the present state of a world into the arrays of `out`."""
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str | Notice, ...]:
         """What the engine or the adapter has to say of any of them."""
 
     def close(self) -> None:
@@ -62,9 +63,9 @@ class Turns:
         """Write the present state of a world."""
         self._simulations[world].state(out)
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str | Notice, ...]:
         """All of them, each once."""
-        return tuple(dict.fromkeys(text for simulation in self._simulations for text in simulation.warnings()))
+        return tuple(dict.fromkeys(said for simulation in self._simulations for said in simulation.warnings()))
 
     def close(self) -> None:
         """Close every world."""
@@ -91,7 +92,7 @@ class WorldOf:
         """Write the present state of this world."""
         self._batch.state(self._world, out)
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str | Notice, ...]:
         """Of the batch."""
         return self._batch.warnings()
 

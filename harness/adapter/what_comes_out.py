@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Diverged, Settings, Simulation
+from harness.adapter import Diverged, Notice, Settings, Simulation
+from harness.adapter.notice import as_notices
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
@@ -93,11 +94,16 @@ class Answering:
         _kind("resolved", found, Settings)
         return found
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Notice, ...]:
         """What there is to say."""
         found = self._simulation.warnings()
         _kind("warnings()", found, tuple)
-        return found
+        for number, said in enumerate(found):
+            if not isinstance(said, str | Notice):
+                raise BrokenContract(
+                    f"warnings()[{number}]: got {said!r:.80} of {type(said).__name__}, expected a text or Notice"
+                )
+        return as_notices(found)
 
     def state(self, out: State) -> None:
         """The present state; what the engine leaves out is not finite. Raises: Diverged."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
+from harness.adapter import Adapter, Feature, Notice, Settings, Simulation, Unsupported
 from harness.conformance.exact import rotation
 from harness.conformance.faults import Repaired, Rewritten, Wrapped, plant
 from harness.scene import (
@@ -359,9 +359,9 @@ class NanWithoutAWord(Wrapped):
 class OddWarnings(Wrapped):
     """Declares a surplus that is no effect."""
 
-    def warnings(self) -> tuple[str, ...]:
-        """One odd warning."""
-        return ("surplus: magnetism",)
+    def warnings(self) -> tuple[Notice, ...]:
+        """One odd notice."""
+        return (Notice("magnetism", "surplus"),)
 
 
 def unrepeatable(adapter: Adapter) -> Adapter:

@@ -1,6 +1,7 @@
 """Checks that an effect which a scene leaves out is not simulated, or is declared as surplus."""
 
-from harness.adapter import Adapter, Feature, Settings
+from harness.adapter import Adapter, Feature, Notice, Settings
+from harness.adapter.notice import as_notices
 from harness.conformance.check import Comparison, ConformanceCheck, Finding, judge, near
 from harness.conformance.contact import SOFT_REBOUND
 from harness.conformance.motion import COARSE, FINE, built, state_of
@@ -11,22 +12,21 @@ from harness.trajectory import State
 __all__ = ["CHECKS"]
 
 
-def _run(adapter: Adapter, scene: Scene, settings: Settings, duration: float) -> tuple[State, tuple[str, ...]]:
+def _run(adapter: Adapter, scene: Scene, settings: Settings, duration: float) -> tuple[State, tuple[Notice, ...]]:
     with built(adapter, scene, settings) as simulation:
         simulation.step(round(duration / settings.dt))
-        return state_of(simulation, scene), simulation.warnings()
+        return state_of(simulation, scene), as_notices(simulation.warnings())
 
 
-def _or_surplus(found: Comparison, effect: Effect, warnings: tuple[str, ...]) -> Finding:
-    """The effect is absent, or a warning 'surplus: ...' names it."""
-    words = {effect.names[0], effect.names[0].replace("_", " ")}
+def _or_surplus(found: Comparison, effect: Effect, notices: tuple[Notice, ...]) -> Finding:
+    """The effect is absent, or a notice names it as surplus."""
     if not found.holds:
-        for warning in warnings:
-            if warning.startswith("surplus") and any(word in warning.lower() for word in words):
-                return Finding("passed", f"declared: {warning}")
+        for notice in notices:
+            if notice.kind == "surplus" and notice.effect is effect:
+                return Finding("passed", f"declared: {notice}")
+        got = list(map(str, notices))
         return Finding(
-            "failed",
-            f"{found.text}; got warnings {list(warnings)}, expected none of the effect or 'surplus: {effect.names[0]}'",
+            "failed", f"{found.text}; got warnings {got}, expected none of the effect or 'surplus: {effect.names[0]}'"
         )
     return judge(found)
 
@@ -99,14 +99,15 @@ def _angular_damping(adapter: Adapter, settings: Settings) -> Finding:
 
 
 def _nothing_is_surplus(adapter: Adapter, settings: Settings) -> Finding:
-    """A scene that asks for gravity alone, of a body with unequal moments at rest: the warnings name what else is computed."""
+    """A scene that asks for gravity alone, of a body with unequal moments at rest: the notices name what else is computed."""
     with built(adapter, Scene(bodies=(free(moments=(0.1, 0.2, 0.25)),)), settings) as simulation:
         simulation.step(5)
-        got = [w for w in simulation.warnings() if w.startswith("surplus")]
-    unknown = [w for w in got if not any(name in w.lower().replace(" ", "_") for name in Effect(~0).names)]
-    if unknown:
-        return Finding("failed", f"surplus effects by unknown names: {unknown}, expected names of effects")
-    return Finding("passed", f"surplus effects declared: {got or 'none'}")
+        got = [notice for notice in as_notices(simulation.warnings()) if notice.kind != "note"]
+    nameless = [str(notice) for notice in got if notice.effect is None or len(notice.effect.names) != 1]
+    if nameless:
+        return Finding("failed", f"notices of surplus or missing effects without the one they are about: {nameless}")
+    surplus = [str(notice) for notice in got if notice.kind == "surplus"]
+    return Finding("passed", f"surplus effects declared: {surplus or 'none'}")
 
 
 _S = Feature.SPHERE
@@ -133,7 +134,7 @@ CHECKS = (
     ),
     ConformanceCheck(
         name="surplus_names_effects",
-        question="Does every 'surplus: ...' warning name an effect by its name?",
+        question="Does every notice of a surplus or missing effect name one effect?",
         run=_nothing_is_surplus,
         excusable=False,
     ),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Settings, Simulation
+from harness.adapter import Adapter, Diverged, Notice, Settings, Simulation
 from harness.scene import Body, Camera, Scene, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
@@ -108,7 +108,7 @@ class Wrapped:
         """As inside."""
         self.inner.wrench(f_B_W, tau_B_W)
 
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str | Notice, ...]:
         """As inside."""
         return self.inner.warnings()
 

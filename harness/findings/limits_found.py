@@ -11,15 +11,13 @@ import pandas as pd
 from harness.case import Axis
 from harness.findings.where import STEP, differing, in_words
 from harness.search.first_break import BROKE, Bracket, Ruler, bracket
+from harness.store.notices import StoredNotice
 from harness.store.store import Store
 from harness.study.stored_study import experiments_of
 from harness.study.study import Experiment, axis_among
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
 
 __all__ = ["Hold", "Search", "amount", "searches"]
-
-NOTICES = ("surplus", "missing")
-"""How a warning begins that is about the effects of a scene (see `harness.adapter`)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +84,7 @@ class Search:
     step_cost: float | None = None
     holds: tuple[Hold, ...] = ()
     own_holds: bool | None = None
-    noticed: tuple[str, ...] = ()
+    noticed: tuple[StoredNotice, ...] = ()
 
     @property
     def setting(self) -> str:
@@ -127,13 +125,15 @@ def searches(store: Store) -> tuple[Search, ...]:
 class _Measured:
     """What the ensembles of a run were found to do, by trial.
 
-    Terms: shares, starts, own: series of HELD, STARTS, OWN_CHECKS. signs: by metric, the share that broke by it.
+    Terms: shares, starts, own: series of HELD, STARTS, OWN_CHECKS. signs: by metric, the share that broke by it. notices: what
+    was said.
     """
 
     shares: "pd.Series[float]"
     starts: "pd.Series[float]"
     own: "pd.Series[float]"
     signs: Mapping[str, Mapping[str, float]]
+    notices: Mapping[str, tuple[StoredNotice, ...]]
 
 
 def _measured(store: Store) -> _Measured:
@@ -141,7 +141,7 @@ def _measured(store: Store) -> _Measured:
     shares, starts, own = (table[table["metric"] == name].set_index("trial")["value"] for name in (HELD, STARTS, OWN_CHECKS))
     broke = table[table["metric"].str.startswith(BROKE_BY)]
     signs = {str(trial): dict(zip(part["metric"], part["value"], strict=True)) for trial, part in broke.groupby("trial")}
-    return _Measured(shares, starts, own, signs)
+    return _Measured(shares, starts, own, signs, store.notices)
 
 
 def _searches(store: Store) -> Iterator[Search]:
@@ -241,7 +241,7 @@ def _search(
         step_cost=holds[-1].cost if holds else None,
         holds=holds,
         own_holds=None if broke is None or broke.trial not in measured.own else bool(measured.own[broke.trial]),
-        noticed=() if broke is None else tuple(text for text in json.loads(broke.warnings) if text.startswith(NOTICES)),
+        noticed=() if broke is None else tuple(notice for notice in measured.notices[broke.trial] if notice.kind != "note"),
     )
 
 

@@ -18,6 +18,7 @@ from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
 from harness.case import Case
 from harness.run.memory_watch import be_killed_first
 from harness.store.journal import StoreError
+from harness.store.notices import StoredNotice
 from harness.store.record import Record, Status
 from harness.study import plugins
 from harness.study.study import Trial
@@ -176,4 +177,4 @@ def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter)
             return replace(record, rough_cost=cost, rough_ratio=ratio)
         except Exception as error:
             said.append(f"{track}: {type(error).__name__}: {error}")
-    return replace(record, warnings=(*record.warnings, f"rough cost: none, beside {'; '.join(said)}"))
+    return replace(record, warnings=(*record.warnings, StoredNotice(f"rough cost: none, beside {'; '.join(said)}")))

@@ -15,6 +15,7 @@ from harness.run.fork_servers import Server, context, start_apart, start_loaded
 from harness.run.interrupt import stop_if_asked
 from harness.run.memory_watch import MemoryWatch, kills_for_memory
 from harness.run.message import BrokenMessage, Inbox, read_record, readable, send
+from harness.store.notices import StoredNotice
 from harness.store.record import Record
 from harness.study import plugins
 from harness.study.study import Trial
@@ -127,7 +128,7 @@ class _Child:
             end = self._end(code)
             if self.said is None or code == 0:
                 return self.said or end
-            return replace(self.said, warnings=(*self.said.warnings, f"rough cost: none: {end.reason}"))
+            return replace(self.said, warnings=(*self.said.warnings, StoredNotice(f"rough cost: none: {end.reason}")))
         finally:
             self.stop()
 

@@ -174,8 +174,9 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     for origin, settings in wanted:
         if _key(settings) not in tried and len(found) < limit:
             tried.append(_key(settings))
-            track = _label(origin, settings, adapter)
-            found.append(origin.probing(case, track=track, settings=settings, round=number))
+            ancestor = origin.base or origin.track
+            track = _label(ancestor, settings, adapter)
+            found.append(origin.probing(case, track=track, base=ancestor, settings=settings, round=number))
     return found
 
 
@@ -201,13 +202,12 @@ def _family(point: Point) -> str:
     return _key(point.trial.settings.with_dt(1.0))
 
 
-def _label(origin: Trial, settings: Settings, adapter: Adapter) -> str:
+def _label(base: str, settings: Settings, adapter: Adapter) -> str:
     """The track that a point descends from, and all knobs that stand elsewhere now."""
-    track = origin.track.split(",")[0]
-    own = adapter.tracks[track]
+    own = adapter.tracks[base]
     changed = [knob for knob in adapter.knobs if position(settings, knob) != position(own, knob)]
     words = (f"{knob.removeprefix('options.')} {position(settings, knob)}" for knob in changed)
-    return ", ".join((track, *words))
+    return ", ".join((base, *words))
 
 
 def _screening(base: Point, knobs: Iterable[str], adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:

@@ -72,8 +72,8 @@ class Written:
         line = len(self.checksums) + 1
         return (f"{self.path}: line {line}, the last, is torn, as a kill leaves it: {self.torn} bytes are dropped",)
 
-    def take(self, kind: Kind, content: Mapping[str, Any]) -> None:
-        """Take in one line. Raises: ValueError, where it cannot follow the others."""
+    def take(self, kind: Kind, content: Mapping[str, Any], schema: int = SCHEMA_VERSION) -> None:
+        """Take in one line of a schema. Raises: ValueError, where it cannot follow the others."""
         if kind == "session":
             self.sessions.append(content)
         elif kind == "withdrawn":
@@ -88,7 +88,7 @@ class Written:
                     raise ValueError(f"brings back trial {trial}, which was not withdrawn")
                 self._put(self.lost[trial])
         elif kind == "accuracy":
-            record = Record.from_plain(content)
+            record = Record.from_plain(content, schema)
             if record.trial in self.records:
                 raise ValueError(f"holds trial {record.trial} a second time")
             self.made_in[record.trial] = len(self.sessions) - 1
@@ -168,7 +168,7 @@ def read_written(path: Path) -> Written:
         try:
             if amiss:
                 raise ValueError(amiss)
-            written.take(entry["kind"], entry["content"])
+            written.take(entry["kind"], entry["content"], entry["schema"])
         except ValueError as error:
             raise StoreError(f"{path}: line {number} {error}; restore the file or start a new folder") from error
         written.checksums.append(checksum.decode())

@@ -8,10 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from harness.store.notices import StoredNotice
+from harness.store.older_schemas import base_of_track, notices_in_sentences
+
 __all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "Timing", "digest"]
 
-SCHEMA_VERSION = 2
-"""Raised when a column changes its meaning; a store with a higher number is refused."""
+SCHEMA_VERSION = 3
+"""Raised when a field changes its meaning; a store with a higher number is refused. Up to 2 warnings were
+sentences, and the base of a track its first word."""
 
 Status = Literal["passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted"]
 
@@ -111,8 +115,10 @@ class Record:
         parameters, settings, resolved: JSON. sim_seconds [s] simulated, steps taken. cpu_per_sim_s [s/s]: median with the 95 %
         bootstrap interval cpu_low..cpu_high, None without a timing run. wall_per_sim_s likewise. realtime_factor:
         simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
-        track: 'default', 'tuned', or the name of a variant of the study.
-        warnings: what the engine said. detail: trace or tail of standard error, for people.
+        track: 'default', 'tuned', the name of a variant of the study, or one of them with what a search turned in it. base: the
+        one that it descends from; no column.
+        warnings: what the engine, its adapter or the harness said; in the table as sentences. detail: trace or tail of
+        standard error, for people.
         rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
         of a sweep, or of an ensemble, which tables of limits show as rough. rough_ratio: the same over that of the engine's
         default track (tuned, where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
@@ -147,7 +153,7 @@ class Record:
     realtime_factor: float | None = None
     unstable_timing: bool | None = None
     trajectory_hash: str | None = None
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[StoredNotice, ...] = ()
     detail: str = ""
     unit: str | None = None
     cpu_per_unit: float | None = None
@@ -168,6 +174,7 @@ class Record:
     answered_on: str = ""
     clocked_on: str = ""
     timing_note: str = ""
+    base: str = ""
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 
@@ -179,15 +186,18 @@ class Record:
     def timed(self, timing: Timing) -> "Record":
         """The same record with the outcome of its timing run."""
         kept = {f.name: getattr(timing, f.name) for f in dataclasses.fields(timing) if f.name not in {"trial", "note"}}
-        notes = (*self.warnings, f"timing: {timing.note}") if timing.note else self.warnings
+        notes = (*self.warnings, StoredNotice(f"timing: {timing.note}")) if timing.note else self.warnings
         return dataclasses.replace(self, warnings=notes, timing_note=timing.note, **kept)
 
     @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
-        """Read back what `plain` wrote."""
+    def from_plain(cls, plain: Mapping[str, Any], schema: int = SCHEMA_VERSION) -> "Record":
+        """Read back what `plain` wrote. Args: schema: of the program that wrote it."""
         known = {f.name for f in dataclasses.fields(cls)}
         fields = {name: value for name, value in plain.items() if name in known}
-        fields["warnings"] = tuple(fields.get("warnings", ()))
+        said = fields.get("warnings", ())
+        fields["warnings"] = tuple(StoredNotice(**each) for each in said) if schema > 2 else notices_in_sentences(said)
+        if schema < 3:
+            fields["base"] = base_of_track(fields["track"])
         fields["measurements"] = tuple(
             Measurement(**{**m, "value": float(m["value"]), "at_most": None if m["at_most"] is None else float(m["at_most"])})
             for m in fields.get("measurements", ())

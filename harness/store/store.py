@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from harness.store import disk
 from harness.store.arrays import read_arrays
 from harness.store.journal import NoRun, StoreError, Written, read_journal, read_written
+from harness.store.notices import StoredNotice
+from harness.store.older_schemas import base_of_track, notices_in_sentences
 from harness.store.record import Measurement, Record, Sample
 from harness.store.seal import Damaged, check_seal, sealed_json
 from harness.store.stored_tables import read_tables
@@ -27,7 +29,7 @@ __all__ = [
 
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 TABLES = ("trials", "measurements", "samples")
-TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"measurements", "samples"})
+TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"base", "measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
 _SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0} | {
@@ -47,6 +49,7 @@ def tables_of(records: Mapping[str, Record]) -> dict[str, pd.DataFrame]:
         records.values(), key=lambda r: (r.study, r.experiment, r.case, -r.dt, r.seed, r.track, r.engine, r.trial)
     ):
         row = {name: getattr(record, name) for name in TRIAL_COLUMNS}
+        row["warnings"] = [str(notice) for notice in record.warnings]
         row |= {name: json.dumps(row[name], sort_keys=True) for name in _JSON_COLUMNS}
         trials.append(row)
         measurements += [{"trial": record.trial, **dataclasses.asdict(m)} for m in record.measurements]
@@ -147,6 +150,27 @@ class Store:
             if name not in trials:
                 trials[name] = value
         return trials
+
+    @cached_property
+    def notices(self) -> Mapping[str, tuple[StoredNotice, ...]]:
+        """What the engine of each trial, its adapter or the harness said, by trial."""
+        if (self.folder / "journal.jsonl").is_file():
+            return {trial: record.warnings for trial, record in self._written.records.items()}
+        table = self.trials
+        return {
+            str(trial): notices_in_sentences(json.loads(said))
+            for trial, said in zip(table["trial"], table["warnings"], strict=True)
+        }
+
+    @cached_property
+    def bases(self) -> Mapping[str, str]:
+        """The track that the settings of each trial descend from, by trial."""
+        if (self.folder / "journal.jsonl").is_file():
+            return {trial: record.base for trial, record in self._written.records.items()}
+        return {
+            str(trial): base_of_track(str(track))
+            for trial, track in zip(self.trials["trial"], self.trials["track"], strict=True)
+        }
 
     @cached_property
     def asked(self) -> pd.DataFrame:

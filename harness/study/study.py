@@ -451,6 +451,7 @@ class Trial:
         what the study names itself. alteration: how its scene departs from the case's. members: starts of the scene, each in a
         random phase, of which it says how many held; 1 for the scene as it is. remedy: what it tries to help with, where the
         trial `remedied` broke. parts: that the time step of the search was taken in, 0 where that is left to its settings.
+        base: the track that turned settings descend from, '' where `track` is it.
         sources: digests of the texts that decide the answer, by what they are; see `harness.study.provenance`.
     """
 
@@ -473,6 +474,7 @@ class Trial:
     remedy: str = ""
     remedied: str = ""
     parts: int = 0
+    base: str = ""
     sources: Mapping[str, str] = field(default_factory=dict)
 
     def scene(self, case: Case) -> Scene:

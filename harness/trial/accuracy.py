@@ -8,14 +8,16 @@ from typing import Any, cast
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Simulation, Unavailable, Unsupported
+from harness.adapter import Adapter, Diverged, Feature, Notice, Settings, SettingsError, Simulation, Unavailable, Unsupported
 from harness.adapter.many_worlds import WorldOf, spread
+from harness.adapter.notice import as_notices
 from harness.adapter.what_comes_out import Answering
 from harness.case import Case, Converged, Rays
 from harness.case.forces import Controlled
 from harness.case.symmetries import Retelling
 from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
+from harness.store.notices import StoredNotice
 from harness.store.record import Measurement, Record, Status
 from harness.store.trajectory_file import save_trajectory
 from harness.study.study import Trial
@@ -38,6 +40,7 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         engine=trial.engine,
         engine_version=trial.engine_version,
         track=trial.track,
+        base=trial.base or trial.track,
         dt=trial.settings.dt,
         settings=trial.settings.plain(),
         seed=trial.seed,
@@ -138,7 +141,7 @@ class Answer:
     actual: Trajectory
     broke: str | None
     resolved: Mapping[str, Any]
-    warnings: tuple[str, ...]
+    warnings: tuple[StoredNotice, ...]
 
     @property
     def steps(self) -> int:
@@ -192,15 +195,23 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
         if case.worlds and broke is None:
             apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
             seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
-        resolved, warnings = simulation.resolved.plain(), simulation.warnings()
+        resolved, warnings = simulation.resolved.plain(), _stored(simulation.warnings())
     finally:
         simulation.close()
     if case.retellings is not None and broke is None and not trial.alteration.every_step:
         for told in case.retellings(**trial.parameters):
             other = replace(told, scene=trial.alteration.of(told.scene))
             streams, remarks = retell(other, adapter, trial.settings, case.duration, case.sample_interval)
-            seen, warnings = seen | streams, (*warnings, *remarks)
+            seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
     return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings)
+
+
+def _stored(warnings: tuple[str | Notice, ...]) -> tuple[StoredNotice, ...]:
+    """What an engine or its adapter said, as records keep it."""
+    return tuple(
+        StoredNotice(notice.text, notice.kind, "" if notice.effect is None else ", ".join(notice.effect.names))
+        for notice in as_notices(warnings)
+    )
 
 
 def _told(trial: Trial, told: Retelling, adapter: Adapter, duration: float, sample_interval: float) -> Answer:
@@ -231,7 +242,7 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
     try:
         truth = truth_of(case, scene, actual.time, trial.parameters, folder, trial.sources)
     except (NotMeasurable, Unsupported) as error:
-        truth, warnings = None, (*warnings, f"no truth: {error}")
+        truth, warnings = None, (*warnings, StoredNotice(f"no truth: {error}"))
     expected = None if truth is None else truth.trajectory
     measurements: tuple[Measurement, ...] = ()
     if broke is None:

@@ -148,7 +148,7 @@ def test_the_engines_own_motors_are_rigid_and_said_to_be_another_law() -> None:
     rigid = with_options(TUNED, drives="motor")
     simulation = ADAPTER.build(scene, rigid)
     try:
-        assert any("deviation: drives" in warning for warning in simulation.warnings())
+        assert any("deviation: drives" in notice.text for notice in simulation.warnings())
     finally:
         simulation.close()
     # Each joint goes to its target, which lies torque/stiffness beyond the pose that the drive's own law would hold.

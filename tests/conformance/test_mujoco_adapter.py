@@ -8,7 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from adapters.mujoco import ADAPTER, MujocoSimulation, _law, _Options
+from adapters.mujoco import ADAPTER
+from adapters.mujoco.options import Options
+from adapters.mujoco.simulation import MujocoSimulation
+from adapters.mujoco.surfaces import contact_law
 from harness.adapter import Diverged, Settings, SettingsError, Unsupported
 from harness.scene import (
     WORLD,
@@ -459,7 +462,7 @@ REBOUNDING = Effect.CONTACT | Effect.FRICTION | Effect.RESTITUTION
 
 def _bent(slip: float, mu: float, restitution: float, friction_constant: float) -> float:
     """The mean rebound over e, less 1, of a ball at 1 m/s and a slip [m/s], in MuJoCo's own words throughout."""
-    mj, law = pytest.importorskip("mujoco"), _law(_surface(mu, restitution), REBOUNDING, _Options(), 1e-3, "euler")
+    mj, law = pytest.importorskip("mujoco"), contact_law(_surface(mu, restitution), REBOUNDING, Options(), 1e-3, "euler")
     left = []
     for phase in PHASES:
         spec = mj.MjSpec()
@@ -651,9 +654,9 @@ def test_only_the_effects_called_for_are_on_and_the_rest_is_named() -> None:
     off = _build(replace(scene, narrow=Effect.CONTACT | Effect.FRICTION | Effect.GRAVITY))
     assert {"contact", "gravity", "autoreset"} <= set(off.resolved.options["disabled"])
     assert len(off.contacts()) == 0
-    assert any("surplus: gyroscopic" in text for text in off.warnings())
+    assert Effect.GYROSCOPIC in {notice.effect for notice in off.warnings() if notice.kind == "surplus"}
     plain = _build(replace(scene, widen=Effect.CONTINUOUS_COLLISION))
-    assert any(text.startswith("missing: continuous_collision") for text in plain.warnings())
+    assert Effect.CONTINUOUS_COLLISION in {notice.effect for notice in plain.warnings() if notice.kind == "missing"}
     fast = _build(replace(scene, widen=Effect.CONTINUOUS_COLLISION), TUNED)
     assert fast.resolved.options["enabled"] == ["speculative"]
     slippery = replace(scene, narrow=Effect.FRICTION, bodies=(scene.bodies[0], replace(box, v_WB=(1.0, 0.0, 0.0))))

@@ -385,9 +385,9 @@ def test_the_adapter_names_the_largest_residual_in_warnings_and_resolved() -> No
     simulation = ADAPTER.build(_scene(static_friction=0.5, kinetic_friction=0.5), Settings(dt=DT, solver="exact"))
     assert simulation.warnings() == ()
     simulation.step(12)
-    (said,) = simulation.warnings()
-    assert said.startswith("exact: relative residual at most ")
-    assert said.endswith(" over 12 solves")
+    (notice,) = simulation.warnings()
+    assert notice.text.startswith("exact: relative residual at most ")
+    assert notice.text.endswith(" over 12 solves")
     assert simulation.resolved.solver == "exact"
     assert 0 <= simulation.resolved.options["residual"] <= EXACT
 

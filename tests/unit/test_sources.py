@@ -87,7 +87,7 @@ def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
     [
         ("cases/impact_bounce.py", "case"),
         ("harness/metrics/restitution.py", "case"),
-        ("adapters/mujoco.py", "adapter"),
+        ("adapters/mujoco/flags.py", "adapter"),
         ("harness/trial/simulate.py", "harness"),
     ],
 )

@@ -161,7 +161,7 @@ def _of_side(
     declared, insists = set(told["effects"]), told.get("insists", {})
     scale = scale_in(store, runs)
     doubt = "" if scale is None else f"{engine}: {scale.doubt}"
-    said = [str(text) for text in json.loads(plain.warnings)]
+    notices = [notice for notice in store.notices[plain.trial] if notice.effect]
 
     def row(effect: str, run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = "") -> Verdict:
         return Verdict(
@@ -187,8 +187,9 @@ def _of_side(
     if plain.status not in ("passed", "failed"):
         yield row(AS_IT_IS, plain, None, plain.status, None, plain.reason)
         return
-    surplus = {one: text for text in said if text.startswith("surplus") for one in _named(text)}
-    missing = {one: text for text in said if text.startswith("missing") for one in _named(text)}
+    surplus, missing = (
+        {notice.effect: str(notice) for notice in notices if notice.kind == kind} for kind in ("surplus", "missing")
+    )
     for name, run in runs.items():
         departed = departure(run)
         effects = departed.single.names
@@ -224,14 +225,6 @@ def _of_side(
     for effect, text in surplus.items():
         if effect not in declared:
             yield row(effect, plain, None, "cannot be switched off", None, text)
-
-
-def _named(text: str) -> list[str]:
-    """The effects that a notice of an adapter names."""
-    from harness.scene import Effect
-
-    words = text.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
-    return [name for name in Effect(~0).names if name in words]
 
 
 def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:

@@ -1,0 +1,216 @@
+"""MuJoCo through its own Python package: generalised coordinates, soft convex contacts, one native call for many steps.
+
+Tried with mujoco 4.0.0. Bodies hang in a forest of native joints, so that those have no gap; joints that close a loop become
+equality constraints, distances become tendons. Each body's own frame M stands at the centre of mass along the principal axes.
+
+Sources (MuJoCo documentation, by chapter): "Computation": numerical integration, constraint model, contact; "Modeling": solver
+parameters, contact parameters, preventing slip; "Simulation": state and control, diagnostics; change log of 4.0.0 and 4.0.1.
+
+Deviations:
+
+* Contacts, limits and loop joints are soft: a body at rest sinks by micrometres, one that lands sinks by about speed times time
+  constant, and a loop has a gap. A contact under friction creeps.
+* There is no coefficient of restitution. For e > 0 the contact becomes a spring and damper whose damping ratio is solved
+  for, on the discrete recursion that the engine steps, so that the mean rebound over all phases of the step is e; single
+  rebounds scatter by the phase (about .02 at e = .5) and the body sinks in by about 3 v dt. An e > 0 below the least rebound of
+  that family (about .03) is `Unsupported`; e = 0 keeps the usual contact, which is critically damped and cannot pull, so that
+  a body that nothing presses down leaves with up to e^-2 = .135 of its speed. The law is exact for one point between a free
+  body and a fixed one, and approximate where several contacts share a body. The discrete integrator damps every rebound:
+  `Unsupported`.
+* Friction with restitution needs the elliptic cone, whatever the track: a pyramid mixes the rebound into the friction. On
+  the cone a slip still bends the rebound, while friction stays mu times the normal force. Measured with mu .1 to 1 at 1e-3: a
+  slip up to the speed of approach by 5 %, up to three times that by -20..+13 % at e >= .5 and up to +43 % at e = .3; at ten
+  times it by -25..+70 % and up to +154 %, at thirty times up to +137 % and +261 %. Neither impratio nor the slip correction
+  changes that; a slower friction does (`friction_steps`), but stops less of the slip: as it is, a grip leaves up to e^-2 =
+  .135 of it. A longer impact does too (`rebound_steps`): askew at e = .6 and mu = .3, 1/240 s, the worst of seven balls errs by
+  .104 of the speed of approach with ten steps of either, by .084 with 40 and 60; heights of bounces err least with ten.
+* Springs and drives in a scene where bodies can touch, and elsewhere those that swing by more than 1.5 rad a step, are stepped
+  by the discrete integrator on tuned: it rests where the implicit one jitters, stands where that one blows up, and damps. An
+  arm of 3, 2 and 1 kg on drives of 200 N m/rad and 2 N m s/rad, touching nothing, errs by .016 rad after .25 s at 1/240, by
+  Euler .010, implicitfast .005.
+* Sliding, torsional and rolling friction share one cone, so that each takes from the others; a coefficient below 1e-5 counts as
+  1e-5 where another one is above zero.
+* Friction is soft. With its time constant tc (on tuned the contact's, 20 ms at most), what slips by less than mu g tc/2 under
+  its own weight is rubbed by a damper, 2 m v/tc; what slips faster by mu N, where N exceeds the weight by m (2 v/tc - mu g)
+  mu/(1 + mu^2), so that it lifts. Neither impratio, the slip correction nor the tolerance changes that. `friction_steps` of
+  2/mu rubs in full from a slip of g dt on, but lifts more (a cube at 3 m/s hops 19 to 37 mm for 1.4 to 2.4), and where balls
+  slip it errs up to four times as much. So tuned lacks .01 to .2 of the weight of cubes at worst at 1/480 s and below, and up
+  to 1.1 where balls roll against friction or on a turntable.
+* The gyroscopic term is part of the bias force and cannot be switched off.
+* Convex hulls and meshes are stored in single precision. A mesh collides as its hull: `Unsupported` in contact if concave.
+* A kinematic body has an armature 1e12 times the mass of the scene: forces move it by that share. A joint between two bodies
+  that are fixed to each other anyway lets them not collide.
+* Damping of a body inside a joint tree is `Unsupported` unless its motion is that of one coordinate of its own.
+* A revolute joint that closes a loop is held at two points of its axis, which is one constraint more than it needs.
+* Images are rasterised: round shapes are polyhedra, depth is a single-precision buffer, colours have 8 bits, nothing casts
+  a shadow, and what a surface mirrors or lets through is taken to be the sky.
+* `contacts` are those that the last step was made with, at its start; under RK4 those of its last stage.
+
+No knobs, though documented, tried over pendulums, loops, stops, impacts, friction, stacks and tunnelling at half the step of
+each case: ls_tolerance, ccd_iterations, ccd_tolerance, multiccd, island and warmstart change no answer by more than rounding;
+fewer ls_iterations lose a turntable; nativeccd off lets pass what must not; eulerdamp off errs by a third more; diagexact errs
+four times as much under a mass ratio and opens a loop; refsafe off means nothing but below two steps, or one with the discrete
+integrator. noslip_tolerance ends what noslip_iterations end too. The override (o_solref, o_solimp) says again what each contact
+is told; margin and gap move the surface; the width of solimp means nothing at constant impedance; sleep, wind and fluids no
+scene asks for; `speculative` follows the scene.
+"""
+
+from dataclasses import dataclass
+
+from adapters.mujoco.build import build
+from adapters.mujoco.options import INTEGRATORS, SOLVERS
+from adapters.mujoco.simulation import MujocoSimulation
+from adapters.mujoco.softness import VENDOR_TIME_CONSTANT
+from adapters.mujoco.vendor import mujoco_module
+from harness.adapter import Adapter, Emulation, Feature, Settings
+from harness.scene import Effect, Scene
+
+__all__ = ["ADAPTER"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MujocoAdapter(Adapter):
+    """MuJoCo."""
+
+    def version(self) -> str:
+        """The installed version. Raises: Unavailable."""
+        return str(mujoco_module().__version__)
+
+    def build(self, scene: Scene, settings: Settings) -> MujocoSimulation:
+        """Exactly this scene. Raises: Unsupported, Unavailable, SettingsError."""
+        return build(mujoco_module(), scene, settings)
+
+
+ADAPTER = MujocoAdapter(
+    name="mujoco",
+    title="MuJoCo",
+    distribution="mujoco",
+    features=~(Feature.STATIC_FRICTION | Feature.RAY_TRACING),
+    tracks={
+        "default": Settings(
+            source="MuJoCo's own defaults: Euler, Newton, 100 iterations, tolerance 1e-8, pyramidal cone, impratio 1"
+        ),
+        "tuned": Settings(
+            tolerance=1e-10,
+            options={
+                "by_scene": True,
+                "cone": "elliptic",
+                "impratio": 10.0,
+                "contact_steps": 20.0,
+                "contact_damping_ratio": 1.2,
+                "contact_impedance": 0.999,
+                "limit_steps": 2.0,
+                "limit_damping_ratio": 1.7,
+                "limit_impedance": 0.999,
+                "slowest": VENDOR_TIME_CONSTANT,
+                "loop_steps": 2.0,
+                "loop_impedance": 0.999,
+            },
+            source=(
+                "MuJoCo documentation: 'Modeling', preventing slip (elliptic cone, impratio above 1) and solver parameters "
+                "(time constant at least twice the time step; measured here: below 20 steps contacts lift what slides, below "
+                "damping ratio 1.2 they rebound; a stop, along which nothing slides, is held at two steps, and of ratio 1.7 "
+                "returns a rod by .008 rad where one of 1 does by .05; the emulated rebound lasts ten steps: with them bounces "
+                "err least in height over the ladder); 'Computation', numerical integration (RK4 for smooth scenes whose "
+                "springs and dampers it resolves, implicit for stiffer dampers, discrete for stiffer springs; measured here: "
+                "in contact the implicit one jitters where Euler rests); change log of 4.0.1 (sparse factor of 4.0.0: dense "
+                "Jacobian)"
+            ),
+        ),
+    },
+    knobs={
+        "integrator": INTEGRATORS,
+        "substeps": (1, 2, 4, 8),
+        "solver": SOLVERS,
+        "iterations": (5, 20, 100),
+        "tolerance": (1e-6, 1e-8, 1e-10, 1e-12),
+        "options.cone": ("pyramidal", "elliptic"),
+        "options.impratio": (1.0, 10.0, 100.0),
+        "options.noslip_iterations": (0, 5, 20),
+        # A search turns a knob to its next value first. Where steps are long, tuned's `slowest` decides what 20 steps and more
+        # are: four of them are the first that tell, and so is a shorter `slowest`.
+        "options.contact_steps": (40.0, 20.0, 4.0, 2.0, 0.5),
+        "options.contact_damping_ratio": (1.0, 1.2, 2.0),
+        "options.contact_impedance": (0.95, 0.999, 0.9999),
+        "options.friction_steps": (2.0, 5.0, 10.0, 20.0, 40.0),
+        "options.rebound_steps": (5, 10, 20, 40, 80),
+        "options.limit_steps": (2.0, 5.0, 20.0),
+        "options.limit_damping_ratio": (1.0, 1.7, 3.0),
+        "options.loop_steps": (2.0, 5.0, 20.0),
+        "options.loop_impedance": (0.95, 0.999, 0.9999),
+        "options.slowest": (0.1, VENDOR_TIME_CONSTANT, 0.005, 0.001),
+        "options.jacobian": ("auto", "dense", "sparse"),
+    },
+    acts_on={
+        **dict.fromkeys(("solver", "iterations", "tolerance", "options.jacobian"), Effect.CONTACT | Effect.JOINTS),
+        **dict.fromkeys(("options.cone", "options.contact_steps", "options.contact_damping_ratio"), Effect.CONTACT),
+        "options.contact_impedance": Effect.CONTACT,
+        **dict.fromkeys(("options.impratio", "options.friction_steps"), Effect.FRICTION),
+        "options.noslip_iterations": Effect.FRICTION | Effect.JOINTS,
+        "options.rebound_steps": Effect.RESTITUTION,
+        **dict.fromkeys(("options.limit_steps", "options.limit_damping_ratio"), Effect.JOINTS),
+        **dict.fromkeys(("options.loop_steps", "options.loop_impedance"), Effect.JOINTS),
+    },
+    known_failures={
+        "default/continuous_collision_stops_a_fast_ball": "the vendor leaves speculative contacts off",
+        "default/friction_is_isotropic": "the vendor's default cone is a pyramid: friction towards its edges is up to 41 % off",
+        "default/rolling_friction_brakes": "the vendor's default cone is a pyramid: it weakens rolling friction by 15 %",
+        "default/distance_joint_keeps_its_length": (
+            "the vendor's default time constant of constraints is .02 s: a rod that is let fall gives way by .7 %"
+        ),
+    },
+    trade_offs={
+        "friction_backspin/ladder": (
+            "a ball that slides hops on a soft contact, and where it lands is chance: at six steps .94 to 2.1 times the "
+            "error of the default, between .16 and 1.9 m/s; a damping ratio of 1 only moves the scatter"
+        ),
+        "friction_painleve/ladder": (
+            "contacts of 20 steps are stiffer than the vendor's below 1e-3 s, and lift what slides: at 1/7680 s .0070 "
+            "against .0007; 40 steps bring .0006, but lose what stands and what must not pass: at 1/1920 s a pyramid "
+            "drifts .029 mm for .007, and a thin mesh lets 9 % through for none"
+        ),
+        "joint_long_run/ladder": (
+            "RK4 loses a share of z^5/144 of an amplitude a radian, z being the phase of a step; Euler is symplectic: at "
+            "1/20 s 9.5e-6 against 1.5e-7, the bound being 3.8e-4; from 1/90 s down RK4 errs less"
+        ),
+        "orbit_kepler/ladder": (
+            "told its force once a step, RK4 drifts, kicks and drifts, and is of second order as the default: within an "
+            "eighth of it but at 1/60 s, where the textbook's drift, kick and drift itself measures the same 20.8 rad as "
+            "it passes the middle of its path 98 times in 100 turns; the angle at the end errs by 4.14 rad, by 4.23 on "
+            "default"
+        ),
+        "stack_pile/ladder": (
+            "where a pile comes to rest in steps of 1/60 s is chance: .0131 against .0071, and .0062 to .0107 under five "
+            "other settings of cone, impratio, damping ratio and impedance; from 1/480 s down tuned errs less"
+        ),
+    },
+    loads=("mujoco",),
+    orders={"euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1, "rk4": 4},
+    emulated=(
+        Emulation(
+            feature=Feature.RESTITUTION,
+            how="MuJoCo has no coefficient of restitution; the contact is given a stiffness and a damping whose mean rebound "
+            "is e, and friction beside it a time constant of its own",
+        ),
+        Emulation(
+            feature=Feature.KINEMATIC,
+            how="MuJoCo has no body of prescribed velocity; it is a free one with an armature of 1e12 times the scene's mass",
+        ),
+        Emulation(
+            feature=Feature.CLOSED_LOOP,
+            how="MuJoCo closes loops by points and welds; a revolute joint is two points of its axis, each held together",
+            where="where a revolute joint closes the loop",
+        ),
+    ),
+    deviations=(
+        "contacts, limits and loop joints are soft: they sink, creep and gap",
+        "MuJoCo has no restitution: the adapter emulates it by a spring and damper, calibrated to the mean rebound; single "
+        "rebounds scatter with the phase of the step",
+        "a slip bends a rebound: by up to 20 % up to three times the speed of approach (43 % at e = .3), by more where faster",
+        "without restitution a contact is critically damped and cannot pull: it gives back up to .135 of the speed of impact",
+        "sliding, torsional and rolling friction share one cone",
+        "friction is soft: a damper to slips below half of mu g times its time constant; faster ones press bodies apart",
+        "the gyroscopic term cannot be switched off",
+        "meshes and hulls are held in single precision, and a mesh collides as its hull",
+    ),
+)

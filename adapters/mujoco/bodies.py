@@ -1,0 +1,68 @@
+"""Bodies in their trees, each with its native joint."""
+
+from typing import Any
+
+import numpy as np
+
+from adapters.mujoco.draft import Draft
+from adapters.mujoco.limits import bounds_of
+from adapters.mujoco.plan import Plan
+from adapters.mujoco.softness import stop
+from adapters.mujoco.trees import Link
+from harness.adapter.rotations import conjugate
+from harness.scene import Ball, Distance, Fixed, Joint, Revolute, multiply
+
+__all__ = ["add_body"]
+
+KINEMATIC_ARMATURE = 1e12
+"""Inertia of a kinematic body over that of all movable ones: a force then changes its velocity by rounding."""
+
+
+def add_body(plan: Plan, draft: Draft, link: Link) -> None:
+    """One body with its native joint, its frame M against that of the body above."""
+    body, k = plan.scene.bodies[link.body], link.body
+    p_PM, q_PM = plan.p[k], plan.q_WM[k]
+    above = draft.spec.worldbody
+    if link.above >= 0:
+        R_WP, q_WP = plan.R_WM[link.above], plan.q_WM[link.above]
+        above = draft.bodies[link.above]
+        p_PM = R_WP.T @ (p_PM - plan.p[link.above])
+        q_PM = np.array(multiply(conjugate(tuple(q_WP)), tuple(q_PM)))
+    node = above.add_body(name=f"b{k}", pos=p_PM, quat=q_PM)
+    node.explicitinertial, node.mass, node.inertia = True, body.mass, plan.moments[k]
+    # Left open, the inertial frame is not M: 4.0.0 takes the body's place in its parent for it.
+    node.ipos, node.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+    draft.bodies[k] = node
+    if plan.prescribed(body):
+        movable = sum(b.mass for b in plan.scene.bodies if b.movable) or 1.0
+        reach = max([1.0, *(float(np.linalg.norm(p - plan.p[k])) for p in plan.p)])
+        node.inertia, node.mass, node.gravcomp = [1.0, 1.0, 1.0], 1.0, 1.0
+        node.add_joint(
+            name=f"f{k}", type=draft.mj.mjtJoint.mjJNT_FREE, armature=KINEMATIC_ARMATURE * max(1.0, movable) * reach**2
+        )
+    elif body.movable and link.joint is None:
+        node.add_freejoint(name=f"f{k}")
+    elif link.joint is not None:
+        _add_joint(plan, draft, node, link, link.joint)
+
+
+def _add_joint(plan: Plan, draft: Draft, node: Any, link: Link, joint: Joint) -> None:
+    """The native joint by which a body hangs below another, with its limits and its spring; a fixed one is none."""
+    kinds, k = draft.mj.mjtJoint, link.body
+    if isinstance(joint, Fixed):
+        return
+    assert not isinstance(joint, Distance)
+    anchor = plan.R_WM[k].T @ (np.array(joint.anchor_W) - plan.p[k])
+    if isinstance(joint, Ball):
+        node.add_joint(name=f"f{k}", type=kinds.mjJNT_BALL, pos=anchor)
+        return
+    kind = kinds.mjJNT_HINGE if isinstance(joint, Revolute) else kinds.mjJNT_SLIDE
+    axis = plan.R_WM[k].T @ np.array(joint.axis_W) * (-1.0 if link.turned else 1.0)
+    made = node.add_joint(name=f"f{k}", type=kind, pos=anchor, axis=axis, ref=joint.position)
+    bounds = bounds_of(joint)
+    if bounds is not None:
+        made.limited, made.range = draft.mj.mjtLimited.mjLIMITED_TRUE, bounds
+        stop(made, plan.options, plan.h)
+    if joint.spring is not None:
+        made.stiffness, made.damping = [joint.spring.stiffness, 0, 0], [joint.spring.damping, 0, 0]
+        made.springref = joint.spring.rest

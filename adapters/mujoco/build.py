@@ -1,0 +1,102 @@
+"""A scene becomes a model of MuJoCo: everything in its order."""
+
+from typing import Any
+
+import numpy as np
+
+from adapters.mujoco.bodies import add_body
+from adapters.mujoco.closures import close_loop, keep_distance
+from adapters.mujoco.collisions import add_shapes
+from adapters.mujoco.draft import Draft
+from adapters.mujoco.drives import add_drives
+from adapters.mujoco.flags import set_options
+from adapters.mujoco.inertial import add_inertial
+from adapters.mujoco.plan import Plan
+from adapters.mujoco.resolved import resolved_settings
+from adapters.mujoco.settle import FAULTY_SPARSE, settle
+from adapters.mujoco.simulation import MujocoSimulation
+from adapters.mujoco.start import check_start, start
+from adapters.mujoco.surfaces import Law, contact_laws
+from adapters.mujoco.vendor import flag
+from adapters.mujoco.world import Indices, World
+from harness.adapter import Notice, Settings, Unsupported
+from harness.scene import Distance, Effect, Fixed, Scene
+
+__all__ = ["build"]
+
+
+def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
+    """Exactly this scene, compiled, in its initial state. Raises: Unsupported, SettingsError."""
+    plan = Plan.of(scene, settings)
+    draft = Draft(mj, mj.MjSpec())
+    set_options(plan, draft)
+    laws = _laws(plan, draft)
+    for link in plan.links:
+        add_body(plan, draft, link)
+    add_shapes(plan, draft, laws)
+    for joint in plan.loops:
+        close_loop(plan, draft, joint)
+    for joint in plan.joints:
+        if isinstance(joint, Distance):
+            keep_distance(plan, draft, joint)
+    if Effect.DRIVES in plan.effects:
+        add_drives(plan, draft)
+    if Effect.SENSING in plan.effects:
+        add_inertial(plan, draft)
+    try:
+        model = draft.spec.compile()
+    except (ValueError, RuntimeError, mj.FatalError) as error:
+        raise Unsupported("scene", f"MuJoCo's compiler refuses it: {str(error).strip()}") from error
+    tolerance_scale = settle(plan, draft, model)
+    resolved = resolved_settings(plan, draft, model, tolerance_scale)
+    world = World(mj, model, mj.MjData(model), scene, _indices(plan, draft, model))
+    simulation = MujocoSimulation(world, resolved, _notices(plan, mj, model))
+    start(plan, draft, world)
+    check_start(plan, world, simulation)
+    return simulation
+
+
+def _laws(plan: Plan, draft: Draft) -> dict[frozenset[str], Law]:
+    """The law of each pair of materials; friction with restitution takes the elliptic cone. Raises: Unsupported."""
+    laws = contact_laws(plan.scene, plan.effects, plan.options, plan.h, plan.settings.integrator)
+    draft.rebounds = any(law.solref[0] < 0 for law in laws.values())
+    if any(law.solref_friction is not None for law in laws.values()):
+        if plan.options.cone == "pyramidal":
+            raise Unsupported("friction with restitution on a pyramidal cone", "MuJoCo's pyramid mixes the two directions")
+        draft.spec.option.cone = flag(draft.mj, "mjtCone", "mjCONE_ELLIPTIC")
+    return laws
+
+
+def _indices(plan: Plan, draft: Draft, model: Any) -> Indices:
+    """Where the scene's bodies, drives and sensors stand in a compiled model."""
+    body = np.array([model.body(f"b{k}").id for k in range(len(plan.scene.bodies))], dtype=np.int64)
+    scene_body = np.full(model.nbody, -1, dtype=np.int64)
+    scene_body[body] = np.arange(len(body))
+    q_BM = np.array(plan.q_BM)
+    turned = bool((q_BM != (1.0, 0.0, 0.0, 0.0)).any())
+    return Indices(
+        body=body,
+        scene_body=scene_body,
+        q_MB=q_BM * (1.0, -1.0, -1.0, -1.0) if turned else None,
+        single=all(link.above < 0 and (link.joint is None or isinstance(link.joint, Fixed)) for link in plan.links),
+        drives=dict(draft.drives),
+        inertial={
+            name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0]))
+            for name in draft.inertial
+        },
+    )
+
+
+def _notices(plan: Plan, mj: Any, model: Any) -> tuple[Notice, ...]:
+    """Effects that could not be left out or in, and the faults of this version that the model may meet."""
+    notices = []
+    if Effect.GYROSCOPIC not in plan.effects and any(body.movable for body in plan.scene.bodies):
+        notices.append(Notice("gyroscopic terms are part of the bias force", "surplus", Effect.GYROSCOPIC))
+    if plan.passable:
+        text = "continuous_collision: speculative contacts are off unless asked for"
+        notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
+    sparse = flag(mj, "mjtJacobian", "mjJAC_DENSE") != model.opt.jacobian and model.nv >= 60
+    if sparse and mj.__version__ == FAULTY_SPARSE and plan.settings.solver in (None, "newton"):
+        text = "mujoco 4.0.0: the sparse factor of the Newton solver is wrong for some models, by its makers' account"
+        notices.append(Notice(text))
+    return tuple(notices)

@@ -1,0 +1,24 @@
+"""A model of MuJoCo as far as it is written, before it is compiled."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+__all__ = ["Draft"]
+
+
+@dataclass(slots=True)
+class Draft:
+    """An `MjSpec` with what the functions of the builder have put into it; each adds its own.
+
+    Terms:
+        bodies: MuJoCo's body of each body, by its place in the scene. meshes: how many there are. drives: actuator by joint.
+        inertial: the sensors with MuJoCo's accelerometer and gyroscope, by name. rebounds: has some pair restitution?
+    """
+
+    mj: Any
+    spec: Any
+    bodies: dict[int, Any] = field(default_factory=dict)
+    meshes: int = 0
+    drives: dict[str, int] = field(default_factory=dict)
+    inertial: list[str] = field(default_factory=list)
+    rebounds: bool = False

@@ -1,0 +1,83 @@
+"""What a scene means to MuJoCo, worked out before anything of it is made."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from adapters.mujoco.frames import principal
+from adapters.mujoco.options import Options, checked
+from adapters.mujoco.trees import Link, forest
+from harness.adapter import Settings
+from harness.adapter.rotations import matrix
+from harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply
+from harness.trajectory import Floats
+
+__all__ = ["Plan"]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A scene, its settings and what follows from both.
+
+    Terms:
+        effects: the scene's, worked out once. h [s]: the sub-step that is taken. joints: none where the scene does not call for
+        them. links: the bodies in their trees, from the roots down; loops: the joints that close loops. index: of each body its
+        place in the scene. Of each body, in the order of the scene: moments [kg m2] about its principal axes, q_BM, q_WM and
+        R_WM of its principal frame M, p [m], its centre of mass in W.
+    """
+
+    scene: Scene
+    settings: Settings
+    options: Options
+    effects: Effect
+    h: float
+    joints: Sequence[Joint]
+    links: Sequence[Link]
+    loops: Sequence[Joint]
+    index: Mapping[str, int]
+    moments: Sequence[Vector3]
+    q_BM: Sequence[Quaternion]
+    q_WM: Sequence[Floats]
+    R_WM: Sequence[Floats]
+    p: Sequence[Floats]
+
+    @classmethod
+    def of(cls, scene: Scene, settings: Settings) -> "Plan":
+        """The plan of a scene under some settings. Raises: SettingsError."""
+        options, effects = checked(settings), scene.effects
+        joints = scene.joints if Effect.JOINTS in effects else ()
+        links, loops = forest(scene, joints)
+        moments, q_BM = zip(*(principal(body) for body in scene.bodies), strict=True)
+        q_WM = [np.array(multiply(body.q_WB, q)) for body, q in zip(scene.bodies, q_BM, strict=True)]
+        return cls(
+            scene=scene,
+            settings=settings,
+            options=options,
+            effects=effects,
+            h=settings.dt / (settings.substeps or 1),
+            joints=joints,
+            links=links,
+            loops=loops,
+            index={body.name: k for k, body in enumerate(scene.bodies)},
+            moments=moments,
+            q_BM=q_BM,
+            q_WM=q_WM,
+            R_WM=[matrix(q) for q in q_WM],
+            p=[np.array(body.p_WB) for body in scene.bodies],
+        )
+
+    @property
+    def speculative(self) -> bool:
+        """Are contacts made for the way of the whole step before bodies touch? Unless set, where the scene calls for it."""
+        asked = self.options.speculative
+        return self.options.by_scene and Effect.CONTINUOUS_COLLISION in self.effects if asked is None else asked
+
+    @property
+    def passable(self) -> bool:
+        """Does the scene call for continuous collision, and goes without?"""
+        return Effect.CONTINUOUS_COLLISION in self.effects and not self.speculative
+
+    def prescribed(self, body: Body) -> bool:
+        """Is it a kinematic body that moves?"""
+        return body.motion == "kinematic" and (any(body.v_WB) or any(body.w_WB))

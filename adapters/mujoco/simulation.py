@@ -1,0 +1,152 @@
+"""A model of MuJoCo as it runs: stepping, state, contacts, and what acts on it from outside."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from adapters.mujoco.frames import cross
+from adapters.mujoco.images import Renderer
+from adapters.mujoco.inertial import Inertial
+from adapters.mujoco.rays import cast, caster
+from adapters.mujoco.vendor import FATAL, OPEN, flag
+from adapters.mujoco.world import World
+from harness.adapter import Diverged, Notice, Settings
+from harness.adapter.rotations import products
+from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
+from harness.scene import Camera
+from harness.trajectory import Contacts, Floats, Hits, Image, State
+
+__all__ = ["MujocoSimulation"]
+
+COUNTED = ("INERTIA", "CONTACTFULL", "CNSTRFULL", "BADQPOS", "BADQVEL", "BADQACC", "BADCTRL")
+"""The vendor's warnings in the order of their counters (mjtWarning)."""
+
+
+class MujocoSimulation:
+    """One scene in one `MjData`."""
+
+    def __init__(self, world: World, resolved: Settings, notices: tuple[Notice, ...]) -> None:
+        self._world, self._resolved, self._notices = world, resolved, notices
+        self._mj, self._m, self._d, self._indices = world.mj, world.model, world.state, world.indices
+        self._substeps = resolved.substeps or 1
+        self._advance = world.mj.mj_step
+        self._numbers = self._d.warning.number
+        self._clean = self._numbers.tobytes()
+        self._movable = np.array([k for k, b in enumerate(world.scene.bodies) if b.movable], dtype=np.int64)
+        self._root = self._m.body_rootid[self._indices.body]
+        self._renderer, self._inertial = Renderer(world), Inertial(world)
+
+    @property
+    def resolved(self) -> Settings:
+        """The settings read back from the compiled model."""
+        return self._resolved
+
+    @property
+    def force_lead(self) -> float:
+        """RK4 moves exactly under a force that it holds; the others go x + v dt + (k + 1)/(2 k) f dt^2 in k sub-steps."""
+        if self._m.opt.integrator == flag(self._mj, "mjtIntegrator", "mjINT_RK4"):
+            return 0.5
+        return (self._substeps - 1) / (2 * self._substeps)
+
+    def step(self, count: int = 1) -> None:
+        """Advance by count * dt in one native call. Raises: Diverged."""
+        self._advance(self._m, self._d, count * self._substeps)
+        # One comparison of bytes is all that a step pays for being watched.
+        if self._numbers.tobytes() != self._clean:
+            self._examine()
+
+    def _examine(self) -> None:
+        """Has a counter risen that says that the state is lost? Raises: Diverged."""
+        if self._numbers[FATAL].any():
+            raise Diverged(f"NaN, Inf or a value above {OPEN:g} ({'; '.join(self._counted())}) by time {self._d.time:.9g} s")
+        self._clean = self._numbers.tobytes()
+
+    def _counted(self) -> list[str]:
+        """The vendor's warnings, with how often each was given."""
+        return [f"{name} x{number}" for name, number in zip(COUNTED, self._numbers, strict=True) if number]
+
+    def state(self, out: State) -> None:
+        """Write p_WB, q_WB, v_WB and w_WB."""
+        check_state(len(self._indices.body), out)
+        self._world.renew_poses()
+        d, body = self._d, self._indices.body
+        out.p_WB[:] = d.xpos[body]
+        q_WM, q_MB = d.xquat[body], self._indices.q_MB
+        out.q_WB[:] = q_WM if q_MB is None else products(q_WM, q_MB)
+        motion = d.cvel[body]
+        out.w_WB[:] = motion[:, :3]
+        out.v_WB[:] = motion[:, 3:]
+        if not self._indices.single:
+            # cvel belongs to the point that lies at the centre of mass of the whole tree.
+            out.v_WB[:] += cross(motion[:, :3], d.xpos[body] - d.subtree_com[self._root])
+
+    def contacts(self) -> Contacts:
+        """The contacts of the last step with their forces on B."""
+        mj, m, d = self._mj, self._m, self._d
+        count = d.ncon
+        if not count:
+            return Contacts.none()
+        contact = d.contact
+        force, wrench = np.zeros((count, 3)), np.zeros(6)
+        frame = np.array(contact.frame).reshape(count, 3, 3)
+        for k in range(count):
+            mj.mj_contactForce(m, d, k, wrench)
+            force[k] = wrench[:3] @ frame[k]
+        body = self._indices.scene_body[m.geom_bodyid[np.array(contact.geom).reshape(count, 2)]]
+        return Contacts.of(body[:, 0], body[:, 1], np.array(contact.pos), frame[:, 0], np.array(contact.dist), force)
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """First hit of each ray, see `Simulation.cast`."""
+        return cast(self._world, origins, directions, max_range)
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], tuple[Any, Floats, Floats]]:
+        """A function that casts these rays again, into arrays of geoms, distances [m] and normals made beforehand."""
+        return caster(self._world, origins, directions, max_range)
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        """The picture of MuJoCo's own renderer. Raises: Unsupported."""
+        return self._renderer.render(camera, colour)
+
+    def inertial(self, name: str) -> tuple[Floats, Floats]:
+        """Specific force [m/s2] and angular velocity [rad/s] in S, each (3,), by MuJoCo's own sensors at this instant."""
+        return self._inertial.read(name)
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        """Set the targets of drives [rad or m]."""
+        check_targets(self._world.scene, targets)
+        for name, target in targets.items():
+            if name in self._indices.drives:
+                self._d.ctrl[self._indices.drives[name]] = target
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        """Force [N] at the centre of mass and torque [N m] in W on every movable body, in every step from now on."""
+        check_wrench(len(self._indices.body), f_B_W, tau_B_W)
+        rows = self._indices.body[self._movable]
+        self._d.xfrc_applied[rows, :3] = f_B_W[self._movable]
+        self._d.xfrc_applied[rows, 3:] = tau_B_W[self._movable]
+
+    def warnings(self) -> tuple[Notice, ...]:
+        """The engine's counters and the effects that could not be left out."""
+        return (*self._notices, *(Notice(f"mujoco: {counted}") for counted in self._counted()))
+
+    def save(self) -> object:
+        """Everything that `mj_step` reads, warm start included (mjSTATE_INTEGRATION)."""
+        kind = flag(self._mj, "mjtState", "mjSTATE_INTEGRATION")
+        saved = np.empty(self._mj.mj_stateSize(self._m, kind))
+        self._mj.mj_getState(self._m, self._d, saved, kind)
+        return saved
+
+    def restore(self, saved: object) -> None:
+        """Back to a saved state; `contacts` are then those of that state."""
+        if not isinstance(saved, np.ndarray):
+            raise TypeError(f"restore: got {type(saved).__name__}, expected what save returned")
+        self._mj.mj_setState(self._m, self._d, saved, flag(self._mj, "mjtState", "mjSTATE_INTEGRATION"))
+        self._numbers[:] = 0
+        self._clean = self._numbers.tobytes()
+        # Idempotent: the warm start stays as it was restored.
+        self._mj.mj_forward(self._m, self._d)
+
+    def close(self) -> None:
+        """Free the window; the model is freed with the last reference to it."""
+        self._renderer.close()

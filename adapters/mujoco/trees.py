@@ -1,0 +1,55 @@
+"""The forest of joints: below which body each one hangs by a native joint, and which joints close loops."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from harness.adapter.spanning_forest import spanning_forest
+from harness.scene import WORLD, Distance, Fixed, Joint, Prismatic, Revolute, Scene
+
+__all__ = ["Link", "forest"]
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """How a body hangs in the forest: below body `above` (-1: the world) by `joint`, `turned` if the scene's child is above."""
+
+    body: int
+    above: int
+    joint: Joint | None
+    turned: bool = False
+
+
+def _keenness(joint: Joint) -> int:
+    """The lower, the sooner a joint becomes native: what has no equality constraint first, the exact ones last."""
+    if isinstance(joint, Prismatic):
+        return 0
+    if isinstance(joint, Revolute):
+        return 1 if joint.limits or joint.spring or joint.drive else 2
+    return 3 if isinstance(joint, Fixed) else 4
+
+
+def forest(scene: Scene, joints: Sequence[Joint]) -> tuple[list[Link], list[Joint]]:
+    """Links from the roots down, and the joints that close loops."""
+    index = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
+    still = [k for k, body in enumerate(scene.bodies) if not body.movable]
+    trees = spanning_forest(
+        sorted((joint for joint in joints if not isinstance(joint, Distance)), key=_keenness),
+        lambda joint: (index[joint.parent], index[joint.child]),
+        ground=(-1, *still),
+    )
+    links = [Link(k, -1, None) for k in still]
+    reached = set(still)
+
+    def grow(root: int) -> None:
+        reached.add(root)
+        for branch in trees.breadth_first(root):
+            reached.add(branch.node)
+            links.append(Link(branch.node, branch.above, branch.edge, index[branch.edge.child] == branch.above))
+
+    for root in (-1, *still):
+        grow(root)
+    for k in range(len(scene.bodies)):
+        if k not in reached:
+            links.append(Link(k, -1, None))
+            grow(k)
+    return links, list(trees.closing)

@@ -1,0 +1,45 @@
+"""A compiled scene: model, state, and where the scene's bodies, drives and sensors stand in them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.scene import Scene
+from harness.trajectory import Floats, Integers
+
+__all__ = ["Indices", "World"]
+
+
+@dataclass(frozen=True, slots=True)
+class Indices:
+    """Where the scene's bodies, drives and sensors stand in the compiled model.
+
+    Terms:
+        body (n,): MuJoCo's body of each body of the scene. scene_body (nbody,): the way back, -1 for the world.
+        q_MB (n, 4): from B to the principal frame M, or None where all of them agree. single: no body hangs on another one.
+        drives: actuator by joint. inertial: indices of accelerometer and gyroscope in the sensor data, by sensor.
+    """
+
+    body: Integers
+    scene_body: Integers
+    q_MB: Floats | None
+    single: bool
+    drives: Mapping[str, int]
+    inertial: Mapping[str, tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """The vendor's module, an `MjModel`, its `MjData`, the scene and its indices in both."""
+
+    mj: Any
+    model: Any
+    state: Any
+    scene: Scene
+    indices: Indices
+
+    def renew_poses(self) -> None:
+        """Poses and velocities of the present coordinates; `mj_step` leaves those of before the step and computes them anew."""
+        self.mj.mj_kinematics(self.model, self.state)
+        self.mj.mj_comPos(self.model, self.state)
+        self.mj.mj_comVel(self.model, self.state)

@@ -1,0 +1,38 @@
+"""Bodies in the engine's words."""
+
+from typing import TYPE_CHECKING
+
+from adapters.reference.shapes import engine_shape
+from harness.scene import Body, Effect
+
+if TYPE_CHECKING:
+    import engine
+
+__all__ = ["engine_body"]
+
+
+def engine_body(body: Body, effects: Effect) -> "engine.Body":
+    """A body without the damping that the scene leaves out."""
+    import engine
+
+    return engine.Body(
+        name=body.name,
+        mass=body.mass,
+        inertia=body.inertia,
+        shapes=tuple(engine_shape(placed) for placed in body.collision),
+        visual=None if body.visual is None else tuple(engine_shape(placed) for placed in body.visual),
+        material=body.material,
+        optics=engine.Optics(
+            colour=body.appearance.colour,
+            mirror=body.appearance.mirror,
+            transmission=body.appearance.transmission,
+            refractive_index=body.appearance.refractive_index,
+        ),
+        p_WB=body.p_WB,
+        q_WB=body.q_WB,
+        v_WB=body.v_WB,
+        w_WB=body.w_WB,
+        motion=body.motion,
+        linear_damping=body.linear_damping if Effect.LINEAR_DAMPING in effects else 0.0,
+        angular_damping=body.angular_damping if Effect.ANGULAR_DAMPING in effects else 0.0,
+    )

@@ -1,0 +1,50 @@
+"""What the adapter makes of a scene: one world, many worlds, compiled code."""
+
+from adapters.reference.batch import ReferenceBatch
+from adapters.reference.options import SUITED, engine_options, resolved_settings
+from adapters.reference.simulation import ReferenceSimulation
+from adapters.reference.suited import suited
+from adapters.reference.world import make_world
+from harness.adapter import Settings
+from harness.scene import Camera, Scene
+
+__all__ = ["build", "build_batch", "compile_for"]
+
+
+def build(scene: Scene, settings: Settings) -> ReferenceSimulation:
+    """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
+    options = engine_options(scene, _settled(scene, settings))
+    world = make_world(scene, options)
+    return ReferenceSimulation(world, scene, resolved_settings(settings, options, world))
+
+
+def build_batch(scene: Scene, settings: Settings, count: int) -> ReferenceBatch | None:
+    """Worlds in one array; None where these cannot be: the exact solver, swept collision, worlds with threads of their own.
+
+    Raises: Unsupported, SettingsError.
+    """
+    import engine
+
+    options = engine_options(scene, _settled(scene, settings))
+    world = make_world(scene, options)
+    try:
+        return ReferenceBatch(engine.Batch.replicate(world, count), resolved_settings(settings, options, world))
+    except (engine.NotSupported, ValueError):
+        return None
+
+
+def compile_for(scene: Scene, settings: Settings) -> None:
+    """Compile what the scene's steps, rays and pictures need. Raises: Unsupported, SettingsError."""
+    import engine
+
+    world = make_world(scene, engine_options(scene, _settled(scene, settings)))
+    world.compile()
+    if scene.sensors:
+        world.cast([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 1.0)
+    for renderer in {sensor.renderer for sensor in scene.sensors if isinstance(sensor, Camera)}:
+        world.render(engine.Eye(width=2, height=2), renderer)
+
+
+def _settled(scene: Scene, settings: Settings) -> Settings:
+    """The settings with a solver of the engine, where the scene is to choose it."""
+    return suited(scene, settings) if settings.solver == SUITED else settings

@@ -1,0 +1,63 @@
+"""Joints in the engine's words, with their limits, springs and drives."""
+
+from typing import TYPE_CHECKING, Any, assert_never
+
+import numpy as np
+
+from harness.scene import Ball, Distance, Effect, Fixed, Joint, Prismatic, Revolute
+
+if TYPE_CHECKING:
+    import engine
+
+__all__ = ["engine_joint"]
+
+
+def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
+    """A joint, without the drive that the scene leaves out."""
+    import engine
+
+    ends: dict[str, Any] = {
+        "name": joint.name, "parent": joint.parent, "child": joint.child, "collide": joint.collide
+    }  # fmt: skip
+    match joint:
+        case Fixed():
+            return engine.Fixed(**ends)
+        case Ball():
+            return engine.Ball(**ends, anchor_W=joint.anchor_W)
+        case Revolute():
+            return engine.Revolute(
+                **ends, anchor_W=joint.anchor_W, axis_W=joint.axis_W, position=joint.position, **_extras(joint, effects)
+            )
+        case Prismatic():
+            return engine.Prismatic(
+                **ends, anchor_W=joint.anchor_W, axis_W=joint.axis_W, position=joint.position, **_extras(joint, effects)
+            )
+        case Distance():
+            return engine.Distance(
+                **ends, anchor_W=joint.anchor_W, child_anchor_W=joint.child_anchor_W, **_extras(joint, effects)
+            )
+        case _:
+            assert_never(joint)
+
+
+def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str, Any]:
+    """Limits, spring and drive of a joint."""
+    import engine
+
+    extras: dict[str, Any] = {}
+    if joint.limits is not None:
+        lower, upper = joint.limits.lower, joint.limits.upper
+        extras["limits"] = engine.Limits(lower=-np.inf if lower is None else lower, upper=np.inf if upper is None else upper)
+    if joint.spring is not None:
+        spring = joint.spring
+        extras["spring"] = engine.Spring(stiffness=spring.stiffness, damping=spring.damping, rest=spring.rest)
+    if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
+        drive = joint.drive
+        extras["drive"] = engine.Drive(
+            stiffness=drive.stiffness,
+            damping=drive.damping,
+            target=drive.target,
+            target_velocity=drive.target_velocity,
+            limit=np.inf if drive.limit is None else drive.limit,
+        )
+    return extras

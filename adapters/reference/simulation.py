@@ -1,0 +1,124 @@
+"""A world of the engine as it runs: stepping, state, contacts, rays, and what acts on it from outside."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, cast
+
+from adapters.reference.sensing import picture
+from harness.adapter import Diverged, Notice, Settings, Unsupported
+from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
+from harness.scene import Camera, Effect, Scene
+from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
+
+if TYPE_CHECKING:
+    import engine
+
+__all__ = ["ReferenceSimulation"]
+
+
+class ReferenceSimulation:
+    """One world of the engine."""
+
+    def __init__(self, world: "engine.World", scene: Scene, resolved: Settings) -> None:
+        self._world, self._scene, self._resolved = world, scene, resolved
+        self._drives = {j.name for j in scene.joints if getattr(j, "drive", None) is not None}
+        if Effect.DRIVES not in scene.effects:
+            self._drives = set()
+
+    @property
+    def resolved(self) -> Settings:
+        """What the engine uses; with hard contacts, the largest residual so far."""
+        certificate = self._world.certificate
+        if certificate is None or certificate.solves == 0:
+            return self._resolved
+        worst = {"residual": certificate.residual}
+        return replace(self._resolved, options={**self._resolved.options, **worst})
+
+    @property
+    def force_lead(self) -> float:
+        """Euler's methods go x + v dt + (1 +- 1/k)/2 f dt^2 in k sub-steps, + semi-implicit, - explicit; the rest is exact."""
+        used = self._world.options
+        share = {"semi_implicit_euler": -1.0, "explicit_euler": 1.0}.get(used.integrator, 0.0) / used.substeps
+        return 0.5 * (1.0 + share)
+
+    def step(self, count: int = 1) -> None:
+        """Advance by count * dt. Raises: Diverged, Unsupported."""
+        import engine
+
+        try:
+            self._world.step(count)
+        except engine.Diverged as error:
+            raise Diverged(str(error)) from error
+        except engine.NotSupported as error:
+            raise Unsupported(error.what, error.why) from error
+
+    def state(self, out: State) -> None:
+        """Write the present state into `out`."""
+        table = self._world.state()
+        check_state(len(table), out)
+        out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
+
+    def contacts(self) -> Contacts:
+        """The contacts of the last step."""
+        manifold = self._world.contacts()
+        return Contacts.of(
+            manifold.bodies[:, 0], manifold.bodies[:, 1], manifold.point, manifold.normal, manifold.gap, manifold.force
+        )
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """First hit of each ray, see `Simulation.cast`."""
+        check_rays(origins, directions, max_range)
+        # One origin told r times over is told once.
+        hits = self._world.cast(origins[:1] if origins.strides[0] == 0 else origins, directions, max_range)
+        return Hits(distance=hits.distance, body=hits.body, normal_W=hits.normal)
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], object]:
+        """A function that casts these rays again and gives the engine's own hits."""
+        check_rays(origins, directions, max_range)
+        return partial(self._world.cast, origins[:1] if origins.strides[0] == 0 else origins, directions, max_range)
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        """The engine's own picture. Raises: Unsupported."""
+        return picture(self._world, self._scene, camera, colour)
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        """Set the targets [rad or m] of drives, those that act."""
+        check_targets(self._scene, targets)
+        for name, target in targets.items():
+            if name in self._drives:
+                self._world.command(name, float(target))
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""
+        check_wrench(len(self._scene.bodies), f_B_W, tau_B_W)
+        self._world.set_load(f_B_W, tau_B_W)
+
+    def warnings(self) -> tuple[Notice, ...]:
+        """Steps with too many impacts, and how well hard contacts were solved."""
+        impacts = self._world.impacts
+        if impacts is not None and impacts.crowded > 0:
+            text = f"swept: {impacts.crowded} steps had too many impacts and were ended with speculative contacts"
+            return (Notice(text),)
+        certificate = self._world.certificate
+        if certificate is None or certificate.solves == 0:
+            return ()
+        crowded = (
+            f"; {certificate.crowded} sub-steps had too many blows and took the last as one" if certificate.crowded else ""
+        )
+        said = f"exact: relative residual at most {certificate.residual:.1g} over {certificate.solves} solves"
+        missed = (
+            f", {certificate.missed} of them above the tolerance {self._resolved.tolerance:g}" if certificate.missed else ""
+        )
+        return (Notice(said + missed + crowded),)
+
+    def save(self) -> object:
+        """Both arrays of the world."""
+        return self._world.save()
+
+    def restore(self, saved: object) -> None:
+        """Back to a saved state."""
+        self._world.restore(cast(tuple[Floats, Integers], saved))
+
+    def close(self) -> None:
+        """Nothing to free: the world is arrays."""

@@ -1,0 +1,92 @@
+"""The solver that suits a scene: what the track 'tuned' chooses."""
+
+from dataclasses import replace
+from typing import assert_never
+
+import numpy as np
+
+from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, engine_options
+from adapters.reference.world import make_world
+from harness.adapter import Settings
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Plane, Scene, Shape, Sphere, TriangleMesh
+
+__all__ = ["suited"]
+
+DEEP = 0.05
+"""Share of the half width of the thinner body [1] beyond which an overlap at the start is worked off by `SEQUENTIAL`."""
+FEW = 16
+"""Movable bodies up to which `SUITED` takes exact contacts: their cost grows with the cube of the number of contacts."""
+UNSUBSTEPPED = 4
+"""Sub-steps of the soft solver where the settings leave them open."""
+
+
+def suited(scene: Scene, settings: Settings) -> Settings:
+    """The settings with the solver that suits the scene.
+
+    Unlike masses: a soft contact of a body of mass m is a spring of stiffness m w^2, w h = pi/2 in each of n sub-steps h of
+    dt. Under a body r times heavier it gives by r g/w^2 = 4 r/(pi n)^2 g dt^2, and Gauss-Seidel sweeps need the more steps to
+    load it the larger r is. Up to r = n^2 that is less than half of g dt^2, one step of falling; above, contacts are exact.
+
+    Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
+    Sequential impulses correct positions apart from velocities; they leave a tenth of the margin as it is, which is made
+    g dt^2 here.
+    """
+    effects = scene.effects
+    springs = replace(settings, solver=SOFT)
+    kept = {name: value for name, value in settings.options.items() if name not in SOFT_OPTIONS}
+    if Effect.CONTACT not in effects or Effect.GRAVITY not in effects or Effect.JOINTS in effects:
+        return springs
+    if _exact_knows(scene) and (ratio := _mass_ratio(scene)) > (settings.substeps or UNSUBSTEPPED) ** 2:
+        # Impulses are known to rounding of the heaviest load; the residual is relative to the light body's.
+        tolerance = settings.tolerance or max(1e-11, 1e-15 * ratio)
+        return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept)
+    if _overlaps(scene, springs):
+        margin = min(1e-3, float(np.linalg.norm(scene.gravity)) * settings.dt**2)
+        unset = UNSET[SEQUENTIAL]
+        return replace(settings, solver=SEQUENTIAL, **unset, options={"margin": margin, **kept})
+    return springs
+
+
+def _mass_ratio(scene: Scene) -> float:
+    """The greatest ratio of the masses of two movable bodies that can touch; 1 where none can."""
+    bodies = [body for body in scene.bodies if body.movable]
+    pairs = ((a.mass, b.mass) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if scene.collides(a, b))
+    return max((max(pair) / min(pair) for pair in pairs), default=1.0)
+
+
+def _exact_knows(scene: Scene) -> bool:
+    """Whether the exact solver has all of the scene's laws, for few bodies."""
+    return sum(body.movable for body in scene.bodies) <= FEW and not any(
+        law.static_friction > law.kinetic_friction or law.rolling_friction or law.torsional_friction for law in scene.surfaces
+    )
+
+
+def _half_width(shape: Shape) -> float:
+    """Half of the least width of a shape along its own axes [m]; infinite for what bounds no solid."""
+    match shape:
+        case Sphere() | Capsule():
+            return shape.radius
+        case Box():
+            return min(shape.half_extents)
+        case Cylinder():
+            return min(shape.radius, shape.half_length)
+        case ConvexHull():
+            return float(np.ptp(np.array(shape.vertices), axis=0).min()) / 2
+        case Plane() | TriangleMesh():
+            return float("inf")
+        case _:
+            assert_never(shape)
+
+
+def _overlaps(scene: Scene, settings: Settings) -> bool:
+    """Whether two bodies start deeper in each other than `DEEP`, as the first step of a world to be thrown away finds them."""
+    import engine
+
+    world = make_world(scene, engine_options(scene, settings))
+    try:
+        world.step(1)
+    except (engine.Diverged, engine.NotSupported):
+        return False
+    thin = [min((_half_width(placed.shape) for placed in body.collision), default=float("inf")) for body in scene.bodies]
+    contacts = world.contacts()
+    return any(-gap > DEEP * min(thin[a], thin[b]) for gap, (a, b) in zip(contacts.gap, contacts.bodies, strict=True))

@@ -1,0 +1,33 @@
+"""A scene becomes a world of the engine."""
+
+from typing import TYPE_CHECKING
+
+from adapters.reference.bodies import engine_body
+from adapters.reference.joints import engine_joint
+from adapters.reference.surfaces import engine_surface
+from harness.adapter import Unsupported
+from harness.scene import Effect, Scene
+
+if TYPE_CHECKING:
+    import engine
+
+__all__ = ["make_world"]
+
+
+def make_world(scene: Scene, options: "engine.Options") -> "engine.World":
+    """Exactly this scene. Raises: Unsupported."""
+    import engine
+
+    effects = scene.effects
+    try:
+        return engine.World(
+            bodies=[engine_body(body, effects) for body in scene.bodies],
+            joints=[engine_joint(joint, effects) for joint in scene.joints] if Effect.JOINTS in effects else (),
+            surfaces={law.between: engine_surface(law, effects) for law in scene.surfaces},
+            gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0),
+            options=options,
+            apart=scene.apart,
+            sun=engine.Sun(towards_W=scene.sun.towards_W, irradiance=scene.sun.irradiance, sky=scene.sun.sky),
+        )
+    except engine.NotSupported as error:
+        raise Unsupported(error.what, error.why) from error

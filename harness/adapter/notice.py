@@ -1,0 +1,31 @@
+"""A notice: what an engine or its adapter has to say of a simulation."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from harness.scene import Effect
+
+__all__ = ["Notice", "as_notices"]
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """One thing that a user of an answer should know.
+
+    Terms:
+        text: without its full stop. kind: 'surplus', where an effect is computed that the scene leaves out, and cannot be
+        switched off; 'missing', where one is not that the scene calls for; else 'note'. effect: which one, None for a note.
+    """
+
+    text: str
+    kind: Literal["note", "surplus", "missing"] = "note"
+    effect: Effect | None = None
+
+    def __str__(self) -> str:
+        """As a line for people, by its kind first."""
+        return self.text if self.kind == "note" else f"{self.kind}: {self.text}"
+
+
+def as_notices(warnings: tuple[str | Notice, ...]) -> tuple[Notice, ...]:
+    """What `Simulation.warnings` says; a plain text is a note, whatever it reads."""
+    return tuple(Notice(said) if isinstance(said, str) else said for said in warnings)

@@ -12,7 +12,7 @@ import pytest
 from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.case import Case, Check
 from harness.case.alteration import EVERYTHING, FINER, Alteration
-from harness.conformance.faults import Wrapped, plant
+from harness.conformance.faults.plant import Wrapped, plant
 from harness.findings.tables.effects import NOT_JUDGED, Verdict, audit, rows, savings, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
 from harness.run.campaign import carry_out

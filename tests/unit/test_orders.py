@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from harness.adapter import Adapter, Settings, Simulation
 from harness.cli.main import main
-from harness.conformance.faults import Wrapped, plant
+from harness.conformance.faults.plant import Wrapped, plant
 from harness.findings.tables.orders import COLUMNS, brief, convergences, verdict
 from harness.scene import Scene
 from harness.store.journal import Journal

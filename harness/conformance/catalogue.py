@@ -4,9 +4,9 @@ from harness.conformance.check import ConformanceCheck
 from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, shapes
 from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
 from harness.conformance.checks.contract.declarations import declarations_check
-from harness.conformance.checks.joints import constraints, drives
+from harness.conformance.checks.joints import constraints, coordinates, drives
 from harness.conformance.checks.motion import dynamics, frames, precision, stepping
-from harness.conformance.checks.sensing import inertial, present, rays
+from harness.conformance.checks.sensing import images, inertial, present, rays
 
 __all__ = ["CHECKS"]
 
@@ -26,8 +26,10 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *balance.CHECKS,
     *friction.CHECKS,
     *constraints.CHECKS,
+    *coordinates.CHECKS,
     *drives.CHECKS,
     *rays.CHECKS,
+    *images.CHECKS,
     *present.CHECKS,
     *inertial.CHECKS,
     *effects.CHECKS,

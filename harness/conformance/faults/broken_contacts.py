@@ -7,15 +7,24 @@ import numpy as np
 
 from harness.adapter import Settings, Simulation
 from harness.conformance.faults.plant import Wrapped
-from harness.scene import Body, PlacedShape, Plane, Scene, Surface
+from harness.scene import (
+    Body,
+    PlacedShape,
+    Plane,
+    Scene,
+    Surface,
+)
 from harness.trajectory import Contacts, Floats
 
 __all__ = [
+    "FlippedNormal",
     "FrictionScaled",
+    "HalfForce",
     "HalfGap",
     "LateForce",
     "LingeringForce",
     "NormalOfOnePair",
+    "PositiveGap",
     "first_shapes",
     "friction_times",
     "level_planes",
@@ -23,6 +32,33 @@ __all__ = [
     "unplaced_later_shapes",
     "unturned_later_shapes",
 ]
+
+
+class FlippedNormal(Wrapped):
+    """Hands out normals from B to A."""
+
+    def contacts(self) -> Contacts:
+        """As inside, the normal turned round."""
+        got = self.inner.contacts()
+        return replace(got, normal_W=-got.normal_W)
+
+
+class PositiveGap(Wrapped):
+    """Hands out penetration as a positive number."""
+
+    def contacts(self) -> Contacts:
+        """As inside, the gap with the other sign."""
+        got = self.inner.contacts()
+        return replace(got, gap=-got.gap)
+
+
+class HalfForce(Wrapped):
+    """Loses half of each contact force, as one who reads two impulses as one would."""
+
+    def contacts(self) -> Contacts:
+        """As inside, the forces halved."""
+        got = self.inner.contacts()
+        return replace(got, force_W=got.force_W / 2)
 
 
 def _along(got: Contacts) -> Floats:

@@ -8,12 +8,20 @@ import numpy as np
 
 from harness.adapter import Adapter, Settings, Simulation
 from harness.conformance.faults.plant import Wrapped, plant
-from harness.scene import AxisNoise, Camera, Imu, ImuNoise, Scene
+from harness.scene import (
+    AxisNoise,
+    Camera,
+    Imu,
+    ImuNoise,
+    Scene,
+)
 from harness.trajectory import Floats, Hits, Image, Trajectory
 
 __all__ = [
     "AnyDirection",
+    "EndlessRays",
     "LateInertial",
+    "LatePicture",
     "LateRays",
     "NormalsOfRaysReversed",
     "ThroughKinematic",
@@ -23,9 +31,18 @@ __all__ = [
     "one_seed_for_all_sensors",
     "read_downwards",
     "reversed_triad",
+    "share_seed",
     "without_levers",
     "without_mounts",
 ]
+
+
+class EndlessRays(Wrapped):
+    """Casts further than asked."""
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        """As inside, ten times as far."""
+        return self.inner.cast(origins, directions, 10 * max_range)
 
 
 class ThroughKinematic(Wrapped):
@@ -126,10 +143,10 @@ class LateInertial(Wrapped):
 
 
 def _mounted(change: Callable[[Imu], Imu]) -> Callable[[Adapter], Adapter]:
-    def told(scene: Scene) -> Scene:
+    def changed_scene(scene: Scene) -> Scene:
         return replace(scene, sensors=tuple(change(one) if isinstance(one, Imu) else one for one in scene.sensors))
 
-    return lambda adapter: plant(adapter, scene=told)
+    return lambda adapter: plant(adapter, scene=changed_scene)
 
 
 without_levers = _mounted(lambda imu: replace(imu, p_BS=(0.0, 0.0, 0.0)))
@@ -141,7 +158,7 @@ without_mounts = _mounted(lambda imu: replace(imu, q_BS=(1.0, 0.0, 0.0, 0.0)))
 def laws(change: Callable[[AxisNoise], AxisNoise]) -> Callable[[Scene], Scene]:
     """The readers of inertial sensors follow another law than the scene's."""
 
-    def told(scene: Scene) -> Scene:
+    def changed_scene(scene: Scene) -> Scene:
         return replace(scene, sensors=tuple(_other(one) if isinstance(one, Imu) else one for one in scene.sensors))
 
     def _other(imu: Imu) -> Imu:
@@ -151,7 +168,7 @@ def laws(change: Callable[[AxisNoise], AxisNoise]) -> Callable[[Scene], Scene]:
             imu, noise=ImuNoise(accelerometer=change(imu.noise.accelerometer), gyroscope=change(imu.noise.gyroscope))
         )
 
-    return told
+    return changed_scene
 
 
 def reversed_triad(law: AxisNoise) -> AxisNoise:
@@ -205,3 +222,19 @@ def read_downwards(steps: Mapping[str, float]) -> Callable[[Trajectory], Traject
         return replace(trajectory, streams=streams)
 
     return spoilt
+
+
+def share_seed(trajectory: Trajectory) -> Trajectory:
+    """One seed for all that should differ: every axis of a stream (k, c) gets the noise of the first axis, about its own mean,
+    and every scan of a stream (k, channels, columns) that of the first scan."""
+    streams = dict(trajectory.streams)
+    for name, signal in trajectory.streams.items():
+        ideal = trajectory.streams.get(f"{name}_ideal")
+        if not name.endswith("/time") and signal.ndim == 2 and len(signal) > 2:
+            noise = signal[:, :1] - signal[:, :1].mean(axis=0)
+            streams[name] = signal.mean(axis=0) + np.repeat(noise, signal.shape[1], axis=1)
+        elif signal.ndim == 3 and ideal is not None:
+            heard = np.isfinite(ideal[0])
+            noise = np.where(heard, signal[0] - np.where(heard, ideal[0], 0.0), 0.0)
+            streams[name] = ideal + noise
+    return replace(trajectory, streams=streams)

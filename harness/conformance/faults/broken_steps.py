@@ -17,17 +17,70 @@ __all__ = [
     "DeafToUnknownJoints",
     "KinematicStandsStill",
     "NeverIdle",
+    "NoGyroscopicTorque",
     "PushesAtShapes",
     "ReshapesWrench",
     "RestoreKeepsTargets",
     "RestoreKeepsWrench",
+    "ReversedWrench",
     "SinglePrecision",
     "SlowIsStill",
+    "TENTH",
     "TorqueDropped",
     "braked",
     "joined",
+    "twice_the_step",
     "uneven",
 ]
+
+
+def twice_the_step(adapter: Adapter) -> Adapter:
+    """Each step advances 2 dt, and the settings in use say dt."""
+    return plant(
+        adapter,
+        settings=lambda settings: settings.with_dt(2 * settings.dt),
+        simulation=lambda inner, _, scene, settings: Wrapped(inner, scene, settings),
+    )
+
+
+class NoGyroscopicTorque(Wrapped):
+    """Adds w x I w to every body in each step, which takes the gyroscopic torque away."""
+
+    def __init__(self, inner: Simulation, scene: Scene, settings: Settings) -> None:
+        super().__init__(inner, scene, settings)
+        n = len(scene.bodies)
+        self._push: tuple[Floats, Floats] = np.zeros((n, 3)), np.zeros((n, 3))
+        self._top = any(body.movable and np.ptp(np.linalg.eigvalsh(np.asarray(body.inertia))) > 0 for body in scene.bodies)
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        """Kept, to be applied together with what is added."""
+        self._push = f_B_W.copy(), tau_B_W.copy()
+        self.inner.wrench(f_B_W, tau_B_W)
+
+    def step(self, count: int = 1) -> None:
+        """Step by step with the torque of the present state."""
+        if not self._top:
+            self.inner.step(count)
+            return
+        for _ in range(count):
+            state, tau = self.now(), self._push[1].copy()
+            for k, body in enumerate(self.scene.bodies):
+                if body.movable:
+                    R = rotation(state.q_WB[k])
+                    # A spin whose square overflows is what a check asks for; the engine is told, and answers as it does.
+                    with np.errstate(all="ignore"):
+                        tau[k] += np.cross(state.w_WB[k], R @ np.asarray(body.inertia) @ R.T @ state.w_WB[k])
+            self.inner.wrench(self._push[0], tau)
+            self.inner.step()
+
+
+class ReversedWrench(Wrapped):
+    """Pushes the other way."""
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        """As inside, with the other sign."""
+        self.inner.wrench(-f_B_W, -tau_B_W)
+
 
 TENTH = 10
 

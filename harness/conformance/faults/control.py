@@ -7,7 +7,13 @@ from harness.adapter import Adapter, Feature
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["Control"]
+__all__ = ["SLIDES", "Control"]
+
+SLIDES = (
+    "friction_backspin", "friction_roll_incline", "friction_slip_to_roll", "friction_spinning", "friction_static_kinetic",
+    "friction_stop", "friction_threshold", "friction_wall_pinch",
+)  # fmt: skip
+"""Cases in which something slides: they notice the same faults."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

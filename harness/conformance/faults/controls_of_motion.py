@@ -1,33 +1,37 @@
-"""The negative controls of motion: single steps, digits, forces, joints, drives and saves."""
+"""The negative controls of motion: gravity, frames, single steps, digits, forces, damping, sleep and clamps."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from harness.adapter import Feature
-from harness.conformance.faults.broken_engines import bodies, gravity, told, wrapped
+from harness.conformance.faults.broken_motion import clamped, losing_speed, sleepy
+from harness.conformance.faults.broken_scenes import every_body, gravity, swap_inertia
+from harness.conformance.faults.broken_states import BodyAngularVelocity, OneStepBehind, ScalarLast, Shuffled
 from harness.conformance.faults.broken_steps import (
-    CommandsFirstDriveOnly,
-    DeafToUnknownJoints,
     KinematicStandsStill,
     NeverIdle,
+    NoGyroscopicTorque,
     PushesAtShapes,
-    ReshapesWrench,
-    RestoreKeepsTargets,
-    RestoreKeepsWrench,
+    ReversedWrench,
     SinglePrecision,
     SlowIsStill,
     TorqueDropped,
     braked,
-    joined,
+    twice_the_step,
     uneven,
 )
-from harness.conformance.faults.control import Control
-from harness.scene import Distance, Joint, Prismatic, Revolute
+from harness.conformance.faults.control import SLIDES, Control
+from harness.conformance.faults.plant import simulated, wrapped
 
 __all__ = ["MOTION_CONTROLS"]
 
-_W, _D = Feature.WRENCH, Feature.PRISMATIC | Feature.DRIVES
+_TOPS = ("spin_asymmetric_top", "spin_intermediate_axis", "spin_symmetric_top")
+_SWINGS = (
+    "joint_chain", "joint_conical_pendulum", "joint_double_pendulum", "joint_fourbar", "joint_limits", "joint_pendulum"
+)  # fmt: skip
+"""Cases by what moves in them, as far as they notice the same faults."""
+
+_W = Feature.WRENCH
+_FALL = "free_fall_has_the_size_and_sign_of_g"
 _FINE = "gravity_has_three_digits"
 
 
@@ -37,18 +41,162 @@ class _MicrometresAreStill(SlowIsStill):
     threshold = 1.001e-6
 
 
-def _without(part: str, **changed: float | None) -> Callable[[Any], Joint]:
-    """A change of joints: the named fields of their drive or spring are replaced."""
-
-    def change(joint: Any) -> Joint:
-        law = getattr(joint, part, None)
-        changed_joint: Joint = joint if law is None else replace(joint, **{part: replace(law, **changed)})
-        return changed_joint
-
-    return change
-
-
 MOTION_CONTROLS: tuple[Control, ...] = (
+    Control(
+        name="gravity_upside_down",
+        fault="gravity with the wrong sign",
+        plant=gravity(-1.0),
+        caught_by=(_FALL, "gravity_is_a_vector"),
+        applies_to_cases=(
+            "stand_quadruped",
+            "stack_overhang",
+            "stack_card_house",
+            "stack_pyramid",
+            "flight_*",
+            "friction_*",
+            "rest_*",
+            "stack_tower",
+            "impact_bounce",
+            "spin_heavy_top",
+            "tunnel_thin_mesh",
+            *_SWINGS,
+        ),
+    ),
+    Control(
+        name="gravity_two_percent_strong",
+        fault="gravity times 1.02",
+        plant=gravity(1.02),
+        caught_by=(_FALL, "gravity_is_a_vector"),
+        applies_to_cases=("flight_*", "friction_threshold", "impact_bounce", *_SWINGS),
+    ),
+    Control(
+        name="twice_the_time_step",
+        fault="each step advances 2 dt",
+        plant=twice_the_step,
+        caught_by=("step_advances_exactly_dt", _FALL),
+        applies_to_cases=(
+            "orbit_kepler",
+            "joint_double_pendulum_chaotic",
+            "flight_*",
+            "spin_heavy_top",
+            "spin_principal",
+            "joint_spring",
+            "impact_bounce",
+            "impact_oblique",
+            "impact_pairs",
+            "sensor_imu_noise",
+            *_TOPS,
+            *_SWINGS,
+            *SLIDES,
+            "friction_rolling_resistance",
+            "friction_turntable",
+        ),
+    ),
+    Control(
+        name="no_gyroscopic_torque",
+        fault="the term w x I w is dropped",
+        plant=wrapped(NoGyroscopicTorque),
+        caught_by=("gyroscopic_term_is_present",),
+        needs=_W,
+        applies_to_cases=("spin_heavy_top", *_TOPS),
+    ),
+    Control(
+        name="angular_velocity_in_the_body_frame",
+        fault="w is handed out in B",
+        plant=wrapped(BodyAngularVelocity),
+        caught_by=("angular_velocity_is_in_W", "initial_state_comes_back"),
+        applies_to_cases=("stand_hit", "spin_fast", "impact_gas", "impact_momentum", "impact_oblique", *_TOPS),
+    ),
+    Control(
+        name="quaternion_scalar_last",
+        fault="quaternions are handed out as (x, y, z, w)",
+        plant=wrapped(ScalarLast),
+        caught_by=("quaternion_is_wxyz", "initial_state_comes_back"),
+        applies_to_cases=("spin_principal", *_TOPS),
+    ),
+    Control(
+        name="inertia_axes_exchanged",
+        fault="the first two rows and columns of the inertia are exchanged",
+        plant=every_body(swap_inertia),
+        caught_by=("inertia_is_in_B",),
+        applies_to_cases=("stand_hit", "spin_asymmetric_top", "spin_intermediate_axis"),
+    ),
+    Control(
+        name="hidden_damping",
+        fault="velocities lose 4 % a second",
+        plant=losing_speed,
+        caught_by=("hidden_damping_is_off",),
+        applies_to_cases=(
+            "orbit_kepler",
+            "joint_double_pendulum_chaotic",
+            "flight_*",
+            "spin_principal",
+            "joint_spring",
+            "friction_backspin",
+            "friction_roll_incline",
+            "friction_slip_to_roll",
+            "impact_cradle",
+            "impact_gas",
+            "impact_momentum",
+            "impact_oblique",
+            "impact_pairs",
+            "sensor_imu_noise",
+            *_TOPS,
+            "joint_chain",
+            "joint_conical_pendulum",
+            "joint_double_pendulum",
+            "joint_fourbar",
+            "joint_pendulum",
+            "friction_rolling_resistance",
+        ),
+    ),
+    Control(
+        name="sleeping",
+        fault="bodies slower than .1 m/s for .1 s are put to sleep",
+        plant=simulated(sleepy),
+        caught_by=("sleeping_is_off",),
+        applies_to_cases=("friction_threshold", "friction_wall_pinch"),
+    ),
+    Control(
+        name="state_one_step_behind",
+        fault="the state is that of one step ago",
+        plant=wrapped(OneStepBehind),
+        caught_by=("step_advances_exactly_dt",),
+        applies_to_cases=("flight_*", "spin_principal", "sensor_imu_noise"),
+    ),
+    Control(
+        name="velocity_clamped",
+        fault="100 m/s and 100 rad/s are the most",
+        plant=simulated(clamped),
+        caught_by=("velocity_is_not_clamped",),
+    ),
+    Control(
+        name="body_order_permuted",
+        fault="the first body comes last",
+        plant=wrapped(Shuffled),
+        caught_by=("body_order_is_kept", "initial_state_comes_back"),
+    ),
+    Control(
+        name="mass_ten_percent_light",
+        fault="masses times .9",
+        plant=every_body(lambda body: replace(body, mass=0.9 * body.mass)),
+        caught_by=("wrench_has_sign_and_size",),
+        needs=_W,
+    ),
+    Control(
+        name="wrench_reversed",
+        fault="forces push the other way",
+        plant=wrapped(ReversedWrench),
+        caught_by=("wrench_has_sign_and_size",),
+        needs=_W,
+    ),
+    Control(
+        name="initial_velocity_dropped",
+        fault="every body starts from rest",
+        plant=every_body(lambda body: replace(body, v_WB=(0.0, 0.0, 0.0), w_WB=(0.0, 0.0, 0.0))),
+        caught_by=("initial_state_comes_back",),
+        applies_to_cases=("flight_*", "spin_heavy_top", "spin_principal", *_TOPS),
+    ),
     Control(
         name="gravity_half_a_percent_weak",
         fault="gravity times .995",
@@ -120,16 +268,9 @@ MOTION_CONTROLS: tuple[Control, ...] = (
         needs=_W,
     ),
     Control(
-        name="wrench_of_any_shape",
-        fault="a wrench of a wrong shape, type or content is made to fit",
-        plant=wrapped(ReshapesWrench),
-        caught_by=("bad_wrenches_are_refused",),
-        needs=_W,
-    ),
-    Control(
         name="products_of_inertia_dropped",
         fault="the inertia keeps its diagonal alone",
-        plant=bodies(
+        plant=every_body(
             lambda b: replace(
                 b, inertia=((b.inertia[0][0], 0.0, 0.0), (0.0, b.inertia[1][1], 0.0), (0.0, 0.0, b.inertia[2][2]))
             )
@@ -143,92 +284,6 @@ MOTION_CONTROLS: tuple[Control, ...] = (
         plant=wrapped(KinematicStandsStill),
         caught_by=("kinematic_body_keeps_its_velocity",),
         needs=Feature.KINEMATIC | Feature.BOX,
-    ),
-    Control(
-        name="target_velocity_dropped",
-        fault="the target velocity of a drive is lost",
-        plant=joined(_without("drive", target_velocity=0.0)),
-        caught_by=("target_velocity_acts",),
-        needs=_D,
-    ),
-    Control(
-        name="command_reaches_the_first_drive",
-        fault="a command reaches the first drive of the scene alone",
-        plant=wrapped(CommandsFirstDriveOnly),
-        caught_by=("command_reaches_every_drive",),
-        needs=_D,
-    ),
-    Control(
-        name="command_to_nobody",
-        fault="a command to a joint without a drive is ignored",
-        plant=wrapped(DeafToUnknownJoints),
-        caught_by=("bad_targets_are_refused",),
-        needs=_D,
-    ),
-    Control(
-        name="drive_without_limit",
-        fault="the force of a drive is not cut off",
-        plant=joined(_without("drive", limit=None)),
-        caught_by=("drive_force_is_limited",),
-        needs=_D,
-    ),
-    Control(
-        name="spring_rests_at_zero",
-        fault="the rest of a spring is lost",
-        plant=joined(_without("spring", rest=0.0)),
-        caught_by=("spring_frequency",),
-        needs=Feature.PRISMATIC | Feature.SPRINGS,
-    ),
-    Control(
-        name="spring_without_damper",
-        fault="the damper of a spring is lost",
-        plant=joined(_without("spring", damping=0.0)),
-        caught_by=("spring_frequency",),
-        needs=Feature.PRISMATIC | Feature.SPRINGS,
-    ),
-    Control(
-        name="coordinate_counted_from_zero",
-        fault="a joint's coordinate starts at 0, whatever its position",
-        plant=joined(lambda j: replace(j, position=0.0) if isinstance(j, Revolute | Prismatic) else j),
-        caught_by=("limits_hold", "drive_reaches_its_target"),
-        needs=_D | Feature.REVOLUTE | Feature.LIMITS,
-    ),
-    Control(
-        name="axis_reversed",
-        fault="joints turn and slide the other way",
-        plant=joined(
-            lambda j: (
-                replace(j, axis_W=(-j.axis_W[0], -j.axis_W[1], -j.axis_W[2])) if isinstance(j, Revolute | Prismatic) else j
-            )
-        ),
-        caught_by=("drive_reaches_its_target",),
-        needs=_D | Feature.REVOLUTE,
-    ),
-    Control(
-        name="rod_hung_elsewhere",
-        fault="a rod is hung from another place",
-        plant=told(
-            lambda scene: replace(
-                scene,
-                joints=tuple(replace(j, anchor_W=(0.1, 0.1, 0.1)) if isinstance(j, Distance) else j for j in scene.joints),
-            )
-        ),
-        caught_by=("distance_joint_keeps_its_length",),
-        needs=Feature.DISTANCE,
-    ),
-    Control(
-        name="restore_keeps_the_wrench",
-        fault="the wrench outlives a restore",
-        plant=wrapped(RestoreKeepsWrench),
-        caught_by=("restore_brings_back_the_wrench",),
-        needs=Feature.SAVE | _W,
-    ),
-    Control(
-        name="restore_keeps_the_targets",
-        fault="the targets of drives outlive a restore",
-        plant=wrapped(RestoreKeepsTargets),
-        caught_by=("restore_brings_back_the_targets",),
-        needs=Feature.SAVE | _D,
     ),
 )
 """Each on one engine that has what it needs."""

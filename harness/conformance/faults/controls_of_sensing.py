@@ -4,9 +4,17 @@ from dataclasses import replace
 from math import sqrt
 
 from harness.adapter import Feature
-from harness.conformance.faults.broken_engines import simulated, wrapped
+from harness.conformance.faults.broken_pictures import (
+    DistantNearPlane,
+    EncodedColours,
+    HalfAPixelOff,
+    MisnamedBodies,
+    RangeForDepth,
+    ShadowsLeftOut,
+)
 from harness.conformance.faults.broken_sensors import (
     AnyDirection,
+    EndlessRays,
     LateInertial,
     LateRays,
     NormalsOfRaysReversed,
@@ -17,16 +25,75 @@ from harness.conformance.faults.broken_sensors import (
     one_seed_for_all_sensors,
     read_downwards,
     reversed_triad,
+    share_seed,
     without_levers,
     without_mounts,
 )
 from harness.conformance.faults.control import Control
+from harness.conformance.faults.plant import simulated, wrapped
 
 __all__ = ["SENSING_CONTROLS"]
 
+_R = Feature.BOX | Feature.RENDER
 _OWN = ("inertial_sensors_say_what_they_feel",)
 
 SENSING_CONTROLS: tuple[Control, ...] = (
+    Control(
+        name="noise_from_one_seed",
+        fault="all axes of a sensor draw the same noise",
+        spoil=share_seed,
+        caught_by=("noise_axes_are_independent",),
+        applies_to_cases=("sensor_imu_noise", "sensor_lidar_noise"),
+    ),
+    Control(
+        name="rays_without_end",
+        fault="rays reach ten times as far as asked",
+        plant=wrapped(EndlessRays),
+        caught_by=("ray_beyond_max_range_misses",),
+        needs=Feature.RAYS,
+    ),
+    Control(
+        name="range_for_depth",
+        fault="depth images hold distances from the pinhole",
+        plant=wrapped(RangeForDepth),
+        caught_by=("image_is_z_depth", "image_is_cut_near_the_camera"),
+        needs=_R,
+    ),
+    Control(
+        name="half_a_pixel_off",
+        fault="the centre of the first pixel is taken to be at (0, 0)",
+        plant=wrapped(HalfAPixelOff),
+        caught_by=("pixel_centre_is_at_half",),
+        needs=_R,
+    ),
+    Control(
+        name="misnamed_bodies",
+        fault="images count bodies from 1",
+        plant=wrapped(MisnamedBodies),
+        caught_by=("image_names_bodies",),
+        needs=_R,
+    ),
+    Control(
+        name="distant_near_plane",
+        fault="images leave out what is nearer than half a metre",
+        plant=wrapped(DistantNearPlane),
+        caught_by=("image_is_cut_near_the_camera",),
+        needs=_R,
+    ),
+    Control(
+        name="encoded_colours",
+        fault="colours are encoded for screens",
+        plant=wrapped(EncodedColours),
+        caught_by=("image_is_lit_by_sun_and_sky",),
+        needs=_R,
+    ),
+    Control(
+        name="shadows_left_out",
+        fault="a rasterised image is passed off as a ray-traced one",
+        plant=wrapped(ShadowsLeftOut),
+        caught_by=("ray_traced_image_has_shadows",),
+        needs=Feature.RAY_TRACING | Feature.BOX,
+    ),
     Control(
         name="rays_pass_kinematic_bodies",
         fault="rays pass through kinematic bodies",
@@ -141,4 +208,4 @@ SENSING_CONTROLS: tuple[Control, ...] = (
         applies_to_cases=("sensor_imu_noise", "sensor_streams"),
     ),
 )
-"""Those of engines on one that has what it needs; those of readings by the cases named."""
+"""Each on one engine that has what it needs."""

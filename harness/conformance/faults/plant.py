@@ -10,7 +10,7 @@ from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.scene import Body, Camera, Scene, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
-__all__ = ["Broken", "Edit", "Repaired", "Rewritten", "Wrapped", "plant"]
+__all__ = ["Broken", "Edit", "Repaired", "Rewritten", "Wrapped", "plant", "simulated", "changed_scene", "wrapped"]
 
 
 BEYOND = ("inertial", "caster", "force_lead")
@@ -44,8 +44,8 @@ class Broken(Adapter):
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """The engine inside, told something else or read wrongly. Raises: Unsupported, Unavailable, SettingsError."""
-        told, solved = self.scene(scene), self.settings(settings)
-        return self.simulation(self.inner.build(told, solved), self.inner, told, settings)
+        changed, solved = self.scene(scene), self.settings(settings)
+        return self.simulation(self.inner.build(changed, solved), self.inner, changed, settings)
 
 
 def plant(
@@ -195,6 +195,21 @@ class Repaired(Rewritten):
             start.v_WB[:], start.w_WB[:] = 0.0, 0.0
             self._push = None
             self.replace_state(start)
+
+
+def changed_scene(change: Callable[[Scene], Scene]) -> Callable[[Adapter], Adapter]:
+    """The engine is told a changed scene."""
+    return lambda adapter: plant(adapter, scene=change)
+
+
+def simulated(simulation: Callable[[Simulation, Adapter, Scene, Settings], Simulation]) -> Callable[[Adapter], Adapter]:
+    """The simulation is replaced by a spoilt one."""
+    return lambda adapter: plant(adapter, simulation=simulation)
+
+
+def wrapped(kind: type[Wrapped]) -> Callable[[Adapter], Adapter]:
+    """The simulation is wrapped by that class."""
+    return simulated(lambda inner, _, scene, settings: kind(inner, scene, settings))
 
 
 def _vector(row: Floats) -> Vector3:

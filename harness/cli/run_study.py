@@ -54,8 +54,9 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...]) -> "tuple[Stu
     from fnmatch import fnmatchcase
 
     from harness.study import plugins
+    from harness.study.experiment import Experiment
     from harness.study.roll_call import call_roll
-    from harness.study.study import Experiment, Study, load_study
+    from harness.study.study import Study, load_study
 
     if own:
         case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
@@ -140,7 +141,7 @@ def run(
 
     from harness.run.campaign import carry_out
     from harness.study import plugins
-    from harness.study.study import StudyError
+    from harness.study.experiment import StudyError
 
     try:
         plan, chosen = _study_and_cases(study, own, globs)

@@ -21,7 +21,9 @@ from harness.search.needless_effects import FLOOR, Consequence, Scale, compared,
 from harness.store.record import Record
 from harness.store.store import Store
 from harness.study import plugins
-from harness.study.study import Experiment, Study, Trial
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.accuracy import run_trial
 from reports.html import rendered

@@ -20,7 +20,8 @@ from harness.store.record import Measurement, Record
 from harness.store.store import Store
 from harness.study import plugins
 from harness.study.catalogue import describe_case, describe_engine
-from harness.study.study import Experiment, Study
+from harness.study.experiment import Experiment
+from harness.study.study import Study
 from harness.trial.accuracy import run_trial
 from reports.html import rendered
 from tests.run_folder import write_run_folder

@@ -10,8 +10,9 @@ __all__ = ["failures"]
 
 def failures(store: "Store", audited: bool) -> list[str]:
     """What the gate is about: our own engine's checks on the tuned track and its determinism, and the audit of effects."""
+    from harness.findings.effects_audit import JUDGE, audit
     from harness.findings.tables import determinism
-    from harness.findings.tables.effects import JUDGE, audit, rows
+    from harness.findings.tables.effects import rows
 
     ours = [name for name, row in store.catalogue["engines"].items() if row["ours"]]
     # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.

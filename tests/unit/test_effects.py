@@ -13,7 +13,8 @@ from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.case import Case, Check
 from harness.case.alteration import EVERYTHING, FINER, Alteration
 from harness.conformance.faults.plant import Wrapped, plant
-from harness.findings.tables.effects import NOT_JUDGED, Verdict, audit, rows, savings, sentences, verdicts
+from harness.findings.effects_audit import NOT_JUDGED, audit, savings
+from harness.findings.tables.effects import Verdict, rows, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
 from harness.run.campaign import carry_out
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from harness.findings.emulations import whose
 from harness.findings.prices import PER_SECOND, Price
+from harness.study.track_label import track_of
 from reports.costs import titled
 from reports.disputes import disputed
 from reports.text import amount, duration, power
@@ -119,7 +120,7 @@ def entry(price: Price) -> Entry:
 
 def marked(store: "Store", price: Price) -> Entry:
     """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
-    law = whose(store.catalogue, price.engine, price.case, price.track.partition(",")[0])
+    law = whose(store.catalogue, price.engine, price.case, track_of(price.track))
     against = disputed(store, price.engine, price.case)
     plain = entry(price)
     hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", against) if word)
@@ -132,10 +133,9 @@ def _outside(price: Price) -> Entry:
     hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {price.track}"
     trend = ""
     if price.foreseen_dt is not None:
-        trend = f"trend: {amount(1e3 * price.foreseen_dt, 2)} ms"
-        hint += (
-            f"; {price.foreseen_track}, of order {amount(price.foreseen_order, 2)}, would at {trend.removeprefix('trend: ')}"
-        )
+        foreseen = f"{amount(1e3 * price.foreseen_dt, 2)} ms"
+        trend = f"trend: {foreseen}"
+        hint += f"; {price.foreseen_track}, of order {amount(price.foreseen_order, 2)}, would at {foreseen}"
     else:
         hint += "; of no setting does the error shrink steadily with the step"
     return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)

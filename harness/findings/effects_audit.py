@@ -14,6 +14,7 @@ __all__ = [
     "AS_IT_IS",
     "JUDGE",
     "NOT_JUDGED",
+    "TOGETHER",
     "UNANSWERED",
     "Audit",
     "Saving",
@@ -27,6 +28,8 @@ __all__ = [
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
 NOT_JUDGED = "not judged"
+TOGETHER = ", "
+"""Between the names in the cell of a row whose effects were left out together."""
 AS_IT_IS = "as it is"
 UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
 """Statuses that stand as verdicts where a run gave no answer."""
@@ -150,7 +153,7 @@ def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
 def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
     """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
     mine = [row for row in rows if (row["case"], row["where"]) == scene]
-    together = [row["effect"].split(", ") for row in mine if row["verdict"] == "left out together"]
+    together = [row["effect"].split(TOGETHER) for row in mine if row["verdict"] == "left out together"]
     single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
     idle: list[str] = max(together + single, key=len, default=[])
     return f"Proposed for {' '.join(scene).strip()}: narrow = {json.dumps(idle)}." if idle else ""

@@ -164,7 +164,8 @@ def review(
 def _ended(journal: Journal, folder: Path) -> list[str]:
     """Whether the journal lost lines at its end, as far as machine.json can tell."""
     try:
-        return [*ends_early(journal.written, read_plain(folder / "machine.json"))]
+        early = ends_early(journal.written, read_plain(folder / "machine.json"))
+        return [f"{journal.written.path}: {early}"] if early else []
     except StoreError as error:
         return [str(error)]
 

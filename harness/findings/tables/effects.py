@@ -9,7 +9,17 @@ from typing import Any
 import pandas as pd
 
 from harness.case.alteration import EVERYTHING, REFINED
-from harness.findings.effects_audit import AS_IT_IS, JUDGE, NOT_JUDGED, audit, named_scene, proposed, savings, scenes_of
+from harness.findings.effects_audit import (
+    AS_IT_IS,
+    JUDGE,
+    NOT_JUDGED,
+    TOGETHER,
+    audit,
+    named_scene,
+    proposed,
+    savings,
+    scenes_of,
+)
 from harness.findings.where import differing, in_words
 from harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
 from harness.statistics.ratio import Ratio, ratio
@@ -72,9 +82,9 @@ def verdicts(store: Store) -> tuple[Verdict, ...]:
 
 def _verdicts(store: Store) -> Iterator[Verdict]:
     trials = store.trials
-    altered = set(trials.loc[trials["alteration"].str.contains(EVERYTHING, regex=False), "experiment"])
+    trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
+    altered = set(trials.loc[trials["departure"] == EVERYTHING, "experiment"])
     part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
-    part = part.assign(departure=[json.loads(text).get("name", "") for text in part["alteration"]])
     samples = _sampled(store)
     for case, cells in part.groupby("case", sort=False):
         named = _where(cells["parameters"], store.catalogue["cases"][case]["parameters"])
@@ -150,15 +160,18 @@ def _of_side(
     doubt = "" if scale is None else f"{engine}: {scale.doubt}"
     said = [str(text) for text in json.loads(plain.warnings)]
 
-    def row(effect: str, run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = "") -> Verdict:
+    def row(
+        effect: str | Sequence[str], run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = ""
+    ) -> Verdict:
+        effects = (effect,) if isinstance(effect, str) else tuple(effect)
         return Verdict(
             case=plain.case,
             where=where,
             engine=engine,
             track=track,
-            effect=effect,
-            declared=all(one in declared for one in effect.split(", ")),
-            insists=str(insists.get(effect, "")),
+            effect=TOGETHER.join(effects),
+            declared=declared.issuperset(effects),
+            insists=str(insists.get(TOGETHER.join(effects), "")),
             moved=None if found is None else found.moved,
             own=None if found is None else found.own,
             matters=None if found is None else found.matters,
@@ -182,7 +195,7 @@ def _of_side(
         if name in ("", *REFINED) or (departed.widen and effects[0] in surplus):
             continue  # what cannot be switched off is told by its notice, below
         if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
-            yield row(", ".join(effects) or name, run, None, run.status, None, run.reason)
+            yield row(effects or name, run, None, run.status, None, run.reason)
             continue
         found = weighed(departed, matters(store, plain, run, scale), plain, run, declared)
         if name == EVERYTHING:
@@ -193,7 +206,7 @@ def _of_side(
         own = _Need(None) if found is None else _Need(found.matters, doubt if found.matters is None else "")
         if len(effects) > 1:
             verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"
-            yield row(", ".join(effects), run, found, verdict, price, own.doubt)
+            yield row(effects, run, found, verdict, price, own.doubt)
             continue
         (effect,) = effects
         need = needed.get(effect, own)
@@ -252,20 +265,19 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What leaving effects out saves, engine by engine, and what the audit says."""
-    found = []
-    for one in savings(rows):
-        added = "" if one.summed is None else f"; a simulated second of each, added up, {one.summed:.3g} times"
-        found.append(
-            f"{one.engine}: a step with everything on costs {one.mean:.3g} times that of the scene as it is "
-            f"(geometric mean over {one.scenes} scenes, {one.low:.3g} to {one.high:.3g}{added})."
+def sentences(rows: Sequence[Mapping[str, Any]], *, accusing: bool = True) -> list[str]:
+    """What leaving effects out saves, engine by engine, and what the audit says; accusing: of each scene that fails it too."""
+    said = []
+    for saving in savings(rows):
+        added = "" if saving.summed is None else f"; a simulated second of each, added up, {saving.summed:.3g} times"
+        said.append(
+            f"{saving.engine}: a step with everything on costs {saving.mean:.3g} times that of the scene as it is "
+            f"(geometric mean over {saving.scenes} scenes, {saving.low:.3g} to {saving.high:.3g}{added})."
         )
-    told = audit(rows)
-    if told.scenes:
-        beside = f"; {told.in_doubt} more are not judged in full" if told.in_doubt else ""
-        found.append(
-            f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}{beside}."
-        )
-    found += [f"Audit: {sentence}." for sentence in (*told.sentences, *told.doubts)]
-    return found + [proposal for scene in scenes_of(told.failed) if (proposal := proposed(scene, told.judged))]
+    audited = audit(rows)
+    if audited.scenes:
+        beside = f"; {audited.in_doubt} more are not judged in full" if audited.in_doubt else ""
+        counts = f"{audited.clean} of {audited.scenes} scenes"
+        said.append(f"Audit: {counts} call for exactly what they need, judged on {audited.judge}{beside}.")
+    said += [f"Audit: {sentence}." for sentence in (*(audited.sentences if accusing else ()), *audited.doubts)]
+    return said + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]

@@ -4,7 +4,7 @@ from harness.adapter import Adapter, Feature, Settings
 from harness.conformance.check import Comparison, ConformanceCheck, Finding, judge, near
 from harness.conformance.checks.contact.contacts import SOFT_REBOUND
 from harness.conformance.runs import COARSE, FINE, built, state_of
-from harness.conformance.scenes import TURNED, G, ball, block, floor, free, ground
+from harness.conformance.scenes import TURNED, G, ball, block, damped, floor, free, ground
 from harness.scene import WORLD, Drive, Effect, Prismatic, Scene
 from harness.trajectory import State
 
@@ -85,14 +85,14 @@ def _drives(adapter: Adapter, settings: Settings) -> Finding:
 
 
 def _linear_damping(adapter: Adapter, settings: Settings) -> Finding:
-    body = free(v=(1.0, 0.0, 0.0), linear_damping=3.0)
+    body = damped(free(v=(1.0, 0.0, 0.0)), linear=3.0)
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.LINEAR_DAMPING)
     end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("v_x without damping [m/s]", end.v_WB[0, 0], 1.0, 0.05), Effect.LINEAR_DAMPING, warnings)
 
 
 def _angular_damping(adapter: Adapter, settings: Settings) -> Finding:
-    body = free(w=(0.0, 1.0, 0.0), angular_damping=3.0)
+    body = damped(free(w=(0.0, 1.0, 0.0)), angular=3.0)
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.ANGULAR_DAMPING)
     end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("w_y without damping [rad/s]", end.w_WB[0, 1], 1.0, 0.05), Effect.ANGULAR_DAMPING, warnings)

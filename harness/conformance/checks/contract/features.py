@@ -10,7 +10,7 @@ import numpy as np
 from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
 from harness.conformance.check import ConformanceCheck, Finding, judge, that
 from harness.conformance.runs import built
-from harness.conformance.scenes import ball, block, free, ground, static
+from harness.conformance.scenes import ball, block, damped, free, ground, static
 from harness.scene import (
     WORLD,
     Ball,
@@ -183,8 +183,8 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
         Surface(between=_TOUCHING, static_friction=0.5, kinetic_friction=0.5, torsional_friction=0.01)
     ),
     Feature.RESTITUTION: lambda: _surface(Surface(between=_TOUCHING, restitution=0.5)),
-    Feature.LINEAR_DAMPING: lambda: Scene(bodies=(free(linear_damping=0.5),)),
-    Feature.ANGULAR_DAMPING: lambda: Scene(bodies=(free(angular_damping=0.5),)),
+    Feature.LINEAR_DAMPING: lambda: Scene(bodies=(damped(free(), linear=0.5),)),
+    Feature.ANGULAR_DAMPING: lambda: Scene(bodies=(damped(free(), angular=0.5),)),
     Feature.CONTINUOUS_COLLISION: lambda: Scene(
         bodies=(static("ground", Box(half_extents=(2.0, 2.0, 0.01))), ball(p=(0.0, 0.0, 1.0), v=(0.0, 0.0, -300.0))),
         surfaces=(ground(),),

@@ -8,7 +8,7 @@ from harness.adapter import Adapter, Feature, Settings, SettingsError
 from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
 from harness.conformance.exact import angle_between, turning
 from harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, state_of
-from harness.conformance.scenes import TURNED, G, block, free, on_ground, without_gravity
+from harness.conformance.scenes import TURNED, G, block, damped, free, on_ground, without_gravity
 from harness.scene import Scene, axis_angle
 
 __all__ = ["CHECKS"]
@@ -110,7 +110,7 @@ def _gyroscopic_term_is_present(adapter: Adapter, settings: Settings) -> Finding
 
 def _linear_damping_law(adapter: Adapter, settings: Settings) -> Finding:
     c, v, t = 2.0, 3.0, 0.5
-    end = final(adapter, without_gravity(free(v=(v, 0.0, 0.0), linear_damping=c)), settings.with_dt(COARSE), t)
+    end = final(adapter, without_gravity(damped(free(v=(v, 0.0, 0.0)), linear=c)), settings.with_dt(COARSE), t)
     expected = v * np.exp(-c * t)
     within = 1.2 * expected * c * c * t * COARSE / 2 + ROUNDING
     return judge(near("v_WB under v' = -c v [m/s]", end.v_WB[0], (expected, 0, 0), within, "(1 - c dt)^n errs by c^2 t dt/2"))
@@ -118,7 +118,7 @@ def _linear_damping_law(adapter: Adapter, settings: Settings) -> Finding:
 
 def _angular_damping_law(adapter: Adapter, settings: Settings) -> Finding:
     c, w, t = 2.0, 3.0, 0.5
-    end = final(adapter, without_gravity(free(w=(0.0, w, 0.0), angular_damping=c)), settings.with_dt(COARSE), t)
+    end = final(adapter, without_gravity(damped(free(w=(0.0, w, 0.0)), angular=c)), settings.with_dt(COARSE), t)
     expected = w * np.exp(-c * t)
     within = 1.2 * expected * c * c * t * COARSE / 2 + ROUNDING
     return judge(near("w_WB under w' = -c w [rad/s]", end.w_WB[0], (0, expected, 0), within, "(1 - c dt)^n errs by c^2 t dt/2"))

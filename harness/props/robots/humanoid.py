@@ -10,7 +10,7 @@ gains are our own, of the order of humanoid robots.
 import math
 from dataclasses import dataclass, replace
 
-from harness.props.machines.machine import MATERIAL, Machine, hinge, inertia_of
+from harness.props.robots.robot import MATERIAL, Robot, hinge, inertia_of
 from harness.scene import (
     Body,
     Box,
@@ -225,8 +225,8 @@ def _trunk(hips: float, s: float) -> tuple[list[Body], list[Revolute], Vector3]:
     return bodies, hinges, shoulders
 
 
-def humanoid(stiffness: float = 1.0) -> Machine:
-    """The machine over the origin, facing +x, its soles on z = 0.
+def humanoid(stiffness: float = 1.0) -> Robot:
+    """The robot over the origin, facing +x, its soles on z = 0.
 
     Args: stiffness: what all stiffnesses of DRIVES are multiplied by; dampings by its root, so that damping ratios stay.
     """
@@ -239,7 +239,7 @@ def humanoid(stiffness: float = 1.0) -> Machine:
         ):
             bodies += parts
             hinges += joints
-    standing = Machine(bodies=tuple(bodies), hinges=tuple(hinges), soles={})
+    standing = Robot(bodies=tuple(bodies), hinges=tuple(hinges), soles={})
     # The ground's force has to pass below the centre of mass, and is taken to act below the ankle's middle across.
     below = float(standing.centre[0])
     soles: dict[str, Vector3] = {f"{side} foot": (below, way * HIPS, 0.0) for side, way in (("left", 1.0), ("right", -1.0))}

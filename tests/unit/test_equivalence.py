@@ -12,7 +12,7 @@ from harness.adapter import Diverged, Settings, Unsupported
 from harness.case import Case
 from harness.case.symmetries import Retelling, in_motion, moved, reordered, repeated, restored, scaled, turned
 from harness.metric import NotMeasurable
-from harness.metrics.retelling import AGREEING_SAMPLES, ATTITUDE_DIFFERENCE, DIFFERENCE, METRIC, POSITION_DIFFERENCE
+from harness.metrics.equivalence import AGREEING_SAMPLES, ATTITUDE_DIFFERENCE, DIFFERENCE, METRIC, POSITION_DIFFERENCE
 from harness.props.regular_motions import stage
 from harness.scene import WORLD, Ball, Body, Revolute, Scene, Spring, axis_angle
 from harness.study import plugins
@@ -20,7 +20,7 @@ from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.trajectory import Contacts, Floats, State, Trajectory
 from harness.trajectory.kinematics import angle_between
-from harness.trial.retold import retell
+from harness.trial.equivalent_runs import equivalent_streams
 from harness.trial.simulate import simulate
 
 DT, DURATION = 0.01, 0.5
@@ -116,7 +116,7 @@ def told(name: str, fault: str = "") -> tuple[Scene, Trajectory]:
     )  # fmt: skip
     assert broke is None
     maker._made = 1
-    streams, _ = retell(TELLINGS[name](scene), maker, settings, DURATION, 2 * DT)  # type: ignore[arg-type]
+    streams, _ = equivalent_streams(TELLINGS[name](scene), maker, settings, DURATION, 2 * DT)  # type: ignore[arg-type]
     return scene, replace(run, streams=streams)
 
 

@@ -1,6 +1,6 @@
-"""The ground that machines stand on."""
+"""The ground that robots stand on."""
 
-from harness.props.machines.machine import MATERIAL
+from harness.props.robots.robot import MATERIAL
 from harness.scene import Body, Box, PlacedShape, Surface
 
 __all__ = ["floor", "grip"]
@@ -25,5 +25,5 @@ def floor() -> Body:
 
 
 def grip(friction: float) -> Surface:
-    """The friction of the ground under the parts of a machine."""
+    """The friction of the ground under the parts of a robot."""
     return Surface(between=("ground", MATERIAL), static_friction=friction, kinetic_friction=friction)

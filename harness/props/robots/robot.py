@@ -1,7 +1,7 @@
-"""A machine: a tree of bodies, the driven hinges between them, and the points of its soles.
+"""A robot: a tree of bodies, the driven hinges between them, and the points of its soles.
 
 Its drives are PD drives. A drive without load holds its joint at the target; one with load gives way by torque over stiffness.
-`bearing` moves every target by that much, so that the pose in which a machine is described is its equilibrium, exactly, at any
+`bearing` moves every target by that much, so that the pose in which a robot is described is its equilibrium, exactly, at any
 stiffness: what moves in it afterwards is not its weight.
 """
 
@@ -13,14 +13,14 @@ import numpy as np
 from harness.scene import Body, Drive, Matrix3, Revolute, Vector3, principal_inertia
 from harness.trajectory import Floats
 
-__all__ = ["MATERIAL", "Machine", "bearing", "copy_of", "hinge", "inertia_of", "loads"]
+__all__ = ["MATERIAL", "Robot", "bearing", "copy_of", "hinge", "inertia_of", "loads"]
 
 MATERIAL = "machine"
-"""The material of every part; a scene keeps it apart from itself, so that parts of one machine do not touch."""
+"""The material of every part; a scene keeps it apart from itself, so that parts of one robot do not touch."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Machine:
+class Robot:
     """Bodies in a pose at rest, hinges that all have a drive, and where each foot bears.
 
     Terms:
@@ -70,47 +70,47 @@ def hinge(parent: str, child: str, anchor: Vector3, axis: Vector3, drive: Drive,
     )
 
 
-def loads(machine: Machine, gravity: Vector3) -> dict[str, Vector3]:
-    """The force [N] of the ground on each foot, at its sole, that holds the machine: of all such the most even one.
+def loads(robot: Robot, gravity: Vector3) -> dict[str, Vector3]:
+    """The force [N] of the ground on each foot, at its sole, that holds the robot: of all such the most even one.
 
     Raises: ValueError where its weight does not lie over its soles.
     """
-    points = np.array(list(machine.soles.values()))
-    weight = machine.mass * np.array(gravity)
+    points = np.array(list(robot.soles.values()))
+    weight = robot.mass * np.array(gravity)
     up = -weight / np.linalg.norm(weight)
-    arms = np.cross(points - machine.centre, up)
+    arms = np.cross(points - robot.centre, up)
     balance = np.vstack([np.ones(len(points)), arms.T])
     wanted = np.array([np.linalg.norm(weight), 0.0, 0.0, 0.0])
     shares = np.linalg.lstsq(balance, wanted, rcond=None)[0]
     if np.abs(balance @ shares - wanted).max() > 1e-9 * wanted[0] or (shares < 0).any():
-        raise ValueError(f"machine: centre of mass {machine.centre.tolist()} m does not lie over its soles {points.tolist()}")
-    return {name: tuple((share * up).tolist()) for name, share in zip(machine.soles, shares, strict=True)}
+        raise ValueError(f"machine: centre of mass {robot.centre.tolist()} m does not lie over its soles {points.tolist()}")
+    return {name: tuple((share * up).tolist()) for name, share in zip(robot.soles, shares, strict=True)}
 
 
-def bearing(machine: Machine, gravity: Vector3) -> Machine:
-    """The same machine with targets at which it stands in its pose: target = position + torque / stiffness.
+def bearing(robot: Robot, gravity: Vector3) -> Robot:
+    """The same robot with targets at which it stands in its pose: target = position + torque / stiffness.
 
     The torque of a hinge balances the moments about its axis of all weights and ground forces beyond it.
 
     Raises: as `loads`.
     Source: equilibrium of a rigid body and of each part of it (Meriam and Kraige, Engineering Mechanics: Statics, chapter 4).
     """
-    ground = loads(machine, gravity)
+    ground = loads(robot, gravity)
     held = []
-    for joint in machine.hinges:
+    for joint in robot.hinges:
         moment = np.zeros(3)
-        for body in machine.beyond(joint):
+        for body in robot.beyond(joint):
             moment += np.cross(np.subtract(body.p_WB, joint.anchor_W), body.mass * np.array(gravity))
             if body.name in ground:
-                moment += np.cross(np.subtract(machine.soles[body.name], joint.anchor_W), ground[body.name])
+                moment += np.cross(np.subtract(robot.soles[body.name], joint.anchor_W), ground[body.name])
         assert joint.drive is not None
         give = -float(moment @ np.array(joint.axis_W)) / joint.drive.stiffness
         held.append(replace(joint, drive=replace(joint.drive, target=joint.position + give)))
-    return replace(machine, hinges=tuple(held))
+    return replace(robot, hinges=tuple(held))
 
 
-def copy_of(machine: Machine, name: str, way: Vector3) -> Machine:
-    """The same machine `way` [m] further, with `name` before the name of each part."""
+def copy_of(robot: Robot, name: str, way: Vector3) -> Robot:
+    """The same robot `way` [m] further, with `name` before the name of each part."""
 
     def moved(point: Vector3) -> Vector3:
         return (point[0] + way[0], point[1] + way[1], point[2] + way[2])
@@ -118,8 +118,8 @@ def copy_of(machine: Machine, name: str, way: Vector3) -> Machine:
     def named(part: str) -> str:
         return f"{name} {part}"
 
-    return Machine(
-        bodies=tuple(replace(body, name=named(body.name), p_WB=moved(body.p_WB)) for body in machine.bodies),
+    return Robot(
+        bodies=tuple(replace(body, name=named(body.name), p_WB=moved(body.p_WB)) for body in robot.bodies),
         hinges=tuple(
             replace(
                 joint,
@@ -128,7 +128,7 @@ def copy_of(machine: Machine, name: str, way: Vector3) -> Machine:
                 child=named(joint.child),
                 anchor_W=moved(joint.anchor_W),
             )
-            for joint in machine.hinges
+            for joint in robot.hinges
         ),
-        soles={named(foot): moved(point) for foot, point in machine.soles.items()},
+        soles={named(foot): moved(point) for foot, point in robot.soles.items()},
     )

@@ -6,7 +6,7 @@ legs of 0.21 m and 0.18 m; Hutter et al., ANYmal, IROS 2016: 30 kg); the numbers
 
 import math
 
-from harness.props.machines.machine import MATERIAL, Machine, hinge
+from harness.props.robots.robot import MATERIAL, Robot, hinge
 from harness.scene import (
     Body,
     Box,
@@ -55,8 +55,8 @@ def _bone(name: str, mass: float, top: Vector3, turn: float, foot: bool) -> Body
     )
 
 
-def quadruped(stiffness: float = STIFFNESS, damping: float = DAMPING) -> Machine:
-    """The machine over the origin, facing +x, its feet on z = 0, with drives of `stiffness` and `damping`."""
+def quadruped(stiffness: float = STIFFNESS, damping: float = DAMPING) -> Robot:
+    """The robot over the origin, facing +x, its feet on z = 0, with drives of `stiffness` and `damping`."""
     drive = Drive(stiffness=stiffness, damping=damping)
     height = 2 * LEG * math.cos(CROUCH) + FOOT
     trunk = PlacedShape(shape=Box(half_extents=TRUNK_HALF))
@@ -95,4 +95,4 @@ def quadruped(stiffness: float = STIFFNESS, damping: float = DAMPING) -> Machine
                 hinge(f"{leg} thigh", f"{leg} shank", knee, (0.0, 1.0, 0.0), drive, -2 * CROUCH),
             ]
             soles[f"{leg} shank"] = (x, top[1], 0.0)
-    return Machine(bodies=tuple(bodies), hinges=tuple(hinges), soles=soles)
+    return Robot(bodies=tuple(bodies), hinges=tuple(hinges), soles=soles)

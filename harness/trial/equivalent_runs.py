@@ -11,11 +11,11 @@ from harness.case.symmetries import Retelling
 from harness.trajectory import Floats, Trajectory
 from harness.trial.simulate import simulate, steps_between_samples
 
-__all__ = ["retell", "told_run"]
+__all__ = ["equivalent_run", "equivalent_streams"]
 
 
-def retell(
-    told: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float
+def equivalent_streams(
+    retelling: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float
 ) -> tuple[dict[str, Floats], tuple[str, ...]]:
     """Streams '<name>/time', '/p_WB' (k, n, 3), '/q_WB' (k, n, 4), '/v_WB' and '/w_WB' (k, n, 3); and what there is to say.
 
@@ -24,34 +24,38 @@ def retell(
     Args: duration, sample_interval [s] of the case.
     """
     try:
-        run, broke = told_run(told, adapter, settings, duration, sample_interval)
+        run, broke = equivalent_run(retelling, adapter, settings, duration, sample_interval)
     except Unsupported as error:
-        return {}, (f"{told.name}: not told: {error}",)
+        return {}, (f"{retelling.name}: not told: {error}",)
     except Diverged as error:
-        return {}, (f"{told.name}: diverged before it could be told: {error}",)
+        return {}, (f"{retelling.name}: diverged before it could be told: {error}",)
     states = {name: getattr(run, name) for name in ("p_WB", "q_WB", "v_WB", "w_WB")}
     time = run.time
     if broke is not None:
         time = np.append(time, time[-1:] + max(sample_interval, settings.dt))
         states = {name: np.concatenate([part, np.full((1, *part.shape[1:]), np.nan)]) for name, part in states.items()}
-    streams = {f"{told.name}/{name}": part for name, part in (("time", time), *states.items())}
-    return streams, () if broke is None else (f"{told.name}: diverged {broke}",)
+    streams = {f"{retelling.name}/{name}": part for name, part in (("time", time), *states.items())}
+    return streams, () if broke is None else (f"{retelling.name}: diverged {broke}",)
 
 
-def told_run(
-    told: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float
+def equivalent_run(
+    retelling: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float
 ) -> tuple[Trajectory, str | None]:
     """The motion of a retelling in the words of the first telling and, where it diverged, when and how.
 
     Raises: Unsupported; Diverged: before there is anything to tell.
     """
-    dt, clock = settings.dt, told.clock
-    simulation = cast(Simulation, Answering(adapter.build(told.scene, settings.with_dt(dt * clock)), told.scene))
+    dt, clock = settings.dt, retelling.clock
+    simulation = cast(Simulation, Answering(adapter.build(retelling.scene, settings.with_dt(dt * clock)), retelling.scene))
     try:
-        since = 0.0 if told.restored_at is None else _taken_back(simulation, told.restored_at, duration, sample_interval, dt)
+        since = (
+            0.0
+            if retelling.restored_at is None
+            else _taken_back(simulation, retelling.restored_at, duration, sample_interval, dt)
+        )
         run, broke = simulate(
             simulation,
-            told.scene,
+            retelling.scene,
             dt=dt * clock,
             duration=(duration - since) * clock,
             sample_interval=sample_interval * clock,
@@ -60,7 +64,7 @@ def told_run(
         )
     finally:
         simulation.close()
-    made = told.back(run)
+    made = retelling.back(run)
     return replace(made, time=made.time + since), broke
 
 

@@ -1,4 +1,4 @@
-"""Bad input is refused at the door, with element, field and value; a run that diverges says in which step."""
+"""Bad input is refused with element, field and value; a run that diverges says in which step."""
 
 import math
 import re

@@ -86,4 +86,4 @@ def run_conformance(
 def gate(outcomes: Iterable[Outcome]) -> bool:
     """May this adapter be scored? Every outcome is passed, not applicable, or failing as declared; and there is one at all."""
     seen = tuple(outcomes)
-    return bool(seen) and all(one.status in {"passed", "known", "not_applicable"} for one in seen)
+    return bool(seen) and all(outcome.status in {"passed", "known", "not_applicable"} for outcome in seen)

@@ -108,7 +108,10 @@ def half_a_capsule(scene: Scene) -> Scene:
                 return placed
 
     return replace(
-        scene, bodies=tuple(replace(body, collision=tuple(halved(one) for one in body.collision)) for body in scene.bodies)
+        scene,
+        bodies=tuple(
+            replace(body, collision=tuple(halved(placed_shape) for placed_shape in body.collision)) for body in scene.bodies
+        ),
     )
 
 

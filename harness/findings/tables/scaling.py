@@ -66,20 +66,20 @@ class Scaling:
     @cached_property
     def _values(self) -> Mapping[str, Mapping[str, float]]:
         """Metric values by trial; of a metric that is checked twice the first."""
-        found: dict[str, dict[str, float]] = {}
+        by_trial: dict[str, dict[str, float]] = {}
         table = self._store.measurements
         for trial, metric, value in zip(table["trial"], table["metric"], table["value"], strict=True):
-            found.setdefault(trial, {}).setdefault(metric, value)
-        return found
+            by_trial.setdefault(trial, {}).setdefault(metric, value)
+        return by_trial
 
     @cached_property
     def _samples(self) -> Mapping[str, Mapping[tuple[int, int], Mapping[str, Any]]]:
         """Samples by trial and (process, block)."""
-        found: dict[str, dict[tuple[int, int], Mapping[str, Any]]] = {}
+        by_trial: dict[str, dict[tuple[int, int], Mapping[str, Any]]] = {}
         for s in self._store.samples.to_dict("records"):
             units = int(s["units"]) if pd.notna(s.get("units")) else 1
-            found.setdefault(s["trial"], {})[s["process"], s["block"]] = s | {"units": units}
-        return found
+            by_trial.setdefault(s["trial"], {})[s["process"], s["block"]] = s | {"units": units}
+        return by_trial
 
     def _own(self, case: str) -> Mapping[str, Any]:
         """The parameters that a case has of itself."""
@@ -88,23 +88,25 @@ class Scaling:
 
     def _groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """Trials that were clocked together: one case at one set of parameters and one time step."""
-        for (case, _), part in self._store.asked.groupby(["case", "experiment"], sort=False):
-            given = _given(part)
+        for (case, _), trials in self._store.asked.groupby(["case", "experiment"], sort=False):
+            given = _given(trials)
             swept = differing(given, self._own(case))
-            where = [", ".join(_named(name, one.get(name)) for name in swept) for one in given]
-            keyed = part.assign(where=where, given=given, size=[[_size(one.get(name)) for name in swept] for one in given])
-            for (place, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
-                yield case, place, group
+            where = [", ".join(_named(name, parameters.get(name)) for name in swept) for parameters in given]
+            keyed = trials.assign(
+                where=where, given=given, size=[[_size(parameters.get(name)) for name in swept] for parameters in given]
+            )
+            for (beside, _), group in keyed.sort_values("size", kind="stable").groupby(["where", "dt"], sort=False):
+                yield case, beside, group
 
     @cached_property
     def costs(self) -> tuple[Cost, ...]:
         """All rows, scene by scene; within a scene engine by engine, each from the cheapest setting to the dearest."""
-        found: list[Cost] = []
+        priced: list[Cost] = []
         for case, where, group in self._groups():
             rows = [self._cost(case, where, row) for row in group.to_dict("records")]
             if any(row.cpu is not None for row in rows):
-                found += rows if any(row.beside for row in rows) else self._compared(rows)
-        return tuple(self._beside(found))
+                priced += rows if any(row.beside for row in rows) else self._compared(rows)
+        return tuple(self._beside(priced))
 
     def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
         values = self._values.get(row["trial"], {})
@@ -198,13 +200,13 @@ class Scaling:
     @cached_property
     def sweeps(self) -> tuple[Sweep, ...]:
         """The rows along each numeric parameter that was run at three values or more while the others were kept."""
-        found: dict[tuple[str, str, str, str, float], list[Cost]] = {}
+        along: dict[tuple[str, str, str, str, float], list[Cost]] = {}
         for row in self.costs:
             for name, value in row.parameters.items() if not row.beside else ():
                 if row.cpu is not None and isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
                     others = {n: v for n, v in row.parameters.items() if n != name}
                     key = (row.case, json.dumps(others, sort_keys=True), row.unit, name, row.dt)
-                    found.setdefault(key, []).append(row)
+                    along.setdefault(key, []).append(row)
         return tuple(
             whole(
                 Sweep(
@@ -215,7 +217,7 @@ class Scaling:
                     rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
                 )
             )
-            for (case, others, unit, name, _), rows in found.items()
+            for (case, others, unit, name, _), rows in along.items()
             if len({row.parameters[name] for row in rows}) >= FEWEST
         )
 
@@ -232,21 +234,21 @@ class Scaling:
     def rows(self) -> list[dict[str, Any]]:
         """Flat rows with COLUMNS."""
         blank = dict.fromkeys(COLUMNS)
-        found = []
+        flat = []
         for cost in self.costs:
             row = {name: value for name, value in asdict(cost).items() if name in COLUMNS and not isinstance(value, dict)}
             for name in ("to_fastest", "to_ours", "to_plain", "efficiency"):
-                one: Ratio | None = getattr(cost, name)
-                if one is not None:
-                    row |= {name: one.value, f"{name}_low": one.low, f"{name}_high": one.high}
+                compared: Ratio | None = getattr(cost, name)
+                if compared is not None:
+                    row |= {name: compared.value, f"{name}_low": compared.low, f"{name}_high": compared.high}
             prices = {"cpu_s": cost.cpu, "cpu_low_s": cost.low, "cpu_high_s": cost.high}
             named = {"penetration_m": cost.penetration, "residual_m_s": cost.residual, "rate_per_s": cost.rate}
-            found.append(blank | row | prices | {"row": "cost"} | named)
+            flat.append(blank | row | prices | {"row": "cost"} | named)
         for fit in self.exponents:
             row = {name: getattr(fit, name) for name in ("case", "engine", "track", "unit", "exponent")}
             where = ", ".join(filter(None, (fit.where, f"{fit.parameter} from {fit.start:g} to {fit.end:g}")))
-            found.append(blank | row | {"row": "exponent", "where": where, "exponent_low": fit.low, "exponent_high": fit.high})
-        return found
+            flat.append(blank | row | {"row": "exponent", "where": where, "exponent_low": fit.low, "exponent_high": fit.high})
+        return flat
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
@@ -297,12 +299,14 @@ def _named(name: str, value: Any) -> str:
     return value if isinstance(value, str) else f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
 
 
-def _given(part: pd.DataFrame) -> list[dict[str, Any]]:
+def _given(trials: pd.DataFrame) -> list[dict[str, Any]]:
     """The parameters of trials; two more say what was clocked and in how many processes, where that is not the plain step."""
-    given: list[dict[str, Any]] = [json.loads(text) for text in part["parameters"]]
+    given: list[dict[str, Any]] = [json.loads(text) for text in trials["parameters"]]
     for name, column, plain in (("clocked", "clocks", "work"), ("workers", "workers", 1)):
-        if column in part and (part[column] != plain).any():
-            given = [one | {name: CLOCKED.get(value, value)} for one, value in zip(given, part[column], strict=True)]
+        if column in trials and (trials[column] != plain).any():
+            given = [
+                parameters | {name: CLOCKED.get(value, value)} for parameters, value in zip(given, trials[column], strict=True)
+            ]
     return given
 
 

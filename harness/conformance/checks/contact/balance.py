@@ -65,7 +65,7 @@ def _sliding_contact_is_on_its_cone(adapter: Adapter, settings: Settings) -> Fin
 
     It slides until 2 v/(7 mu g) = .1 s; judged are the steps in contact of the first 60 ms.
     """
-    found = []
+    comparisons = []
     for mu in (0.2, 0.8):
         scene = on_ground(adapter, ball(v=(3.0, 0.0, 0.0)), friction=mu)
         across, normal = np.zeros(3), 0.0
@@ -76,10 +76,10 @@ def _sliding_contact_is_on_its_cone(adapter: Adapter, settings: Settings) -> Fin
                 along = (got.force_W * got.normal_W).sum(axis=1)
                 across += (got.force_W - along[:, None] * got.normal_W).sum(axis=0)
                 normal += float(along.sum())
-        found.append(that(normal > 0, f"normal force at mu {mu}: got {normal:.3g} N, expected above 0"))
+        comparisons.append(that(normal > 0, f"normal force at mu {mu}: got {normal:.3g} N, expected above 0"))
         share = across / normal if normal > 0 else np.full(3, np.nan)
-        found.append(near(f"friction over normal force at mu {mu}", share, (-mu, 0, 0), 1.5e-3 * mu, "half of .3 %"))
-    return judge(*found)
+        comparisons.append(near(f"friction over normal force at mu {mu}", share, (-mu, 0, 0), 1.5e-3 * mu, "half of .3 %"))
+    return judge(*comparisons)
 
 
 CHECKS = (

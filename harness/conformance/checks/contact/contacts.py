@@ -39,18 +39,20 @@ def _contact_forces_carry_the_weight(adapter: Adapter, settings: Settings) -> Fi
 
 
 def _contact_normal_points_from_A_to_B(adapter: Adapter, settings: Settings) -> Finding:
-    found: list[Comparison] = []
+    comparisons: list[Comparison] = []
     for how, first, up in (("ground first", True, 1.0), ("ground last", False, -1.0)):
         got = _supported(adapter, settings, ground_first=first)
-        found.append(that(len(got) > 0, f"{how}: got no contact, expected at least one"))
-        found.append(
+        comparisons.append(that(len(got) > 0, f"{how}: got no contact, expected at least one"))
+        comparisons.append(
             that(
                 bool((got.body_A == 0).all() and (got.body_B == 1).all()),
                 f"{how}: got pairs {got.body_A}/{got.body_B}, expected 0/1",
             )
         )
-        found.append(near(f"normals, {how}", got.normal_W, np.tile((0.0, 0.0, up), (len(got), 1)), 1e-3, "unit, from A to B"))
-    return judge(*found)
+        comparisons.append(
+            near(f"normals, {how}", got.normal_W, np.tile((0.0, 0.0, up), (len(got), 1)), 1e-3, "unit, from A to B")
+        )
+    return judge(*comparisons)
 
 
 def _gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> Finding:
@@ -90,14 +92,14 @@ def _separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> Findi
 
 
 def _restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
-    speed, found = 2.0, []
+    speed, comparisons = 2.0, []
     for e in (0.5, 0.8):
         dropped = ball(p=(0.0, 0.0, 0.2), v=(0.0, 0.0, -speed))
         scene = on_ground(adapter, dropped, friction=0.0, restitution=e)
         v = record(adapter, scene, settings.with_dt(FINE), 0.15).v_WB[:, 1, 2]
         because = "g dt of 2 m/s is .5 %, a contact of finite stiffness adds up to .03"
-        found.append(near(f"speed after over speed before at e = {e}", v.max() / -v.min(), e, 0.04, because))
-    return judge(*found)
+        comparisons.append(near(f"speed after over speed before at e = {e}", v.max() / -v.min(), e, 0.04, because))
+    return judge(*comparisons)
 
 
 def _mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
@@ -105,7 +107,7 @@ def _mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding
 
     A stiff spring scatters with the phase, by 1 % at e = .8 and by 4 % at .5 where it was tried; the mean of 16 by a quarter.
     """
-    speed, phases, found = 2.0, 16, []
+    speed, phases, comparisons = 2.0, 16, []
     for e, within in ((0.8, 5e-3), (0.5, 1e-2)):
         balls = tuple(
             ball(f"ball{k}", p=(float(k % 4), float(k // 4), 0.11 + k / phases * speed * FINE), v=(0.0, 0.0, -speed))
@@ -113,8 +115,10 @@ def _mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding
         )
         scene = on_ground(adapter, *balls, friction=0.0, restitution=e, gravity=(0.0, 0.0, 0.0))
         v = final(adapter, scene, settings.with_dt(FINE), 0.08).v_WB[1:, 2]
-        found.append(near(f"mean speed after over speed before at e = {e}", v.mean() / speed, e, within * e, f"{within:.1%}"))
-    return judge(*found)
+        comparisons.append(
+            near(f"mean speed after over speed before at e = {e}", v.mean() / speed, e, within * e, f"{within:.1%}")
+        )
+    return judge(*comparisons)
 
 
 def _no_restitution_does_not_bounce(adapter: Adapter, settings: Settings) -> Finding:
@@ -200,16 +204,16 @@ def _stack_stays_up(adapter: Adapter, settings: Settings) -> Finding:
 
 def _continuous_collision(adapter: Adapter, settings: Settings) -> Finding:
     """A ball of 5 cm at 100 m/s against a wall of 1 cm, at five phases of the step of .42 m."""
-    found = []
+    comparisons = []
     for phase in range(5):
         wall = static("wall", Box(half_extents=(0.005, 1.0, 1.0)))
         shot = ball(radius=0.05, p=(-2.0 - 0.083 * phase, 0.0, 0.0), v=(100.0, 0.0, 0.0))
         scene = Scene(bodies=(wall, shot), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0), widen=Effect.CONTINUOUS_COLLISION)
         x = float(final(adapter, scene, settings.with_dt(COARSE), 0.1).p_WB[1, 0])
-        found.append(
+        comparisons.append(
             that(x < 0, f"x of the ball after .1 s at phase {phase}: got {x:.4g} m, expected below 0: the wall stops it")
         )
-    return judge(*found)
+    return judge(*comparisons)
 
 
 def _free_pairs_without_contact(adapter: Adapter, settings: Settings) -> Finding:

@@ -64,11 +64,13 @@ def _pair_surface_is_what_the_scene_says(adapter: Adapter, settings: Settings) -
 
 def _friction_has_its_size(adapter: Adapter, settings: Settings) -> Finding:
     """One material on two grounds at .2 and .8: the law belongs to the pair, not to the sliding body."""
-    found = []
+    comparisons = []
     for mu in (0.2, 0.8):
         scene = on_ground(adapter, block(v=(3.0, 0.0, 0.0)), friction=mu)
-        found.append(near(f"friction of a pair at {mu}", _braking(adapter, settings, scene)[0][0], mu, _WITHIN * mu, "2.5 %"))
-    return judge(*found)
+        comparisons.append(
+            near(f"friction of a pair at {mu}", _braking(adapter, settings, scene)[0][0], mu, _WITHIN * mu, "2.5 %")
+        )
+    return judge(*comparisons)
 
 
 def _pairs_of_moving_bodies(adapter: Adapter, settings: Settings) -> Finding:
@@ -112,16 +114,16 @@ def _friction_is_isotropic(adapter: Adapter, settings: Settings) -> Finding:
 
 
 def _friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> Finding:
-    mu, t, found = 0.5, 0.5, []
+    mu, t, comparisons = 0.5, 0.5, []
     for slope, slides in ((0.4, False), (0.6, True)):
         lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
         end = final(adapter, on_ground(adapter, block(), friction=mu, gravity=lean), settings.with_dt(FINE), t)
         way = (slope - mu) * -lean[2] * t * t / 2 if slides else 0.0
         because = "tan - mu times g cos t^2/2, 5 %" if slides else "it sticks; creep of regularised friction is mm a second"
-        found.append(
+        comparisons.append(
             near(f"way down a slope of {slope} at mu .5 [m]", end.p_WB[1, 0], way, 0.006 if slides else 0.005, because)
         )
-    return judge(*found)
+    return judge(*comparisons)
 
 
 def _sliding_box_stays_down(adapter: Adapter, settings: Settings) -> Finding:

@@ -35,7 +35,7 @@ def _contacts_of_pairs(adapter: Adapter, settings: Settings) -> Finding:
     One step lies between the places before and after; the gap is one of theirs or between, whenever it was read.
     """
     claimed = [(shape, height) for feature, shape, height in _SHAPES if feature in adapter.features]
-    found: list[Comparison] = []
+    comparisons: list[Comparison] = []
     for (below, low), (above, high) in combinations_with_replacement(claimed, 2):
         if isinstance(above, Plane):
             continue
@@ -56,21 +56,21 @@ def _contacts_of_pairs(adapter: Adapter, settings: Settings) -> Finding:
             opened = float(after.p_WB[place_top, 2] - after.p_WB[place_base, 2]) - (low + high)
             lower, upper = min(-_DEEP, opened), max(-_DEEP, opened)
             up = 1.0 if first else -1.0
-            found.append(that(len(got) > 0, f"{pair}: got no contact, expected at least one"))
-            found.append(near(f"{pair}: upward part of the normals", got.normal_W[:, 2], np.full(len(got), up), 0.05))
+            comparisons.append(that(len(got) > 0, f"{pair}: got no contact, expected at least one"))
+            comparisons.append(near(f"{pair}: upward part of the normals", got.normal_W[:, 2], np.full(len(got), up), 0.05))
             if len(got):
                 deepest = float(got.gap.min())
                 margin = 0.1 * _DEEP
-                found.append(
+                comparisons.append(
                     that(
                         lower - margin <= deepest <= upper + margin,
                         f"{pair}: gap of the deepest point: got {deepest:.5g} m, expected {lower:.5g}..{upper:.5g} m, "
                         "a tenth of the depth granted",
                     )
                 )
-    if not found:
+    if not comparisons:
         raise NotApplicable("the engine supports no pair of shapes that could touch")
-    return judge(*found)
+    return judge(*comparisons)
 
 
 CHECKS = (

@@ -134,15 +134,15 @@ def _mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Finding:
 
 def _plane_normal_points_out(adapter: Adapter, settings: Settings) -> Finding:
     """Gravity along -x holds a ball against a plane with the normal +x, given in S and by turning the body."""
-    found = []
+    comparisons = []
     for how, wall in (
         ("normal (1, 0, 0)", static("ground", Plane(normal=(1.0, 0.0, 0.0)), p=(0.5, 0.0, 0.0))),
         ("normal z turned to x", static("ground", Plane(), p=(0.5, 0.0, 0.0), q=axis_angle((0.0, 1.0, 0.0), pi / 2))),
     ):
         scene = Scene(bodies=(wall, ball(p=(0.6, 2.0, 3.0))), surfaces=(ground(),), gravity=(-G, 0.0, 0.0))
         end = final(adapter, scene, settings.with_dt(FINE), 0.15)
-        found.append(near(f"ball on a plane, {how} [m]", end.p_WB[1], (0.6, 2.0, 3.0), 3e-3, _GIVES))
-    return judge(*found)
+        comparisons.append(near(f"ball on a plane, {how} [m]", end.p_WB[1], (0.6, 2.0, 3.0), 3e-3, _GIVES))
+    return judge(*comparisons)
 
 
 def _compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> Finding:

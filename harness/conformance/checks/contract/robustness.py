@@ -117,14 +117,14 @@ def _same_input_same_hash(adapter: Adapter, settings: Settings) -> Finding:
 
 def _two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> Finding:
     """Two different scenes at different steps, taken in turns, each equal to the same run on its own."""
-    one, other = _crowd(adapter), _crowd(adapter, 1.7)
+    first_scene, second_scene = _crowd(adapter), _crowd(adapter, 1.7)
     slow, fast = settings.with_dt(COARSE), settings.with_dt(FINE)
-    expected = _alone(adapter, one, slow, 60), _alone(adapter, other, fast, 60)
-    with built(adapter, one, slow) as a, built(adapter, other, fast) as b:
+    expected = _alone(adapter, first_scene, slow, 60), _alone(adapter, second_scene, fast, 60)
+    with built(adapter, first_scene, slow) as a, built(adapter, second_scene, fast) as b:
         for _ in range(60):
             a.step()
             b.step()
-        got = _bits(state_of(a, one)), _bits(state_of(b, other))
+        got = _bits(state_of(a, first_scene)), _bits(state_of(b, second_scene))
     return judge(that(got == expected, f"state hashes in turns: got {got}, expected those of each run alone, {expected}"))
 
 

@@ -30,7 +30,7 @@ _FIRST = "a staggered scheme of first order is off by half a step of motion"
 
 def _limits_hold(adapter: Adapter, settings: Settings) -> Finding:
     """A hinge at coordinate .1 within [-.2, .5]: it turns .4 rad forth and .3 rad back, counted from where it stands."""
-    found = []
+    comparisons = []
     for w, room in ((1.5, 0.4), (-1.5, -0.3)):
         pin = Revolute(
             name="pin",
@@ -45,10 +45,10 @@ def _limits_hold(adapter: Adapter, settings: Settings) -> Finding:
         run = record(adapter, Scene(bodies=(body,), joints=(pin,), gravity=_NOWHERE), settings.with_dt(FINE), 0.5, every=5)
         angle = np.arctan2(run.p_WB[:, 0, 1], run.p_WB[:, 0, 0])
         furthest = angle[int(np.argmax(angle * np.sign(room)))]
-        found.append(
+        comparisons.append(
             near(f"furthest turn at {w} rad/s [rad]", furthest, room, 0.04, "a limit of 1/50 s compliance gives .02 rad")
         )
-    return judge(*found)
+    return judge(*comparisons)
 
 
 def _slide(body: Body, **extra: object) -> Scene:
@@ -58,7 +58,7 @@ def _slide(body: Body, **extra: object) -> Scene:
 
 def _spring_frequency(adapter: Adapter, settings: Settings) -> Finding:
     """m x'' = -k (x - rest) from x = .2 + rest, undamped and damped."""
-    found = []
+    comparisons = []
     for c in (0.0, 4.0):
         scene = _slide(free("body", mass=2.0), position=0.5, spring=Spring(stiffness=80.0, damping=c, rest=0.3))
         run = record(adapter, scene, settings.with_dt(FINE), 0.8, every=20)
@@ -66,10 +66,10 @@ def _spring_frequency(adapter: Adapter, settings: Settings) -> Finding:
         t = run.time
         x = 0.2 * np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
         worst = float(np.abs(run.p_WB[:, 0, 0] - (x - 0.2)).max())
-        found.append(
+        comparisons.append(
             near(f"worst distance to the closed form at damping {c} N s/m [m]", worst, 0.0, 4e-3, f"1.3 m/s times dt: {_FIRST}")
         )
-    return judge(*found)
+    return judge(*comparisons)
 
 
 def _drive_reaches_its_target(adapter: Adapter, settings: Settings) -> Finding:

@@ -83,7 +83,7 @@ def _sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
     v, w, t = 0.005, 0.02, 3.0
     end = final(adapter, without_gravity(free(v=(v, 0.0, 0.0), w=(0.0, 0.0, w))), settings.with_dt(COARSE), t)
     because = "nothing stops it; an engine that puts slow bodies to sleep does"
-    found = [
+    comparisons = [
         near("v_WB of a slow body after 3 s [m/s]", end.v_WB[0], (v, 0, 0), 1e-4, because),
         near("w_WB of a slow body after 3 s [rad/s]", end.w_WB[0], (0, 0, w), 1e-4, because),
         near("its way [m]", end.p_WB[0], (v * t, 0, 0), 1e-3, because),
@@ -91,11 +91,11 @@ def _sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
     if Feature.BOX in adapter.features:
         scene = on_ground(adapter, block(v=(v, 0.0, 0.0)), friction=0.0)
         slid = final(adapter, scene, settings.with_dt(COARSE), t)
-        found.append(near("way of a slow box on ice in 3 s [m]", slid.p_WB[1, 0], v * t, 0.1 * v * t, because))
+        comparisons.append(near("way of a slow box on ice in 3 s [m]", slid.p_WB[1, 0], v * t, 0.1 * v * t, because))
     if Feature.BOX | Feature.WRENCH in adapter.features:
         woken = _woken(adapter, settings)
-        found.append(near("v_x of a rested box on ice, after .05 N for .5 s [m/s]", woken, 0.025, 0.003, "F t / m"))
-    return judge(*found)
+        comparisons.append(near("v_x of a rested box on ice, after .05 N for .5 s [m/s]", woken, 0.025, 0.003, "F t / m"))
+    return judge(*comparisons)
 
 
 def _gyroscopic_term_is_present(adapter: Adapter, settings: Settings) -> Finding:
@@ -130,7 +130,7 @@ def _step_advances_exactly_dt(adapter: Adapter, settings: Settings) -> Finding:
     if Feature.BOX in adapter.features:
         scene = on_ground(adapter, block(p=(0.0, 0.0, 0.05), v=(1.0, 0.5, 0.0)))
         scene = replace(scene, bodies=(*scene.bodies, *(replace(b, p_WB=(b.p_WB[0], 0.0, 50.0)) for b in bodies)))
-    n, place = 24, scene.index("fall")
+    n, index = 24, scene.index("fall")
     asked = settings.with_dt(COARSE)
     with built(adapter, scene, asked) as together, built(adapter, scene, asked) as apart:
         together.step(n)
@@ -141,8 +141,8 @@ def _step_advances_exactly_dt(adapter: Adapter, settings: Settings) -> Finding:
         later = state_of(together, scene)
     half = 0.5 * G * COARSE
     return judge(
-        near("v_z after step(24) [m/s]", one.v_WB[place, 2], -G * n * COARSE, half, "g times 24 dt, half a step granted"),
-        near("v_z one step later [m/s]", later.v_WB[place, 2], -G * (n + 1) * COARSE, half, "g times 25 dt"),
+        near("v_z after step(24) [m/s]", one.v_WB[index, 2], -G * n * COARSE, half, "g times 24 dt, half a step granted"),
+        near("v_z one step later [m/s]", later.v_WB[index, 2], -G * (n + 1) * COARSE, half, "g times 25 dt"),
         near("p_WB of step(24) against 24 step(1) [m]", one.p_WB, other.p_WB, 0.0, "the same bits"),
         near("q_WB of step(24) against 24 step(1)", one.q_WB, other.q_WB, 0.0, "the same bits"),
         near("v_WB of step(24) against 24 step(1) [m/s]", one.v_WB, other.v_WB, 0.0, "the same bits"),

@@ -58,7 +58,7 @@ def _nothing_brakes_a_free_body(adapter: Adapter, settings: Settings) -> Finding
 
 def _slow_motion_is_motion(adapter: Adapter, settings: Settings) -> Finding:
     """Speeds down to a micrometre a second come back as they were given, and go on."""
-    found = []
+    comparisons = []
     for speed in (1e-3, 1e-6, 1e-9):
         scene = without_gravity(free(v=(speed, 0.0, 0.0), w=(0.0, 0.0, speed)))
         with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
@@ -67,10 +67,10 @@ def _slow_motion_is_motion(adapter: Adapter, settings: Settings) -> Finding:
             last = state_of(simulation, scene)
         # A vendor's damping of .04 a second takes .4 % in a tenth of a second.
         for when, now in (("at the start", first), ("after .1 s", last)):
-            found.append(near(f"speed of {speed:g} m/s {when}", now.v_WB[0], (speed, 0, 0), 0.01 * speed, "1 %: kept"))
-            found.append(near(f"spin of {speed:g} rad/s {when}", now.w_WB[0], (0, 0, speed), 0.01 * speed, "1 %: kept"))
-        found.append(near(f"way at {speed:g} m/s in .1 s [m]", last.p_WB[0, 0], 0.1 * speed, 1e-3 * speed, "1 % of v t"))
-    return judge(*found)
+            comparisons.append(near(f"speed of {speed:g} m/s {when}", now.v_WB[0], (speed, 0, 0), 0.01 * speed, "1 %: kept"))
+            comparisons.append(near(f"spin of {speed:g} rad/s {when}", now.w_WB[0], (0, 0, speed), 0.01 * speed, "1 %: kept"))
+        comparisons.append(near(f"way at {speed:g} m/s in .1 s [m]", last.p_WB[0, 0], 0.1 * speed, 1e-3 * speed, "1 % of v t"))
+    return judge(*comparisons)
 
 
 CHECKS = (

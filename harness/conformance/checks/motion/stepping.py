@@ -17,7 +17,7 @@ def _falling() -> Scene:
 
 
 def _no_step_is_no_step(adapter: Adapter, settings: Settings) -> Finding:
-    found, scene = [], _falling()
+    comparisons, scene = [], _falling()
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         for when in ("right after build", "after 5 steps"):
             before = state_of(simulation, scene)
@@ -25,9 +25,11 @@ def _no_step_is_no_step(adapter: Adapter, settings: Settings) -> Finding:
             after = state_of(simulation, scene)
             for name in ("p_WB", "q_WB", "v_WB", "w_WB"):
                 what = f"change of {name} by step(0) {when}"
-                found.append(near(what, getattr(after, name) - getattr(before, name), np.zeros_like(getattr(after, name)), 0.0))
+                comparisons.append(
+                    near(what, getattr(after, name) - getattr(before, name), np.zeros_like(getattr(after, name)), 0.0)
+                )
             simulation.step(5)
-    return judge(*found)
+    return judge(*comparisons)
 
 
 def _steps_are_even(adapter: Adapter, settings: Settings) -> Finding:

@@ -13,7 +13,7 @@ def noise_axes_are_independent(trajectory: Trajectory) -> Finding:
 
     Equation: the correlation of k independent pairs has the standard deviation 1/sqrt(k); five of them are granted.
     """
-    found = []
+    comparisons = []
     for name, signal in trajectory.streams.items():
         if name.endswith("/time") or signal.ndim != 2 or len(signal) < 100:
             continue
@@ -21,5 +21,5 @@ def noise_axes_are_independent(trajectory: Trajectory) -> Finding:
         for a in range(moving.shape[1]):
             for b in range(a + 1, moving.shape[1]):
                 r = float(np.corrcoef(moving[:, a], moving[:, b])[0, 1])
-                found.append(near(f"correlation of axes {a} and {b} of {name}", r, 0.0, 5 / np.sqrt(len(signal))))
-    return judge(*found) if found else Finding("not_applicable", "no stream with two noisy channels of 100 samples")
+                comparisons.append(near(f"correlation of axes {a} and {b} of {name}", r, 0.0, 5 / np.sqrt(len(signal))))
+    return judge(*comparisons) if comparisons else Finding("not_applicable", "no stream with two noisy channels of 100 samples")

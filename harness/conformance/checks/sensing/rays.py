@@ -44,7 +44,7 @@ def _cast(adapter: Adapter, settings: Settings, scene: Scene, origins: Floats, d
 
 
 def _rays_match_closed_forms(adapter: Adapter, settings: Settings) -> Finding:
-    found, place = [], np.array([1.0, -2.0, 3.0])
+    comparisons, p_WT = [], np.array([1.0, -2.0, 3.0])
     R = rotation(TURNED)
     for seed, (feature, shape) in enumerate(_SHAPES):
         if feature not in adapter.features:
@@ -55,18 +55,20 @@ def _rays_match_closed_forms(adapter: Adapter, settings: Settings) -> Finding:
         expected = np.array([first_hit(shape, o, d) for o, d in zip(origins, directions, strict=True)])
         expected[expected > 50.0] = np.inf
         scene = Scene(bodies=(static("target", shape, p=(1.0, -2.0, 3.0), q=TURNED),))
-        hits = _cast(adapter, settings, scene, place + origins @ R.T, directions @ R.T, 50.0)
+        hits = _cast(adapter, settings, scene, p_WT + origins @ R.T, directions @ R.T, 50.0)
         same = np.isfinite(hits.distance) == np.isfinite(expected)
         both = np.isfinite(hits.distance) & np.isfinite(expected)
         worst = float(np.abs(hits.distance[both] - expected[both]).max()) if both.any() else np.inf
-        found.append(near(f"worst range error on a turned {shape.type} [m]", worst, 0.0, 1e-5, "rounding in single precision"))
+        comparisons.append(
+            near(f"worst range error on a turned {shape.type} [m]", worst, 0.0, 1e-5, "rounding in single precision")
+        )
         wrong = int((~same).sum())
-        found.append(
+        comparisons.append(
             that(wrong <= 1, f"{shape.type}: got {wrong} of 200 rays hitting or missing wrongly, expected 1 at most, grazing")
         )
-    if not found:
+    if not comparisons:
         raise NotApplicable("the engine claims rays but no shape with a closed form")
-    return judge(*found)
+    return judge(*comparisons)
 
 
 def _target(adapter: Adapter, x: float = 0.0) -> tuple[Scene, float]:
@@ -114,7 +116,7 @@ def _ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) ->
         Feature.CAPSULE: (Capsule(radius=0.3, half_length=0.5), np.array([0.3, 0.3, 0.8])),
         Feature.CYLINDER: (Cylinder(radius=0.4, half_length=0.6), np.array([0.4, 0.4, 0.6])),
     }
-    found, place, R = [], np.array([1.0, -2.0, 3.0]), rotation(TURNED)
+    comparisons, p_WT, R = [], np.array([1.0, -2.0, 3.0]), rotation(TURNED)
     for feature, (shape, far) in exits.items():
         if feature not in adapter.features:
             continue
@@ -123,16 +125,16 @@ def _ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) ->
         directions = np.concatenate([np.eye(3), -np.eye(3)])
         origins = 0.2 * np.tile(far, 2)[:, None] * np.abs(directions)
         expected = np.concatenate([0.8 * far, 1.2 * far])
-        hits = _cast(adapter, settings, scene, place + origins @ R.T, directions @ R.T, 50.0)
-        found.append(
+        hits = _cast(adapter, settings, scene, p_WT + origins @ R.T, directions @ R.T, 50.0)
+        comparisons.append(
             near(f"ranges from inside a {shape.type} [m]", hits.distance, expected, 1e-5, "rounding in single precision")
         )
-        found.append(
+        comparisons.append(
             near(f"normals from inside a {shape.type}", hits.normal_W, directions @ R.T, 1e-4, "outwards, along the ray")
         )
-    if not found:
+    if not comparisons:
         raise NotApplicable("the engine claims no solid with a closed form")
-    return judge(*found)
+    return judge(*comparisons)
 
 
 def _ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
@@ -187,8 +189,10 @@ def _rays_ask_their_own_simulation(adapter: Adapter, settings: Settings) -> Find
     near_by, face = _target(adapter)
     far_off, _ = _target(adapter, 3.0)
     o, d = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0]])
-    with built(adapter, near_by, settings) as one, built(adapter, far_off, settings) as other:
-        got = [float(simulation.cast(o, d, 50.0).distance[0]) for simulation in (one, other, one)]
+    with built(adapter, near_by, settings) as near_simulation, built(adapter, far_off, settings) as far_simulation:
+        got = [
+            float(simulation.cast(o, d, 50.0).distance[0]) for simulation in (near_simulation, far_simulation, near_simulation)
+        ]
     return judge(near("ranges in the one, the other and the one again [m]", got, (face, face + 3.0, face), 1e-4))
 
 

@@ -14,7 +14,7 @@ from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.jitter import REST_DRIFT
 from harness.metrics.overlap import OVERLAP
 from harness.metrics.world_spread import WORLD_SPREAD
-from harness.props.machines.container import container
+from harness.props.robots.container import container
 from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest

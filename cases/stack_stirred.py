@@ -11,7 +11,7 @@ from harness.case.shared_checks.rest import settled_speed
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
 from harness.metrics.jitter import REST_DRIFT, RMS_SPIN
-from harness.props.machines.container import container
+from harness.props.robots.container import container
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from harness.trajectory import Floats, State
 

@@ -16,8 +16,8 @@ from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
 from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.momentum import ANGULAR_MOMENTUM_FINAL, ANGULAR_MOMENTUM_MAX, MOMENTUM_FINAL, MOMENTUM_MAX
 from harness.metrics.vibration import VIBRATION_FREQUENCY, VIBRATION_RMS
-from harness.props.machines.machine import MATERIAL
-from harness.props.machines.quadruped import STIFFNESS, TRUNK_HALF, quadruped
+from harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
+from harness.props.robots.robot import MATERIAL
 from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, rotation_matrix, sphere_inertia
 from harness.trajectory import Floats
 

@@ -8,9 +8,9 @@ from harness.metrics.joint_gap import JOINT_GAP_MAX
 from harness.metrics.penetration import PENETRATION
 from harness.metrics.pose import POSE_ERROR_RMS
 from harness.metrics.vibration import VIBRATION_FREQUENCY
-from harness.props.machines.floor import floor, grip
-from harness.props.machines.machine import MATERIAL, bearing, copy_of
-from harness.props.machines.quadruped import DAMPING, LEG, STIFFNESS, quadruped
+from harness.props.robots.floor import floor, grip
+from harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
+from harness.props.robots.robot import MATERIAL, bearing, copy_of
 from harness.scene import EARTH_GRAVITY, Effect, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest

@@ -12,7 +12,7 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.symmetries import Retelling, reordered, repeated, restored
 from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.retelling import AGREEING_SAMPLES, DIFFERENCE, POSITION_DIFFERENCE
+from harness.metrics.equivalence import AGREEING_SAMPLES, DIFFERENCE, POSITION_DIFFERENCE
 from harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, box_inertia, sphere_inertia
 
 BODIES, FRICTION, MASS, HALF, RADIUS = 6, 0.5, 1.0, (0.1, 0.08, 0.06), 0.08

@@ -5,7 +5,7 @@ import numpy as np
 from harness.case import Axis, Case, Check
 from harness.case.symmetries import Retelling, moved
 from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
 from harness.props.regular_motions import stage
 from harness.scene import Scene
 

@@ -8,7 +8,7 @@ from harness.case import Axis, Case, Check
 from harness.case.symmetries import Retelling, in_motion, moved, turned
 from harness.metric import Metric
 from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
 from harness.props.regular_motions import stage
 from harness.scene import Scene, axis_angle
 

@@ -7,7 +7,7 @@ kilometre is a length, a speed or a time of the engine's own: a margin, a slop, 
 from harness.case import Axis, Case, Check
 from harness.case.symmetries import Retelling, scaled
 from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.retelling import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
 from harness.props.regular_motions import stage
 from harness.scene import Scene
 

@@ -132,10 +132,9 @@ def _outside(price: Price) -> Entry:
     hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {price.track}"
     trend = ""
     if price.foreseen_dt is not None:
-        trend = f"trend: {amount(1e3 * price.foreseen_dt, 2)} ms"
-        hint += (
-            f"; {price.foreseen_track}, of order {amount(price.foreseen_order, 2)}, would at {trend.removeprefix('trend: ')}"
-        )
+        foreseen = f"{amount(1e3 * price.foreseen_dt, 2)} ms"
+        trend = f"trend: {foreseen}"
+        hint += f"; {price.foreseen_track}, of order {amount(price.foreseen_order, 2)}, would at {foreseen}"
     else:
         hint += "; of no setting does the error shrink steadily with the step"
     return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)

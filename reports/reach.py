@@ -99,26 +99,29 @@ def _within(one: Reach) -> Cell:
     return Cell(one.reach, amount(one.held), one.setting, hint)
 
 
+def _first_clause(reason: str) -> str:
+    """What a narrow cell has room for of a reason."""
+    return reason.partition(":")[0]
+
+
 def cell(one: Search, law: str = "") -> Cell:
     """One search in words; law: whose laws it is about, where they are not all the engine's own."""
     if one.verdict == "beyond the extreme":
         text, why = f"≥ {amount(one.held)}", ""
     elif one.held is None:
-        text, why = (
-            VERDICTS.get(one.verdict, one.verdict) if one.broke is None else f"< {amount(one.easy)}",
-            one.signs or one.reason,
-        )
+        text = VERDICTS.get(one.verdict, one.verdict) if one.broke is None else f"< {amount(one.easy)}"
+        why = one.signs.brief or _first_clause(one.reason)
     else:
-        text, why = amount(one.held), one.signs if one.broke is not None else one.verdict
+        text, why = amount(one.held), one.signs.brief if one.broke is not None else one.verdict
     share = "" if one.share is None else f"; {100 * one.share:.0f} % held at {amount(one.broke)}"
     cost = "" if one.step_cost is None else f"; {amount(1e3 * one.step_cost)} ms of CPU time a time step at the limit"
     taken = "" if one.substep is None else f"; steps of {amount(1e3 * one.substep)} ms taken"
     verdict = VERDICTS.get(one.verdict, one.verdict)
-    hint = f"{verdict}{share}{cost}{taken}; {one.values} values, {one.members} starts each; {one.reason or one.signs}"
+    hint = f"{verdict}{share}{cost}{taken}; {one.values} values, {one.members} starts each; {one.reason or one.signs.text}"
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if one.own_holds and one.broke is not None else ""
     hint = "; ".join(word for word in (hint, own, *map(str, one.noticed)) if word)
-    words = "; ".join(word for word in (why.partition(":")[0][:40], own, law) if word)
+    words = "; ".join(word for word in (why[:40], own, law) if word)
     return Cell(one.reach, text, words, f"{hint}; {law}" if law else hint)
 
 
@@ -199,7 +202,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
                     "held": one.held if one.held is not None else one.easy,
                     "broke": one.broke if one.broke is not None else one.extreme,
                     "mark": "held" if one.verdict == "beyond the extreme" else "none holds" if one.held is None else "limit",
-                    "signs": one.signs,
+                    "signs": one.signs.text,
                     "verdict": VERDICTS.get(one.verdict, one.verdict),
                 }
             )

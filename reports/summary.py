@@ -41,7 +41,7 @@ def studied(store: "Store") -> list[str]:
     if told := farthest(store):
         written.append(told)
     if found := effects.rows(store):
-        written += [sentence for sentence in effects.sentences(found) if "Audit:" not in sentence or " of " in sentence]
+        written += effects.sentences(found, accusing=False)
     if found := determinism.rows(store):
         written += determinism.sentences(found)
     return written

@@ -80,7 +80,7 @@ def that(holds: bool, text: str) -> Comparison:
 
 def judge(*comparisons: Comparison) -> Finding:
     """Passed when all hold; otherwise failed, naming those that do not."""
-    wrong = [one.text for one in comparisons if not one.holds]
+    wrong = [comparison.text for comparison in comparisons if not comparison.holds]
     if wrong:
         return Finding("failed", "; ".join(wrong))
-    return Finding("passed", "; ".join(one.text for one in comparisons if one.measured) or "as expected")
+    return Finding("passed", "; ".join(comparison.text for comparison in comparisons if comparison.measured) or "as expected")

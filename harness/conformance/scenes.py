@@ -1,5 +1,7 @@
 """Bodies and small scenes that the checks are made of."""
 
+from dataclasses import replace
+
 from harness.adapter import Adapter, Feature
 from harness.conformance.check import NotApplicable
 from harness.scene import (
@@ -25,6 +27,7 @@ __all__ = [
     "TURNED",
     "ball",
     "block",
+    "damped",
     "floor",
     "free",
     "ground",
@@ -49,21 +52,14 @@ def free(
     q: Quaternion = (1.0, 0.0, 0.0, 0.0),
     v: Vector3 = (0.0, 0.0, 0.0),
     w: Vector3 = (0.0, 0.0, 0.0),
-    linear_damping: float = 0.0,
-    angular_damping: float = 0.0,
 ) -> Body:
     """A body without a shape: mass [kg] and principal moments [kg m2] alone."""
-    return Body(
-        name=name,
-        mass=mass,
-        inertia=principal_inertia(*moments),
-        p_WB=p,
-        q_WB=q,
-        v_WB=v,
-        w_WB=w,
-        linear_damping=linear_damping,
-        angular_damping=angular_damping,
-    )
+    return Body(name=name, mass=mass, inertia=principal_inertia(*moments), p_WB=p, q_WB=q, v_WB=v, w_WB=w)
+
+
+def damped(body: Body, *, linear: float = 0.0, angular: float = 0.0) -> Body:
+    """The same body with damping [1/s] of its velocities."""
+    return replace(body, linear_damping=linear, angular_damping=angular)
 
 
 def without_gravity(*bodies: Body) -> Scene:

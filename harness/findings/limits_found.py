@@ -13,11 +13,12 @@ from harness.findings.where import STEP, differing, in_words
 from harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from harness.store.notices import StoredNotice
 from harness.store.store import Store
+from harness.study.axes import axis_among
+from harness.study.experiment import Experiment
 from harness.study.stored_study import experiments_of
-from harness.study.study import Experiment, axis_among
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
 
-__all__ = ["Hold", "Search", "amount", "searches"]
+__all__ = ["Hold", "Search", "Signs", "amount", "searches"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +30,26 @@ class Hold:
     reach: float
     further: float
     cost: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Signs:
+    """By what a value broke. Terms: counts: how many starts each metric of the case's limit counts against, most first; status,
+    reason: of a run that gave no ensemble."""
+
+    counts: tuple[tuple[str, int], ...] = ()
+    status: str = ""
+    reason: str = ""
+
+    @property
+    def brief(self) -> str:
+        """'penetration 12, energy 4', or the status alone; '' where nothing broke."""
+        return ", ".join(f"{metric} {count}" for metric, count in self.counts) or self.status
+
+    @property
+    def text(self) -> str:
+        """The same, with the reason of a run that gave no ensemble."""
+        return f"{self.status}: {self.reason}" if self.status and not self.counts else self.brief
 
 
 Beside = tuple[tuple[str, Any], ...]
@@ -68,7 +89,7 @@ class Search:
     held: float | None
     broke: float | None
     share: float | None
-    signs: str
+    signs: Signs
     verdict: str
     reason: str
     members: int
@@ -225,7 +246,7 @@ def _search(
         held=found.held,
         broke=found.broke,
         share=None if broke is None else float(measured.shares.get(broke.trial, 0.0)),
-        signs="" if broke is None else _signs(broke, measured),
+        signs=Signs() if broke is None else _signs(broke, measured),
         verdict=verdict,
         reason=reason,
         members=int(measured.starts.get(last.trial, last.members)),
@@ -269,12 +290,12 @@ def _number(value: float | None) -> float | None:
     return None if value is None or value != value else float(value)
 
 
-def _signs(row: Any, measured: _Measured) -> str:
-    """'penetration 12, energy 4', or the status of a run that gave no ensemble."""
+def _signs(row: Any, measured: _Measured) -> Signs:
     shares = measured.signs.get(row.trial, {})
     counts = {name.removeprefix(BROKE_BY): round(share * measured.starts[row.trial]) for name, share in shares.items()}
-    ordered = sorted(counts.items(), key=lambda one: -one[1])
-    return ", ".join(f"{name} {count}" for name, count in ordered) or f"{row.status}: {row.reason}"
+    return Signs(
+        counts=tuple(sorted(counts.items(), key=lambda sign: -sign[1])), status=str(row.status), reason=str(row.reason)
+    )
 
 
 def amount(value: float | None, none: str) -> str:

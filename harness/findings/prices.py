@@ -23,6 +23,7 @@ import pandas as pd
 
 from harness.findings.effort import Ended, efforts
 from harness.findings.where import in_words, other_values
+from harness.statistics.bootstrap import interval_of_drawn
 from harness.statistics.order import fit_order
 from harness.statistics.pareto import on_front, price
 from harness.store.store import Store
@@ -322,8 +323,7 @@ def without(part: pd.DataFrame, here: Sequence[Point], engine: str) -> dict[str,
 def interval(values: Floats) -> tuple[float, float]:
     """The 95 % interval of drawn values, those left out that did not reach the target."""
     finite = values[np.isfinite(values)]
-    low, high = np.percentile(finite, [2.5, 97.5]) if len(finite) else (math.nan, math.nan)
-    return float(low), float(high)
+    return interval_of_drawn(finite) if len(finite) else (math.nan, math.nan)
 
 
 class Draws:

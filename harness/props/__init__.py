@@ -1,1 +1,1 @@
-"""Parts that cases share: machines, and a scene with one of each regular motion."""
+"""Parts that cases share: robots, and a scene with one of each regular motion."""

@@ -18,7 +18,7 @@ from harness.run.message import BrokenMessage, Inbox, read_record, readable, sen
 from harness.store.notices import StoredNotice
 from harness.store.record import Record
 from harness.study import plugins
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
 __all__ = ["run_isolated", "tell"]

@@ -18,25 +18,15 @@ import numpy as np
 from harness.case import Unit
 from harness.run.interrupt import stop_if_asked
 from harness.run.timed_processes import Team, ready_teams
+from harness.statistics.bootstrap import interval_of_median
 from harness.store.record import Sample, Timing
 from harness.study import plugins
-from harness.study.study import Trial
-from harness.trajectory import Floats
+from harness.study.trial import Trial
 
 __all__ = ["clock_group", "summarise"]
 
 _NOISY = 0.1
 """Half width of the interval, or spread of the canary, relative to its middle, from which a timing counts as unstable."""
-
-
-def _interval(values: Floats) -> tuple[float, float]:
-    """95 % bootstrap interval of the median."""
-    from scipy.stats import bootstrap
-
-    if len(values) > 1 and np.ptp(values) > 0:
-        found = bootstrap((values,), np.median, method="percentile", n_resamples=2000, rng=0).confidence_interval
-        return float(found.low), float(found.high)
-    return float(values.min()), float(values.max())
 
 
 def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Unit = "step") -> Timing:
@@ -49,7 +39,7 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
     cpu = np.array([s.cpu / (s.steps * s.units) for s in samples])
     wall = np.array([s.wall / (s.steps * s.units) for s in samples])
     canary = np.array([s.canary for s in samples])
-    middle, (low, high) = float(np.median(cpu)), _interval(cpu)
+    middle, (low, high) = float(np.median(cpu)), interval_of_median(cpu)
     wide = (high - low) / 2 > _NOISY * middle
     noisy = float(np.percentile(canary, 75) - np.percentile(canary, 25)) > _NOISY * float(np.median(canary))
     timing = Timing(

@@ -14,7 +14,7 @@ from harness.findings.summary import summaries
 from harness.run.resume import merged
 from harness.store import disk
 from harness.store.arrays import read_arrays
-from harness.store.journal import StoreError, Written, read_written
+from harness.store.journal import DamagedFile, StoreError, Written, read_written
 from harness.store.machine_fingerprint import circumstances
 from harness.store.seal import Damaged, check_seal
 from harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
@@ -51,9 +51,8 @@ def problems(folder: Path) -> Iterator[Problem]:
         return
     try:
         written = read_written(journal)
-    except StoreError as error:
-        what, _, cure = str(error).removeprefix(f"{journal}: ").partition("; ")
-        yield Problem(journal, what, cure)
+    except DamagedFile as error:
+        yield Problem(journal, error.what, error.cure)
         return
     if written.torn:
         yield Problem(journal, f"its last line is torn: {written.torn} bytes", "--resume drops them and runs that trial anew")
@@ -76,10 +75,12 @@ def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
             if not check_seal(path, disk.read(path)) and written.sessions:
                 raise Damaged("it has no checksum")
             found[name] = read_plain(path)
-        except (Damaged, StoreError) as error:
-            yield Problem(path, str(error).removeprefix(f"{path}: ").partition(";")[0], _ANEW)
-    for sentence in ends_early(written, found.get("machine.json", {})):
-        yield Problem(written.path, sentence.partition(": ")[2], "restore it, or --resume runs their trials anew")
+        except Damaged as error:
+            yield Problem(path, str(error), _ANEW)
+        except DamagedFile as error:
+            yield Problem(path, error.what, _ANEW)
+    if early := ends_early(written, found.get("machine.json", {})):
+        yield Problem(written.path, early, "restore it, or --resume runs their trials anew")
     if not written.sessions:
         return
     last = written.sessions[-1]

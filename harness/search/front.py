@@ -28,7 +28,8 @@ from harness.adapter import Adapter, Settings
 from harness.case import Case
 from harness.statistics.pareto import near_front
 from harness.store.record import Record
-from harness.study.study import Trial
+from harness.study.track_label import label_of
+from harness.study.trial import Trial
 
 __all__ = ["RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
 
@@ -54,6 +55,8 @@ MARGIN = 1.5
 """A point is clocked unless another that errs no more seems cheaper by more than this."""
 CLOCKED = 12
 """Points of an engine that are chosen for the clock at most; those of the front come first, spread over its errors."""
+_OPTION = "options."
+"""How a knob begins that is one of `Settings.options`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,15 +79,15 @@ Group = Sequence[Trial]
 def turned(settings: Settings, knob: str, value: Any) -> Settings:
     """The settings with one knob ('iterations', 'options.cone', ...) at another value."""
     source = f"'{knob}' turned by a sweep"
-    if knob.startswith("options."):
-        return replace(settings, options={**settings.options, knob.removeprefix("options."): value}, source=source)
+    if knob.startswith(_OPTION):
+        return replace(settings, options={**settings.options, knob.removeprefix(_OPTION): value}, source=source)
     return replace(settings, **{knob: value}, source=source)
 
 
 def position(settings: Settings, knob: str) -> Any:
     """The value at which a knob stands; None where that is left to the engine."""
-    if knob.startswith("options."):
-        return settings.options.get(knob.removeprefix("options."))
+    if knob.startswith(_OPTION):
+        return settings.options.get(knob.removeprefix(_OPTION))
     return getattr(settings, knob)
 
 
@@ -206,8 +209,7 @@ def _label(base: str, settings: Settings, adapter: Adapter) -> str:
     """The track that a point descends from, and all knobs that stand elsewhere now."""
     own = adapter.tracks[base]
     changed = [knob for knob in adapter.knobs if position(settings, knob) != position(own, knob)]
-    words = (f"{knob.removeprefix('options.')} {position(settings, knob)}" for knob in changed)
-    return ", ".join((base, *words))
+    return label_of(base, ((knob.removeprefix(_OPTION), position(settings, knob)) for knob in changed))
 
 
 def _screening(base: Point, knobs: Iterable[str], adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
@@ -267,8 +269,8 @@ def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
 
 def _without(settings: Settings, knob: str) -> Settings:
     """The settings, this knob left to the engine."""
-    if knob.startswith("options."):
-        kept = {name: value for name, value in settings.options.items() if name != knob.removeprefix("options.")}
+    if knob.startswith(_OPTION):
+        kept = {name: value for name, value in settings.options.items() if name != knob.removeprefix(_OPTION)}
         return replace(settings, options=kept)
     unset: dict[str, Any] = {knob: None}
     return replace(settings, **unset)

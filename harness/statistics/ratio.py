@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Ratio", "ratio"]
+from harness.statistics.bootstrap import interval_of_median
 
-DRAWS = 2000
+__all__ = ["Ratio", "ratio"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,12 +24,7 @@ def ratio(cost: NDArray[np.float64], base: NDArray[np.float64]) -> Ratio:
 
     Args:
         cost, base: CPU time of a unit in the blocks that both were sampled in, shape (b,), b >= 1, positive.
-
-    Source:
-        B. Efron & R. J. Tibshirani, An Introduction to the Bootstrap (1993), chapter 13 (percentile interval).
     """
     shares = cost / base
-    drawn = np.random.default_rng(0).integers(0, len(shares), size=(DRAWS, len(shares)))
-    medians = np.median(shares[drawn], axis=1)
-    low, high = np.percentile(medians, [2.5, 97.5])
-    return Ratio(value=float(np.median(shares)), low=float(low), high=float(high))
+    low, high = interval_of_median(shares)
+    return Ratio(value=float(np.median(shares)), low=low, high=high)

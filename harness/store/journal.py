@@ -17,7 +17,7 @@ from harness.intake.mendable import LiesIn, Mendable
 from harness.store import disk
 from harness.store.record import SCHEMA_VERSION, Record, Timing
 
-__all__ = ["FolderTaken", "Journal", "NoRun", "StoreError", "Written", "read_journal", "read_written"]
+__all__ = ["DamagedFile", "FolderTaken", "Journal", "NoRun", "StoreError", "Written", "read_journal", "read_written"]
 
 Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 
@@ -26,6 +26,14 @@ class StoreError(Mendable):
     """A run folder that cannot be read or written; the message names the path and what to do."""
 
     lies_in: ClassVar[LiesIn] = "machine"
+
+
+class DamagedFile(StoreError):
+    """A file of a run folder that is not what was written. Terms: path; what is wrong with it; cure: what to do."""
+
+    def __init__(self, path: Path, what: str, cure: str) -> None:
+        super().__init__(f"{path}: {what}; {cure}")
+        self.path, self.what, self.cure = path, what, cure
 
 
 class NoRun(StoreError):
@@ -140,7 +148,7 @@ def read_written(path: Path) -> Written:
     """All that a journal says; nothing of one that is not there.
 
     Raises:
-        StoreError: for a corrupt line, one that is missing, doubled or moved, or a schema newer than this program's.
+        DamagedFile: for a corrupt line, one that is missing, doubled or moved, or a schema newer than this program's.
     """
     written = Written(path)
     if not path.exists():
@@ -154,15 +162,12 @@ def read_written(path: Path) -> Written:
                 written.torn = len(line) + 1
                 return written
             cure = "restore it, or delete that line and let --resume run its trial anew" if last else "restore it"
-            raise StoreError(
-                f"{path}: line {number}{', the last,' if last else ''} is corrupt (its checksum differs); {cure}, or start a "
-                "new folder"
-            )
+            what = f"line {number}{', the last,' if last else ''} is corrupt (its checksum differs)"
+            raise DamagedFile(path, what, f"{cure}, or start a new folder")
         entry = json.loads(text)
         if entry["schema"] > SCHEMA_VERSION:
-            raise StoreError(
-                f"{path}: line {number} has schema {entry['schema']}, this program reads up to {SCHEMA_VERSION}; upgrade it"
-            )
+            what = f"line {number} has schema {entry['schema']}, this program reads up to {SCHEMA_VERSION}"
+            raise DamagedFile(path, what, "upgrade it")
         amiss = _amiss(written, entry)
         written.chained = written.chained and entry["schema"] > 1
         try:
@@ -170,11 +175,11 @@ def read_written(path: Path) -> Written:
                 raise ValueError(amiss)
             written.take(entry["kind"], entry["content"], entry["schema"])
         except ValueError as error:
-            raise StoreError(f"{path}: line {number} {error}; restore the file or start a new folder") from error
+            raise DamagedFile(path, f"line {number} {error}", "restore the file or start a new folder") from error
         written.checksums.append(checksum.decode())
         written.end += len(line) + 1
     if _checksum(rest[:-1].partition(b" ")[2]).encode() == rest.partition(b" ")[0]:
-        raise StoreError(f"{path}: line {len(lines) + 1}, the last, ends in another byte than was written; restore the file")
+        raise DamagedFile(path, f"line {len(lines) + 1}, the last, ends in another byte than was written", "restore the file")
     written.torn = len(rest)
     return written
 

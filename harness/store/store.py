@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from harness.store import disk
 from harness.store.arrays import read_arrays
-from harness.store.journal import NoRun, StoreError, Written, read_journal, read_written
+from harness.store.journal import DamagedFile, NoRun, StoreError, Written, read_journal, read_written
 from harness.store.notices import StoredNotice
 from harness.store.older_schemas import base_of_track, notices_in_sentences
 from harness.store.record import Measurement, Record, Sample
@@ -84,29 +84,29 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 
 def read_plain(path: Path) -> dict[str, Any]:
-    """What a JSON or TOML file of the store says, without its seal; nothing of one that is not there. Raises: StoreError."""
+    """What a JSON or TOML file of the store says, without its seal; nothing of one that is not there. Raises: DamagedFile."""
     if not path.is_file():
         return {}
     content = disk.read(path)
     try:
         check_seal(path, content)
         text = content.decode()
-        found: dict[str, Any] = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+        table: dict[str, Any] = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
     except (Damaged, ValueError) as error:
-        raise StoreError(f"{path}: {error}; restore it, or --resume writes it anew") from error
-    found.pop("checksum", None)
-    return found
+        raise DamagedFile(path, str(error), "restore it, or --resume writes it anew") from error
+    table.pop("checksum", None)
+    return table
 
 
-def ends_early(written: Written, machine: Mapping[str, Any]) -> tuple[str, ...]:
-    """Whether a journal ends before the place that it had reached when its folder's machine.json was written."""
+def ends_early(written: Written, machine: Mapping[str, Any]) -> str:
+    """How a journal ends before the line that it had when its folder's machine.json was written; '' where it does not."""
     known = machine.get("journal", {"lines": 0, "checksum": ""})
     lines, checksum = known["lines"], known["checksum"]
     if lines == 0 or (lines <= len(written.checksums) and written.checksums[lines - 1] == checksum):
-        return ()
+        return ""
     if lines > len(written.checksums):
-        return (f"{written.path}: ends at line {len(written.checksums)}, and had {lines}: what the others held is missing",)
-    return (f"{written.path}: line {lines} is another than was there when a run last ended: the file was exchanged",)
+        return f"ends at line {len(written.checksums)}, and had {lines}: what the others held is missing"
+    return f"line {lines} is another than was there when a run last ended: the file was exchanged"
 
 
 class Store:
@@ -131,7 +131,8 @@ class Store:
     def notes(self) -> tuple[str, ...]:
         """What a reader has to know of how the folder came down: what was dropped, what is missing. Raises: StoreError."""
         written = self._written
-        return (*written.notes, *ends_early(written, self.machine))
+        early = ends_early(written, self.machine)
+        return (*written.notes, *([f"{written.path}: {early}"] if early else []))
 
     @cached_property
     def _read(self) -> dict[str, pd.DataFrame]:
@@ -176,7 +177,8 @@ class Store:
     def asked(self) -> pd.DataFrame:
         """The trials that put a case as it is: no ensemble of starts, no scene that departs from the case's."""
         trials = self.trials
-        return trials[(trials["members"] == 1) & ~trials["alteration"].str.contains('"name"', regex=False)]
+        named = {text for text in trials["alteration"].unique() if "name" in json.loads(text)}
+        return trials[(trials["members"] == 1) & ~trials["alteration"].isin(named)]
 
     @property
     def measurements(self) -> pd.DataFrame:

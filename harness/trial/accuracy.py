@@ -20,9 +20,9 @@ from harness.scene import Scene
 from harness.store.notices import StoredNotice
 from harness.store.record import Measurement, Record, Status
 from harness.store.trajectory_file import save_trajectory
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trajectory import Floats, Trajectory
-from harness.trial.retold import retell, told_run
+from harness.trial.equivalent_runs import equivalent_run, equivalent_streams
 from harness.trial.simulate import simulate
 from harness.trial.truth_cache import bounded, truth_of
 
@@ -159,9 +159,9 @@ def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answe
     Raises: Unsupported, Unavailable, SettingsError.
     """
     sample_interval = 0.0 if trial.alteration.every_step else case.sample_interval
-    told = trial.alteration.retelling(scene, case.duration)
-    if told is not None:
-        return _told(trial, told, adapter, case.duration, sample_interval)
+    retelling = trial.alteration.retelling(scene, case.duration)
+    if retelling is not None:
+        return _equivalent(trial, retelling, adapter, case.duration, sample_interval)
     try:
         return _stepped(trial, case, adapter, scene, sample_interval)
     except Diverged as error:
@@ -199,9 +199,9 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
     finally:
         simulation.close()
     if case.retellings is not None and broke is None and not trial.alteration.every_step:
-        for told in case.retellings(**trial.parameters):
-            other = replace(told, scene=trial.alteration.of(told.scene))
-            streams, remarks = retell(other, adapter, trial.settings, case.duration, case.sample_interval)
+        for retelling in case.retellings(**trial.parameters):
+            other = replace(retelling, scene=trial.alteration.of(retelling.scene))
+            streams, remarks = equivalent_streams(other, adapter, trial.settings, case.duration, case.sample_interval)
             seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
     return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings)
 
@@ -214,11 +214,11 @@ def _stored(warnings: tuple[str | Notice, ...]) -> tuple[StoredNotice, ...]:
     )
 
 
-def _told(trial: Trial, told: Retelling, adapter: Adapter, duration: float, sample_interval: float) -> Answer:
+def _equivalent(trial: Trial, retelling: Retelling, adapter: Adapter, duration: float, sample_interval: float) -> Answer:
     try:
-        actual, broke = told_run(told, adapter, trial.settings, duration, sample_interval)
+        actual, broke = equivalent_run(retelling, adapter, trial.settings, duration, sample_interval)
     except Diverged as error:
-        actual, broke = Trajectory.of(np.zeros(0), len(told.scene.bodies)), str(error)
+        actual, broke = Trajectory.of(np.zeros(0), len(retelling.scene.bodies)), str(error)
     return Answer(actual, broke, {}, ())
 
 
@@ -246,8 +246,8 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
     expected = None if truth is None else truth.trajectory
     measurements: tuple[Measurement, ...] = ()
     if broke is None:
-        told = bounded(case, trial.settings.dt, answer.substep(trial.settings), trial.parameters, folder, trial.sources)
-        measurements = judge(told, scene, actual, truth)
+        bounded_case = bounded(case, trial.settings.dt, answer.substep(trial.settings), trial.parameters, folder, trial.sources)
+        measurements = judge(bounded_case, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     return replace(
         outcome(trial, status, reason),

@@ -49,7 +49,7 @@ print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
 """
 """As TUMBLE, of two heaps, each on a thread."""
 KICK = "g = load3(setting, 0, GRAVITY)"
-UNIT = ("test_engine_motion.py", "test_engine_door.py", "test_engine_world.py")
+UNIT = ("test_engine_motion.py", "test_engine_input.py", "test_engine_world.py")
 """Tests of every stage of a step, that pass within a minute as plain Python."""
 
 

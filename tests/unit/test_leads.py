@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from harness.findings.leads import axis_leads, leaders, pair_leads, reaches
-from harness.findings.limits_found import Hold, Search
+from harness.findings.limits_found import Hold, Search, Signs
 from harness.findings.prices import Prices
 from tests.unit.test_prices import Priced, Told
 
@@ -29,7 +29,7 @@ def search(engine: str, parts: int, *holds: tuple[float, float, float | None], s
         held=holds[-1][0] if holds else None,
         broke=None,
         share=None,
-        signs="",
+        signs=Signs(),
         verdict="limit",
         reason="",
         members=2,

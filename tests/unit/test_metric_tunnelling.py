@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
 
 from harness.metric import NotMeasurable
 from harness.metrics.tunnelling import (
@@ -76,9 +75,13 @@ def test_the_stop_gap_is_the_farthest_end_of_a_stopped_sphere() -> None:
 
 
 @pytest.mark.parametrize(("hits", "trials"), [(0, 64), (1, 64), (3, 8), (32, 64), (63, 64), (64, 64), (15, 148), (1, 1)])
-def test_wilsons_interval_agrees_with_scipy(hits: int, trials: int) -> None:
-    reference = binomtest(hits, trials).proportion_ci(0.95, method="wilson")
-    assert wilson_interval(hits, trials) == pytest.approx((reference.low, reference.high), abs=1e-12)
+def test_wilsons_interval_is_its_formula_and_ends_at_nothing_and_at_all(hits: int, trials: int) -> None:
+    share, square = hits / trials, Z_95**2 / trials
+    half = Z_95 * math.sqrt(share * (1 - share) / trials + square / (4 * trials))
+    formula = [(share + square / 2 + side * half) / (1 + square) for side in (-1, 1)]
+    low, high = wilson_interval(hits, trials)
+    assert (low, high) == pytest.approx(formula, abs=1e-12)
+    assert (low == 0.0, high == 1.0) == (hits == 0, hits == trials)
 
 
 def test_wilsons_interval_agrees_with_a_published_example() -> None:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from harness.findings.leads import Lead
-from harness.findings.limits_found import Search
+from harness.findings.limits_found import Search, Signs
 from harness.store.notices import StoredNotice
 from reports.reach import cell, standings
 
@@ -23,7 +23,7 @@ BROKEN: Any = Search(
     held=10.0,
     broke=20.0,
     share=0.5,
-    signs="passage 3",
+    signs=Signs(counts=(("passage", 3),)),
     verdict="limit",
     reason="",
     members=6,

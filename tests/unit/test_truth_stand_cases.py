@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 from cases import stand_hit, stand_humanoid, stand_quadruped
 from harness.case import Case
-from harness.props.machines.humanoid import humanoid
-from harness.props.machines.machine import bearing, loads
-from harness.props.machines.quadruped import quadruped
+from harness.props.robots.humanoid import humanoid
+from harness.props.robots.quadruped import quadruped
+from harness.props.robots.robot import bearing, loads
 from harness.scene import EARTH_GRAVITY, Box
 from harness.trajectory import Contacts, Floats, Trajectory
 

@@ -21,10 +21,10 @@ from harness.trajectory import Floats
 __all__ = ["BRIEF", "COLUMNS", "FIRST", "Agreement", "agreements", "brief", "broken", "parting", "rows", "sentences"]
 
 STATES = ("p_WB", "q_WB", "v_WB", "w_WB")
-MUST = ("again", "alone", "restored", "threads")
-"""Runs that must give the same bits."""
 FIRST = "first"
 """The run that the others are compared with."""
+MAY_DIFFER = (FIRST, "reordered", "nudged")
+"""Runs that need not give the same bits; all others must."""
 GROWS_FROM, GROWS_TO = 1e-14, 1e-3
 """Distances [m] between which the growth of a difference is fitted: above rounding, below the size of the scene."""
 
@@ -68,10 +68,12 @@ def agreements(store: Store) -> tuple[Agreement, ...]:
 
 
 def _agreements(store: Store) -> Iterator[Agreement]:
-    told = [json.loads(text) for text in store.trials["alteration"]]
-    part = store.trials.assign(way=[one.get("name", "") for one in told], every=[one.get("every_step", False) for one in told])
-    part = part[part["every"]]
-    for _, group in part.groupby(["case", "parameters", "engine", "track"], sort=False):
+    alterations = [json.loads(text) for text in store.trials["alteration"]]
+    trials = store.trials.assign(
+        way=[alteration.get("name", "") for alteration in alterations],
+        every=[alteration.get("every_step", False) for alteration in alterations],
+    )
+    for _, group in trials[trials["every"]].groupby(["case", "parameters", "engine", "track"], sort=False):
         runs = {row.way: row for row in group.itertuples()}
         first = runs.pop("", None)
         if first is None:
@@ -84,33 +86,33 @@ def _agreements(store: Store) -> Iterator[Agreement]:
             yield _compared(store, first, run, way) if answered else _silent(first, run, way)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Parting:
+    """How two runs part: the fields of an `Agreement` by these names."""
+
+    steps: int = 0
+    first_step: int | None = None
+    farthest: float | None = None
+    doubles_in: float | None = None
+
+
 def _silent(first: Any, run: Any, way: str) -> Agreement:
-    return _row(first, run, way, 0, None, None, None, str(run.status), str(run.reason))
+    return _row(first, run, way, _Parting(), str(run.status), str(run.reason))
 
 
-def _row(
-    first: Any,
-    run: Any,
-    way: str,
-    steps: int,
-    first_step: int | None,
-    farthest: float | None,
-    doubles_in: float | None,
-    verdict: str,
-    reason: str = "",
-) -> Agreement:
+def _row(first: Any, run: Any, way: str, parts: _Parting, verdict: str, reason: str = "") -> Agreement:
     return Agreement(
         case=first.case,
         engine=first.engine,
         track=first.track,
         way=way,
-        must=any(way.endswith(word) for word in MUST),
+        must=way not in MAY_DIFFER,
         hash_first=str(first.trajectory_hash),
         hash=str(run.trajectory_hash),
-        steps=steps,
-        first_step=first_step,
-        farthest=farthest,
-        doubles_in=doubles_in,
+        steps=parts.steps,
+        first_step=parts.first_step,
+        farthest=parts.farthest,
+        doubles_in=parts.doubles_in,
         verdict=verdict,
         reason=reason,
         trial=str(run.trial),
@@ -119,16 +121,19 @@ def _row(
 
 
 def _compared(store: Store, first: Any, run: Any, way: str) -> Agreement:
-    one, other = (store.trajectory(side.trajectory_hash) for side in (first, run))
-    steps, differs, distance = parting(one, other)
+    steps, differs, distance = parting(*(store.trajectory(side.trajectory_hash) for side in (first, run)))
     dt = float(first.dt)
-    places = np.flatnonzero(differs)
-    first_step = None if len(places) == 0 else round(float(steps[places[0]]) / dt)
+    parted = np.flatnonzero(differs)
+    first_step = None if len(parted) == 0 else round(float(steps[parted[0]]) / dt)
     same = first_step is None and len(steps) > 0
     verdict = "bit-identical" if same else ("parts" if way == "nudged" else "differs")
-    grows = doubling(steps, distance)
-    farthest = float(distance.max(initial=0.0))
-    return _row(first, run, way, len(steps), first_step, farthest, grows, verdict)
+    parts = _Parting(
+        steps=len(steps),
+        first_step=first_step,
+        farthest=float(distance.max(initial=0.0)),
+        doubles_in=doubling(steps, distance),
+    )
+    return _row(first, run, way, parts, verdict)
 
 
 def parting(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[Floats, Any, Floats]:

@@ -1,16 +1,25 @@
 """What each effect costs, what its absence does, and whether it was needed: the rows of the effects table."""
 
 import json
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from harness.case.alteration import EVERYTHING, REFINED
+from harness.findings.effects_audit import (
+    AS_IT_IS,
+    JUDGE,
+    NOT_JUDGED,
+    TOGETHER,
+    audit,
+    named_scene,
+    proposed,
+    savings,
+    scenes_of,
+)
 from harness.findings.where import differing, in_words
 from harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
 from harness.statistics.ratio import Ratio, ratio
@@ -19,24 +28,12 @@ from harness.store.store import Store
 __all__ = [
     "BRIEF",
     "COLUMNS",
-    "JUDGE",
-    "Audit",
-    "Saving",
     "Verdict",
-    "audit",
     "brief",
     "rows",
-    "savings",
     "sentences",
     "verdicts",
 ]
-
-JUDGE = "reference"
-"""The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
-NOT_JUDGED = "not judged"
-AS_IT_IS = "as it is"
-UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
-"""Statuses that stand as verdicts where a run gave no answer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,9 +82,9 @@ def verdicts(store: Store) -> tuple[Verdict, ...]:
 
 def _verdicts(store: Store) -> Iterator[Verdict]:
     trials = store.trials
-    altered = set(trials.loc[trials["alteration"].str.contains(EVERYTHING, regex=False), "experiment"])
+    trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
+    altered = set(trials.loc[trials["departure"] == EVERYTHING, "experiment"])
     part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
-    part = part.assign(departure=[json.loads(text).get("name", "") for text in part["alteration"]])
     samples = _sampled(store)
     for case, cells in part.groupby("case", sort=False):
         named = _where(cells["parameters"], store.catalogue["cases"][case]["parameters"])
@@ -163,15 +160,18 @@ def _of_side(
     doubt = "" if scale is None else f"{engine}: {scale.doubt}"
     notices = [notice for notice in store.notices[plain.trial] if notice.effect]
 
-    def row(effect: str, run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = "") -> Verdict:
+    def row(
+        effect: str | Sequence[str], run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = ""
+    ) -> Verdict:
+        effects = (effect,) if isinstance(effect, str) else tuple(effect)
         return Verdict(
             case=plain.case,
             where=where,
             engine=engine,
             track=track,
-            effect=effect,
-            declared=all(one in declared for one in effect.split(", ")),
-            insists=str(insists.get(effect, "")),
+            effect=TOGETHER.join(effects),
+            declared=declared.issuperset(effects),
+            insists=str(insists.get(TOGETHER.join(effects), "")),
             moved=None if found is None else found.moved,
             own=None if found is None else found.own,
             matters=None if found is None else found.matters,
@@ -196,7 +196,7 @@ def _of_side(
         if name in ("", *REFINED) or (departed.widen and effects[0] in surplus):
             continue  # what cannot be switched off is told by its notice, below
         if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
-            yield row(", ".join(effects) or name, run, None, run.status, None, run.reason)
+            yield row(effects or name, run, None, run.status, None, run.reason)
             continue
         found = weighed(departed, matters(store, plain, run, scale), plain, run, declared)
         if name == EVERYTHING:
@@ -207,7 +207,7 @@ def _of_side(
         own = _Need(None) if found is None else _Need(found.matters, doubt if found.matters is None else "")
         if len(effects) > 1:
             verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"
-            yield row(", ".join(effects), run, found, verdict, price, own.doubt)
+            yield row(effects, run, found, verdict, price, own.doubt)
             continue
         (effect,) = effects
         need = needed.get(effect, own)
@@ -236,86 +236,6 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     return None if both.empty else ratio(one[both].to_numpy(), other[both].to_numpy())
 
 
-@dataclass(frozen=True, slots=True)
-class Audit:
-    """Whether each scene calls for exactly what it needs.
-
-    Terms:
-        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows that say
-        something. failed: those of them that are against the scene: an effect that does not matter is on, or one that matters
-        is off. open: its rows that say nothing, since it gave no answer or has not converged: for these nothing is proposed.
-    """
-
-    judge: str
-    judged: tuple[Mapping[str, Any], ...]
-    failed: tuple[Mapping[str, Any], ...]
-    open: tuple[Mapping[str, Any], ...] = ()
-
-    @property
-    def scenes(self) -> int:
-        """How many were judged, each of their effects."""
-        return len(_scenes(self.judged).keys() - _scenes(self.open).keys())
-
-    @property
-    def clean(self) -> int:
-        """How many of these have nothing against them."""
-        return len(_scenes(self.judged).keys() - _scenes(self.open).keys() - _scenes(self.failed).keys())
-
-    @property
-    def in_doubt(self) -> int:
-        """How many were asked about and not judged in full."""
-        return len(_scenes(self.open))
-
-    @property
-    def sentences(self) -> list[str]:
-        """What is against the scenes, a sentence each."""
-        return [_accusation(row) for row in self.failed]
-
-    @property
-    def doubts(self) -> list[str]:
-        """What could not be judged and why, a sentence for each scene and reason."""
-        effects: dict[tuple[str, str], list[str]] = {}
-        for row in self.open:
-            why = row["reason"] or "no answer to compare"
-            why = why if row["verdict"] == NOT_JUDGED else f"{row['engine']}: {row['verdict']}: {why}"
-            what = "any effect" if row["effect"] == AS_IT_IS else row["effect"]
-            effects.setdefault((_named_scene(row), why), []).append(what)
-        return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
-
-
-def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
-    """Of flat rows with COLUMNS; where the judge was not asked, the first engine that was stands in for it."""
-    asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
-    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
-    asked_of = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
-    judged = tuple(row for row in asked_of if row["verdict"] not in (NOT_JUDGED, *UNANSWERED))
-    failed = tuple(row for row in judged if row["verdict"] in ("paid for without need", "needed but missing"))
-    return Audit(judge, judged, failed, tuple(row for row in asked_of if row not in judged))
-
-
-def _scenes(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
-    """The scenes of some rows, in their order."""
-    return dict.fromkeys((row["case"], row["where"]) for row in rows)
-
-
-def _named_scene(row: Mapping[str, Any]) -> str:
-    return f"{row['case']} {row['where']}".strip()
-
-
-def _accusation(row: Mapping[str, Any]) -> str:
-    name = _named_scene(row)
-    if row["verdict"] == "needed but missing":
-        return f"{name}: leaves out {row['effect']}, which matters: with it a body is moved by {_metres(row['moved'])}"
-    return (
-        f"{name}: declares {row['effect']}, which does not matter: without it no body is moved by more than "
-        f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}"
-    )
-
-
-def _metres(value: float | None) -> str:
-    return "nothing" if value is None else f"{value:.2g} m or rad"
-
-
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
     return [asdict(one) for one in verdicts(store)]
@@ -328,7 +248,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     """A flat row in short words under BRIEF."""
     cost = "" if row["cost"] is None else f"x {row['cost']:.3g} ({row['low']:.3g}..{row['high']:.3g})"
     return [
-        _named_scene(row),
+        named_scene(row),
         f"{row['engine']}/{row['track']}",
         row["effect"],
         cost,
@@ -338,63 +258,19 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
-@dataclass(frozen=True, slots=True)
-class Saving:
-    """What everything on costs over the scene as it is, on one engine.
-
-    Terms:
-        mean, low, high: geometric mean, smallest and largest over so many scenes. summed: the time of a simulated second of
-        each of these scenes, added up, with everything on over as it is; None where no step was clocked.
-    """
-
-    engine: str
-    mean: float
-    low: float
-    high: float
-    scenes: int
-    summed: float | None
-
-
-def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
-    """One an engine."""
-    everything: dict[str, list[Mapping[str, Any]]] = {}
-    for row in rows:
-        if row["verdict"] == EVERYTHING and row["cost"]:
-            everything.setdefault(row["engine"], []).append(row)
-    made = []
-    for engine, mine in everything.items():
-        costs = [row["cost"] for row in mine]
-        mean = math.exp(float(np.mean(np.log(costs))))
-        both = [(row["cost"], row["cpu_as_it_is"]) for row in mine if row["cpu_as_it_is"]]
-        whole = sum(second for _, second in both)
-        summed = sum(cost * second for cost, second in both) / whole if whole else None
-        made.append(Saving(engine, mean, min(costs), max(costs), len(costs), summed))
-    return made
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What leaving effects out saves, engine by engine, and what the audit says."""
-    found = []
-    for one in savings(rows):
-        added = "" if one.summed is None else f"; a simulated second of each, added up, {one.summed:.3g} times"
-        found.append(
-            f"{one.engine}: a step with everything on costs {one.mean:.3g} times that of the scene as it is "
-            f"(geometric mean over {one.scenes} scenes, {one.low:.3g} to {one.high:.3g}{added})."
+def sentences(rows: Sequence[Mapping[str, Any]], *, accusing: bool = True) -> list[str]:
+    """What leaving effects out saves, engine by engine, and what the audit says; accusing: of each scene that fails it too."""
+    said = []
+    for saving in savings(rows):
+        added = "" if saving.summed is None else f"; a simulated second of each, added up, {saving.summed:.3g} times"
+        said.append(
+            f"{saving.engine}: a step with everything on costs {saving.mean:.3g} times that of the scene as it is "
+            f"(geometric mean over {saving.scenes} scenes, {saving.low:.3g} to {saving.high:.3g}{added})."
         )
-    told = audit(rows)
-    if told.scenes:
-        beside = f"; {told.in_doubt} more are not judged in full" if told.in_doubt else ""
-        found.append(
-            f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}{beside}."
-        )
-    found += [f"Audit: {sentence}." for sentence in (*told.sentences, *told.doubts)]
-    return found + [proposal for scene in _scenes(told.failed) if (proposal := proposed(scene, told.judged))]
-
-
-def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
-    mine = [row for row in rows if (row["case"], row["where"]) == scene]
-    together = [row["effect"].split(", ") for row in mine if row["verdict"] == "left out together"]
-    single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
-    idle: list[str] = max(together + single, key=len, default=[])
-    return f"Proposed for {' '.join(scene).strip()}: narrow = {json.dumps(idle)}." if idle else ""
+    audited = audit(rows)
+    if audited.scenes:
+        beside = f"; {audited.in_doubt} more are not judged in full" if audited.in_doubt else ""
+        counts = f"{audited.clean} of {audited.scenes} scenes"
+        said.append(f"Audit: {counts} call for exactly what they need, judged on {audited.judge}{beside}.")
+    said += [f"Audit: {sentence}." for sentence in (*(audited.sentences if accusing else ()), *audited.doubts)]
+    return said + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]

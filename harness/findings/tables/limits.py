@@ -17,7 +17,8 @@ def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
     plain = [one for one in searches(store) if not one.remedied]
     return [
-        {name: value for name, value in asdict(one).items() if name in COLUMNS} | {"noticed": "; ".join(map(str, one.noticed))}
+        {name: value for name, value in asdict(one).items() if name in COLUMNS}
+        | {"signs": one.signs.text, "noticed": "; ".join(map(str, one.noticed))}
         for one in plain
     ]
 

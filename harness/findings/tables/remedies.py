@@ -78,7 +78,7 @@ def _row(one: Search, sick: Search, store: Store) -> Remedied:
         axis=one.axis,
         unit=one.unit,
         value=float("nan") if sick.broke is None else sick.broke,
-        signs=sick.signs,
+        signs=sick.signs.text,
         remedy=one.remedy,
         share_before=share,
         share_after=after,

@@ -1,0 +1,29 @@
+"""The ground that robots stand on."""
+
+from harness.props.robots.robot import MATERIAL
+from harness.scene import Body, Box, PlacedShape, Surface
+
+__all__ = ["floor", "grip"]
+
+SLAB_DEPTH = 0.5
+PRESSED = 1e-6
+"""How deep the soles start in the ground [m]: what just touches, some engines find a step late, and by then the drives have
+thrown the feet about."""
+SLAB = Box(half_extents=(5.0, 5.0, SLAB_DEPTH))
+"""A box, since some engines find a box on a plane by one corner more in each step."""
+
+
+def floor() -> Body:
+    """The body 'ground' under soles at z = 0."""
+    return Body(
+        name="ground",
+        motion="static",
+        material="ground",
+        collision=(PlacedShape(shape=SLAB),),
+        p_WB=(0.0, 0.0, PRESSED - SLAB_DEPTH),
+    )
+
+
+def grip(friction: float) -> Surface:
+    """The friction of the ground under the parts of a robot."""
+    return Surface(between=("ground", MATERIAL), static_friction=friction, kinetic_friction=friction)

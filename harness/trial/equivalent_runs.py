@@ -1,0 +1,79 @@
+"""A retelling carried out: the same engine, settings and number of steps, its motion told back as streams beside the case's."""
+
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+
+from harness.adapter import Adapter, Diverged, Settings, Simulation, Unsupported
+from harness.adapter.what_comes_out import Answering
+from harness.case.symmetries import Retelling
+from harness.trajectory import Floats, Trajectory
+from harness.trial.simulate import simulate, steps_between_samples
+
+__all__ = ["equivalent_run", "equivalent_streams"]
+
+
+def equivalent_streams(
+    retelling: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float
+) -> tuple[dict[str, Floats], tuple[str, ...]]:
+    """Streams '<name>/time', '/p_WB' (k, n, 3), '/q_WB' (k, n, 4), '/v_WB' and '/w_WB' (k, n, 3); and what there is to say.
+
+    A run that diverges ends in a state that is not finite; one that the engine cannot make has no streams.
+
+    Args: duration, sample_interval [s] of the case.
+    """
+    try:
+        run, broke = equivalent_run(retelling, adapter, settings, duration, sample_interval)
+    except Unsupported as error:
+        return {}, (f"{retelling.name}: not told: {error}",)
+    except Diverged as error:
+        return {}, (f"{retelling.name}: diverged before it could be told: {error}",)
+    states = {name: getattr(run, name) for name in ("p_WB", "q_WB", "v_WB", "w_WB")}
+    time = run.time
+    if broke is not None:
+        time = np.append(time, time[-1:] + max(sample_interval, settings.dt))
+        states = {name: np.concatenate([part, np.full((1, *part.shape[1:]), np.nan)]) for name, part in states.items()}
+    streams = {f"{retelling.name}/{name}": part for name, part in (("time", time), *states.items())}
+    return streams, () if broke is None else (f"{retelling.name}: diverged {broke}",)
+
+
+def equivalent_run(
+    retelling: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float
+) -> tuple[Trajectory, str | None]:
+    """The motion of a retelling in the words of the first telling and, where it diverged, when and how.
+
+    Raises: Unsupported; Diverged: before there is anything to tell.
+    """
+    dt, clock = settings.dt, retelling.clock
+    simulation = cast(Simulation, Answering(adapter.build(retelling.scene, settings.with_dt(dt * clock)), retelling.scene))
+    try:
+        since = (
+            0.0
+            if retelling.restored_at is None
+            else _taken_back(simulation, retelling.restored_at, duration, sample_interval, dt)
+        )
+        run, broke = simulate(
+            simulation,
+            retelling.scene,
+            dt=dt * clock,
+            duration=(duration - since) * clock,
+            sample_interval=sample_interval * clock,
+            with_contacts=False,
+            seed=0,
+        )
+    finally:
+        simulation.close()
+    made = retelling.back(run)
+    return replace(made, time=made.time + since), broke
+
+
+def _taken_back(simulation: Simulation, time: float, duration: float, sample_interval: float, dt: float) -> float:
+    """Save at a sample near `time` [s], go to the end and back; the time [s] of that sample. Raises: Diverged, Unsupported."""
+    every = steps_between_samples(sample_interval, dt)
+    before = every * max(1, round(time / (every * dt)))
+    simulation.step(before)
+    saved = simulation.save()
+    simulation.step(max(1, round(duration / dt) - before))
+    simulation.restore(saved)
+    return before * dt

@@ -17,12 +17,12 @@ KNOWN: Final = 1
 
 
 @kernel
-def write_rows(bodies: Bodies, joints: Joints, rows: Rows, number: int, h: float) -> tuple[int, int]:
-    """Write the rows of the first `number` joints for a sub-step of h [s], and their matrix.
+def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> tuple[int, int]:
+    """Write the rows of all joints for a sub-step of h [s], and their matrix.
 
     Returns: how many rows are equalities, and how many there are.
     """
-    state, row = bodies.state, rows.row
+    state, row, number = bodies.state, rows.row, joints.joint.shape[0]
     equalities = equality_rows(state, joints.joint, joints.kind, number, row, rows.body)
     for r in range(equalities):
         row[r, BIAS] = row[r, GAP] / h

@@ -127,7 +127,7 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> b
     joints, rows = island_joints(floats, ints, i), island_rows(floats, ints, i)
     state, body, turned, _, kind = bodies
     count, n, soft = ints_of(ints, COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
-    equalities, all_rows = write_rows(bodies, joints, rows, joints.joint.shape[0], soft.h)
+    equalities, all_rows = write_rows(bodies, joints, rows, soft.h)
     warm_start(bodies, contacts, n)
     hold_joints(bodies, rows, equalities, all_rows, NEW)
     # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.

@@ -53,7 +53,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
         n = count[0, MANIFOLDS]
         for substep in range(count[0, SUBSTEPS]):
             kick_touched(bodies, setting, count, soft.h)
-            equalities, all_rows = write_rows(bodies, joints, rows, count[0, JOINTS], soft.h)
+            equalities, all_rows = write_rows(bodies, joints, rows, soft.h)
             strikes = approach(bodies, contacts, n, setting, soft.h, slow)
             times = patience(count, substep, strikes)
             share_loads(bodies, contacts, n, sums)

@@ -153,12 +153,13 @@ class Batch:
         begins = np.vstack((np.zeros((1, 2), np.int64), begins[:-1]))
         self._place = np.column_stack((begins[:, 0], begins[:, 0] + sizes[:, 0], begins[:, 1], begins[:, 1] + sizes[:, 1]))
         self._floats, self._ints = np.zeros(total[0]), np.zeros(total[1], np.int64)
-        loads = []
+        states, loads = [], []
         for world, (f0, f1, i0, i1) in zip(self._worlds, self._place.tolist(), strict=True):
             self._floats[f0:f1], self._ints[i0:i1] = world.save()
             world.adopt(self._floats[f0:f1], self._ints[i0:i1])
+            states.append(f0 + self._ints[i0 + 3 * at.STATE])
             loads.append(f0 + self._ints[i0 + 3 * at.LOAD])
-        self._state = begins[:, :1] + np.arange(13 * self._bodies)
+        self._state = np.array(states)[:, None] + np.arange(13 * self._bodies)
         self._load = np.array(loads)[:, None] + np.arange(6 * self._bodies)
 
 

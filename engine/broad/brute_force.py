@@ -14,6 +14,7 @@ from engine.compile.jit import entry, kernel
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DONE
 
 __all__ = ["find_pairs"]
 
@@ -41,10 +42,10 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     if bounds_are_stale(floats, ints):
         found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != 0:
+        if status != DONE:
             return status
     return write_pairs(floats, ints)

@@ -39,6 +39,7 @@ from engine.memory.arena import (
     TALLY,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DONE, FULL
 
 __all__ = ["add_unbounded", "bounds_are_stale", "keep_candidates", "may_move", "compare_candidates", "write_pairs"]
 
@@ -95,13 +96,13 @@ def add_unbounded(floats: Floats, ints: Ints, found: int) -> int:
 def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
     """Drop the candidates that never touch, and order the rest by their first and then their second shape.
 
-    Returns: 0, or 2 if the arena has no room for them.
+    Returns: DONE, or FULL where the arena has no room for them.
     """
     rules, candidate = collision_filter_of(floats, ints), ints_of(ints, CANDIDATE)
     progress, shapes = ints_of(ints, PROGRESS), ints_of(ints, COUNT)[0, SHAPES]
     if found > candidate.shape[0]:
         progress[0, CANDIDATES] = -1
-        return 2
+        return FULL
     kept = 0
     for c in range(found):
         i, j = candidate[c, 0], candidate[c, 1]
@@ -126,7 +127,7 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
         for c in range(start[s], start[s + 1]):
             candidate[c, 0], candidate[c, 1] = s, second[c]
     progress[0, CANDIDATES] = kept
-    return 0
+    return DONE
 
 
 @kernel
@@ -145,8 +146,8 @@ def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: 
 
 @kernel
 def write_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     pair = ints_of(ints, PAIR)
     found = compare_candidates(floats, ints, 0, ints_of(ints, PROGRESS)[0, CANDIDATES], pair)
     ints_of(ints, COUNT)[0, PAIRS], ints_of(ints, TALLY)[0, SEARCHED] = found, 1
-    return 2 if found > pair.shape[0] else 0
+    return FULL if found > pair.shape[0] else DONE

@@ -55,8 +55,8 @@ def load_volume(name: str) -> DropApart | None:
 
 
 def search_pairs(find_pairs: FindPairs, drop_apart: DropApart | None, floats: FloatArray, ints: IntArray) -> int:
-    """Find the pairs of the coming step. Returns: 0, or 2 if the arena must grow first."""
+    """Find the pairs of the coming step. Returns: DONE, or FULL."""
     status = find_pairs(floats, ints)
-    if status == 0 and drop_apart is not None:
+    if status == DONE and drop_apart is not None:
         drop_apart(floats, ints)
     return status

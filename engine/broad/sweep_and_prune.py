@@ -21,6 +21,7 @@ from engine.compile.jit import entry, kernel
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import AXIS, BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, ORDER, PROGRESS, SHAPE, SHAPE_KIND, SHAPES
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DONE
 
 __all__ = ["find_pairs"]
 
@@ -89,11 +90,11 @@ def search_range(floats: Floats, ints: Ints, axis: int, first: int, last: int, c
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: 0, or 2 if the arena has no room for them."""
+    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     if bounds_are_stale(floats, ints):
         axis = sort_shapes(floats, ints)
         found = search_range(floats, ints, axis, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != 0:
+        if status != DONE:
             return status
     return write_pairs(floats, ints)

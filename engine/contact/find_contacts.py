@@ -29,6 +29,7 @@ from engine.memory.arena import (
     TYPE,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import CONVEX_PENDING, DONE, FULL
 from engine.memory.tables import bodies_of, contacts_of, shapes_of
 from engine.narrow.collide import is_convex_pair, ordered
 from engine.narrow.point import Points
@@ -52,7 +53,7 @@ def keep_contacts(
 def find_contacts(floats: Floats, ints: Ints) -> int:
     """Find and prepare the contacts of this step, and mark the bodies they touch.
 
-    Returns: 0, or 2 if the arena has no room for all pairs, or 3 if pairs wait for the convex narrow phase; then nothing has
+    Returns: DONE, or FULL, or CONVEX_PENDING; then nothing has
     changed but the list of pairs.
     """
     bodies, shapes, rules = bodies_of(floats, ints), shapes_of(floats, ints), rules_of(floats, ints)
@@ -65,11 +66,11 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
         write_bounds(state, shapes.shape, shapes.kind, count[0, SHAPES], shapes.pose, bounds, setting)
         count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, shapes.pose, count[0, SHAPES], pairs.pair)
     if count[0, PAIRS] > pairs.pair.shape[0]:
-        return 2
+        return FULL
     for p in range(count[0, PAIRS]):
         a, b = ordered(shapes.kind, pairs.pair[p, 0], pairs.pair[p, 1])
         if count[0, CONVEX_READY] == 0 and is_convex_pair(shapes.kind[a, TYPE], shapes.kind[b, TYPE]):
-            return 3
+            return CONVEX_PENDING
     count[0, CONVEX_READY] = 0
     for b in range(count[0, BODIES] + 1):
         kind[b, TOUCHED] = 0
@@ -77,4 +78,4 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     out = Points(new.point, new.point_key, floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY))
     build_manifolds(bodies, shapes, rules, pairs, new, old, out)
     keep_rest(state, kind, rest, count[0, BODIES])
-    return 0
+    return DONE

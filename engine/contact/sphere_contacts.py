@@ -86,6 +86,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DONE, FULL
 from engine.memory.tables import Shapes, shapes_of
 from engine.narrow.box_pairs import sphere_box
 from engine.narrow.point import Points
@@ -199,7 +200,7 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
 
 @kernel
 def find_touches(floats: Floats, ints: Ints) -> int:
-    """Find the contacts of this step and mark the bodies they touch. Returns: 0, or 2 if the arena must grow first."""
+    """Find the contacts of this step and mark the bodies they touch. Returns: DONE, or FULL."""
     shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
     state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
     shape_kind, pair, count = ints_of(ints, SHAPE_KIND), ints_of(ints, PAIR), ints_of(ints, COUNT)
@@ -209,7 +210,7 @@ def find_touches(floats: Floats, ints: Ints) -> int:
         write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
         count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, pose, shapes, pair)
         if count[0, PAIRS] > pair.shape[0]:
-            return 2
+            return FULL
     gather(floats, ints)
     build_touches(floats, ints, count[0, PAIRS])
-    return 0
+    return DONE

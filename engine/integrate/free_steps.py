@@ -8,6 +8,7 @@ from engine.integrate.finite_state import is_finite
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import BODIES, COUNT, DT, GYROSCOPIC, PRINCIPAL, SETTING, STEPS, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DIVERGED, DONE, UNSOLVED
 from engine.memory.tables import bodies_of
 
 __all__ = ["advance_free"]
@@ -18,7 +19,7 @@ def advance_free(floats: Floats, ints: Ints, steps: int, advance: Callable[..., 
     """Advance all bodies by `steps` steps, sub-step by sub-step.
 
     Args: advance: (bodies, principal, setting, b, h [s], gyroscopic, *room) -> whether body b was advanced by h.
-    Returns: steps done, and 0, or 1 if the state stopped being finite, or 4 if a body was not advanced.
+    Returns: steps done, and DONE, or DIVERGED, or UNSOLVED if a body was not advanced.
     """
     bodies, principal, setting = bodies_of(floats, ints), floats_of(floats, ints, PRINCIPAL), floats_of(floats, ints, SETTING)
     count = ints_of(ints, COUNT)
@@ -31,7 +32,7 @@ def advance_free(floats: Floats, ints: Ints, steps: int, advance: Callable[..., 
                     advanced = False
         count[0, STEPS] += 1
         if not is_finite(bodies.state, count[0, BODIES]):
-            return step + 1, 1
+            return step + 1, DIVERGED
         if not advanced:
-            return step + 1, 4
-    return steps, 0
+            return step + 1, UNSOLVED
+    return steps, DONE

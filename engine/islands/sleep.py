@@ -75,6 +75,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DONE, FULL
 from engine.memory.tables import Contacts, contacts_of
 
 __all__ = ["fall_asleep", "mark_changed", "mark_touched", "remember", "wake_marked"]
@@ -196,7 +197,7 @@ def copy_contact(contacts: Contacts, m: int, target: Contacts, to: int) -> None:
 def wake_marked(floats: Floats, ints: Ints) -> int:
     """Wake the marked islands, and put their contacts back among those of the last step.
 
-    Returns: 0, or 2 where there is no room for them; then nothing has changed.
+    Returns: DONE, or FULL where there is no room for them; then nothing has changed.
     """
     kind, count, island, tally = (
         ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
@@ -207,7 +208,7 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
     for m in range(tally[0, RESTING]):
         rising += island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES]
     if count[0, MANIFOLDS] + rising > key.shape[0]:
-        return 2
+        return FULL
     still = 0
     for m in range(tally[0, RESTING]):
         if island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES] == 1:
@@ -224,14 +225,14 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
             tally[0, SEARCHED], ints_of(ints, PROGRESS)[0, CANDIDATES] = 0, -1
     for b in range(count[0, BODIES]):
         island[b, WAKES] = 0
-    return 0
+    return DONE
 
 
 @kernel
 def fall_asleep(floats: Floats, ints: Ints) -> int:
     """Count for how long every body has been slow, and put to sleep the islands of which all have been for long enough.
 
-    Returns: 0, or 2 where there is no room for their contacts; then the islands stay awake for now.
+    Returns: DONE, or FULL where there is no room for their contacts; then the islands stay awake for now.
     """
     state, body, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, SETTING)
     calm, sleep = floats_of(floats, ints, CALM), floats_of(floats, ints, SLEEP)
@@ -256,7 +257,7 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
     for m in range(count[0, MANIFOLDS]):
         leaving += int(span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0)
     if tally[0, RESTING] + leaving > resting.key.shape[0]:
-        return 2
+        return FULL
     staying = 0
     for m in range(count[0, MANIFOLDS]):
         if span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0:
@@ -277,7 +278,7 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
             store3(state, b, V, (0.0, 0.0, 0.0))
             store3(state, b, W, (0.0, 0.0, 0.0))
             tally[0, AWAKE] -= 1
-    return 0
+    return DONE
 
 
 @kernel

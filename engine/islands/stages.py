@@ -60,6 +60,7 @@ from engine.memory.arena import (
     TOUCHED,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
 from engine.memory.tables import bodies_of
 
 __all__ = ["any_hit", "begin_islands", "end_islands", "next_meeting", "skip_sleep"]
@@ -88,15 +89,15 @@ def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     while True:
         if searching:
             if count[0, BROAD] == 1 and tally[0, SEARCHED] == 0:
-                return 5
+                return SEARCH_PENDING
             status = find_contacts(floats, ints)
-            if status != 0:
+            if status != DONE:
                 return status
             tally[0, AROUSED] += count[0, NEW]
         if not sleeps or mark_touched(floats, ints) == 0:
-            return 0
-        if wake_marked(floats, ints) == 2:
-            return 2
+            return DONE
+        if wake_marked(floats, ints) == FULL:
+            return FULL
         searching = True
 
 
@@ -105,17 +106,17 @@ def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Find the contacts of this step, wake whom they reach, move the bodies that nothing touches, and group the others.
 
     Args: keeping: whether to keep the contacts of the last step where all bodies are still.
-    Returns: 0, or 2 or 3 as `find_contacts`, or 5 if pairs must be found anew before the step, since bodies woke.
+    Returns: as `find_contacts`, or SEARCH_PENDING if pairs must be found anew before the step, since bodies woke.
     """
     bodies, setting = bodies_of(floats, ints), floats_of(floats, ints, SETTING)
     kind, count, tally = bodies.kind, ints_of(ints, COUNT), ints_of(ints, TALLY)
     last = count[0, BODIES]
     if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0:
         mark_changed(floats, ints)
-        if wake_marked(floats, ints) == 2:
-            return 2
+        if wake_marked(floats, ints) == FULL:
+            return FULL
     status = meet(floats, ints, keeping)
-    if status != 0:
+    if status != DONE:
         return status
     joint_kind = ints_of(ints, JOINT_KIND)
     for j in range(count[0, JOINTS]):
@@ -140,7 +141,7 @@ def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
     for m in range(count[0, MANIFOLDS]):
         if manifold[m, LAW + 2] > 0.0:
             tally[0, ELASTIC] = 1
-    return 0
+    return DONE
 
 
 @kernel
@@ -165,7 +166,7 @@ def any_hit(ints: Ints) -> int:
 def end_islands(floats: Floats, ints: Ints) -> int:
     """Move the kinematic bodies that islands lean on, count the step, and let calm islands sleep.
 
-    Returns: 0, or 1 if the state stopped being finite, or 2 if the arena must grow before the next step.
+    Returns: DONE, or DIVERGED, or FULL.
     """
     bodies, count, tally = bodies_of(floats, ints), ints_of(ints, COUNT), ints_of(ints, TALLY)
     kind = bodies.kind
@@ -177,9 +178,9 @@ def end_islands(floats: Floats, ints: Ints) -> int:
     tally[0, AROUSED], tally[0, SEARCHED] = 0, 0
     count[0, STEPS] += 1
     if not is_finite(bodies.state, count[0, BODIES]):
-        return 1
+        return DIVERGED
     if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] == 0.0:
-        return 0
+        return DONE
     status = fall_asleep(floats, ints)
     remember(floats, ints)
     return status

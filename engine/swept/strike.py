@@ -48,6 +48,7 @@ from engine.memory.arena import (
     W,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DONE
 from engine.memory.tables import bodies_of, contacts_of
 from engine.respond.sequential_impulses import sweep_velocities
 from engine.respond.softness import REBOUND, RELAX, slow_approach
@@ -83,7 +84,7 @@ def place_bodies(floats: Floats, ints: Ints, path: Floats, time: float) -> None:
 def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
     """Find the contacts of this instant and resolve their blows. Args: sweeps: of each kind. Returns: as `find_contacts`."""
     status = find_contacts(floats, ints)
-    if status != 0:
+    if status != DONE:
         return status
     bodies, contacts = bodies_of(floats, ints), contacts_of(floats, ints)
     state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
@@ -120,4 +121,4 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
         for i in range(4 * m, 4 * m + key[m, POINTS]):
             point[i, NORMAL_IMPULSE] = kept_point[i, NORMAL_IMPULSE]
             store3(point, i, TANGENT_IMPULSE, load3(kept_point, i, TANGENT_IMPULSE))
-    return 0
+    return DONE

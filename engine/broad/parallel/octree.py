@@ -9,15 +9,16 @@ from engine.compile.jit import parallel_entry
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import CANDIDATE, COUNT, SHAPES
 from engine.memory.carve import ints_of
+from engine.memory.status import DONE
 
 __all__ = ["find_candidates"]
 
 
 @parallel_entry
 def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
-    """Find the candidates anew where they are stale. Returns: 0, or 2 if the arena has no room for them."""
+    """Find the candidates anew where they are stale. Returns: DONE, or FULL where the arena has no room for them."""
     if not bounds_are_stale(floats, ints):
-        return 0
+        return DONE
     octree = build_octree(floats, ints)
     candidate, shapes = ints_of(ints, CANDIDATE), ints_of(ints, COUNT)[0, SHAPES]
     part, found = new_parts(candidate, threads)

@@ -1,14 +1,15 @@
 """What all tests share: the command line as a person calls it, a third party's faulty engines, and a run of known prices."""
 
 import gc
+import json
 import os
 import signal
 import subprocess
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -74,6 +75,24 @@ def known_prices(tmp_path_factory: pytest.TempPathFactory) -> "KnownPrices":
     from tests.known_prices import run_known_prices  # late, as above
 
     return run_known_prices(tmp_path_factory.mktemp("known_prices") / "run")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _pictures_drawn_once() -> Iterator[None]:
+    """Equal specifications of charts are drawn once in a process: most tests of a report build one that was built before."""
+    import vl_convert
+
+    draw, drawn = vl_convert.vegalite_to_svg, dict[str, str]()
+
+    def once(spec: Mapping[str, Any], **options: Any) -> str:
+        key = json.dumps([spec, options])
+        if key not in drawn:
+            drawn[key] = draw(spec, **options)
+        return drawn[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(vl_convert, "vegalite_to_svg", once)
+        yield
 
 
 def pytest_collection_finish() -> None:

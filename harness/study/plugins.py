@@ -6,7 +6,6 @@ a metric is left out.
 """
 
 import importlib
-import os
 import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -47,7 +46,7 @@ class PluginError(Mendable):
 def _folder(package: str) -> Mapping[str, str]:
     """File names of a package to module paths, in the order of the listing."""
     paths = tuple(importlib.import_module(package).__path__)
-    return _listing(package, paths, tuple(os.stat(path).st_mtime_ns for path in paths))
+    return _listing(package, paths, tuple(Path(path).stat().st_mtime_ns for path in paths))
 
 
 @cache

@@ -118,6 +118,7 @@ def test_a_shared_seed_is_seen_between_axes_and_between_channels() -> None:
 def test_one_bad_sample_makes_every_score_non_finite() -> None:
     for channel in ("accelerometer", "gyroscope"):
         streams = _streams()
+        streams[f"imu/{channel}"] = streams[f"imu/{channel}"].copy()
         streams[f"imu/{channel}"][5, 1] = np.nan
         own = GYROSCOPE_SCORE if channel == "gyroscope" else ACCELEROMETER_SCORE
         for metric in (own, BIAS_SCORE, INDEPENDENCE_SCORE):

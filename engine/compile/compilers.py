@@ -356,7 +356,7 @@ def checked_files() -> type:
 def entry_point(function: Any, signature: Any) -> tuple[Any, int]:
     """What a compiled function returns for arguments of these types, and where the machine code for them lies.
 
-    It is compiled as a call from Python compiles it: asked for by what it returns too, it would be kept twice and compiled twice.
+    It is compiled as a call from Python compiles it: asked for by what it returns too, it would be compiled and kept twice.
     """
     function.compile(tuple(signature.args))
     made = function.get_compile_result(signature)

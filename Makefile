@@ -8,6 +8,9 @@ TESTS ?= tests
 MARKED ?= not slow
 OUT ?= build/compare
 
+# Python keeps what it compiled of each source, whatever the caller's shell says: tests start a thousand processes.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: compare report test test-all test-nojit mutants lint audit lock clean help
 
 help:            ## this list

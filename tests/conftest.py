@@ -1,19 +1,22 @@
 """What all tests share: the command line as a person calls it, a third party's faulty engines, and a run of known prices."""
 
+import gc
+import json
 import os
+import signal
 import subprocess
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
     from tests.known_prices import KnownPrices
 
-pytest_plugins = ["tests.stress.ledger"]
+pytest_plugins = ["tests.stress.ledger", "tests.scheduling"]
 
 PLUGINS = Path(__file__).parent / "stress" / "plugins"
 """A folder with installed-looking plug-ins; on PYTHONPATH it is found like any package."""
@@ -46,11 +49,56 @@ def plumbline(with_plugins: Mapping[str, str]) -> Command:
 
 
 @pytest.fixture(scope="session")
+def printed() -> Command:
+    """Call the command line in this process: for what it prints of a folder, not for how its own process starts and ends."""
+    from click.testing import CliRunner
+
+    from harness.cli.main import main  # late: scripts in a vendor's words need nothing of ours
+
+    def call(*arguments: object) -> subprocess.CompletedProcess[str]:
+        heard = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            done = CliRunner().invoke(main, [*map(str, arguments)])
+        finally:
+            for number, handler in heard.items():
+                signal.signal(number, handler)
+        if done.exception is not None and not isinstance(done.exception, SystemExit):
+            raise done.exception
+        return subprocess.CompletedProcess(arguments, done.exit_code, done.stdout, done.stderr)
+
+    return call
+
+
+@pytest.fixture(scope="session")
 def known_prices(tmp_path_factory: pytest.TempPathFactory) -> "KnownPrices":
     """A run of engines whose price of an error is known, and the laws that they follow."""
-    from tests.known_prices import run_known_prices  # late: scripts in a vendor's words need nothing of ours
+    from tests.known_prices import run_known_prices  # late, as above
 
     return run_known_prices(tmp_path_factory.mktemp("known_prices") / "run")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _pictures_drawn_once() -> Iterator[None]:
+    """Equal specifications of charts are drawn once in a process: most tests of a report build one that was built before."""
+    import vl_convert
+
+    draw, drawn = vl_convert.vegalite_to_svg, dict[str, str]()
+
+    def once(spec: Mapping[str, Any], **options: Any) -> str:
+        key = json.dumps([spec, options])
+        if key not in drawn:
+            drawn[key] = draw(spec, **options)
+        return drawn[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(vl_convert, "vegalite_to_svg", once)
+        yield
+
+
+def pytest_collection_finish() -> None:
+    """Take what was imported and collected out of the search for garbage: it stays to the end, and each search walks it."""
+    gc.collect()
+    gc.freeze()
 
 
 SECONDS = defaultdict[str, float](float)

@@ -355,7 +355,11 @@ def checked_files() -> type:
 
 
 def entry_point(function: Any, signature: Any) -> tuple[Any, int]:
-    """What a compiled function returns for arguments of these types, and where the machine code for them lies."""
+    """What a compiled function returns for arguments of these types, and where the machine code for them lies.
+
+    It is compiled as a call from Python compiles it: asked for by what it returns too, it would be compiled and kept twice.
+    """
+    function.compile(tuple(signature.args))
     made = function.get_compile_result(signature)
     library = made._asdict()["library"]
     return made.signature.return_type, library.get_pointer_to_function(made.fndesc.llvm_cfunc_wrapper_name)

@@ -9,6 +9,7 @@ import importlib
 import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -42,9 +43,15 @@ class PluginError(Mendable):
     """A plug-in that breaks its contract; the message names it and what was expected."""
 
 
-def _folder(package: str) -> dict[str, str]:
+def _folder(package: str) -> Mapping[str, str]:
     """File names of a package to module paths, in the order of the listing."""
-    paths = importlib.import_module(package).__path__
+    paths = tuple(importlib.import_module(package).__path__)
+    return _listing(package, paths, tuple(Path(path).stat().st_mtime_ns for path in paths))
+
+
+@cache
+def _listing(package: str, paths: tuple[str, ...], changed: tuple[int, ...]) -> Mapping[str, str]:  # noqa: ARG001
+    """As `_folder`. Args: changed: when the folders were [ns]; Python's own importer takes it for a sign of new files too."""
     return {m.name: f"{package}.{m.name}" for m in pkgutil.iter_modules(paths) if not m.name.startswith("_")}
 
 

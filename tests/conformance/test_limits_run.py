@@ -70,8 +70,8 @@ def carried_out(text: str, folder: Path, plumbline: Command) -> Path:
     return folder / "run"
 
 
-def table(folder: Path, name: str, plumbline: Command) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = json.loads(plumbline("show", str(folder), "--table", name, "--format", "json").stdout)
+def table(folder: Path, name: str, printed: Command) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = json.loads(printed("show", str(folder), "--table", name, "--format", "json").stdout)
     return rows
 
 
@@ -80,10 +80,10 @@ def limits(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path
     return carried_out(LIMITS, tmp_path_factory.mktemp("limits"), plumbline)
 
 
-def test_a_limit_agrees_with_a_direct_scan(limits: Path, plumbline: Command) -> None:
+def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> None:
     """Twelve speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = plugins.case("tunnel_sphere_wall")
-    sought = [row for row in table(limits, "limits", plumbline) if row["where"] == "continuous False"]
+    sought = [row for row in table(limits, "limits", printed) if row["where"] == "continuous False"]
     assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
     for row in sought:
         assert row["verdict"] == "limit"
@@ -103,8 +103,8 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, plumbline: Command) -> 
         assert row["broke"] <= 1.1 * row["held"] * (1 + 1e-9)
 
 
-def test_what_helps_is_told_with_its_cost(limits: Path, plumbline: Command) -> None:
-    rows = {(row["engine"], row["remedy"]): row for row in table(limits, "remedies", plumbline)}
+def test_what_helps_is_told_with_its_cost(limits: Path, printed: Command) -> None:
+    rows = {(row["engine"], row["remedy"]): row for row in table(limits, "remedies", printed)}
     for engine in ("mujoco", "bullet"):
         # A quarter of the step quarters the way between two looks; a wall four times as thick is looked at more often too.
         for remedy in ("sub-steps x 4", "wall four times as thick"):
@@ -114,14 +114,14 @@ def test_what_helps_is_told_with_its_cost(limits: Path, plumbline: Command) -> N
         assert rows[engine, "damping"]["share_after"] < 1
 
 
-def test_who_leads_is_told_at_equal_sub_steps_and_for_equal_time(limits: Path, plumbline: Command) -> None:
-    rows = table(limits, "farthest", plumbline)
+def test_who_leads_is_told_at_equal_sub_steps_and_for_equal_time(limits: Path, printed: Command) -> None:
+    rows = table(limits, "farthest", printed)
     equal = [row for row in rows if row["at"] == "equal sub-step"]
     assert {(row["engine"], row["parts"], row["leads"]) for row in equal} == {("mujoco", 1, True)}  # asked alone
     assert sorted(row["substep"] for row in equal) == pytest.approx([1 / 240, 1 / 120, 1 / 60], rel=1e-12)
     timed = {(row["condition"], row["engine"]) for row in rows if row["at"] == "equal time" and "continuous" in row["where"]}
     assert timed == {(budget, engine) for budget in BUDGETS for engine in ("mujoco", "bullet")}
-    counted = {(row["at"], row["condition"], row["of"]) for row in table(limits, "leads", plumbline)}
+    counted = {(row["at"], row["condition"], row["of"]) for row in table(limits, "leads", printed)}
     assert ("equal sub-step", "dt", 3) in counted
 
 
@@ -141,9 +141,9 @@ def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) 
     assert "bit-identical" in done.stdout
 
 
-def test_each_effect_has_a_price_and_a_verdict(plumbline: Command, tmp_path: Path) -> None:
+def test_each_effect_has_a_price_and_a_verdict(plumbline: Command, printed: Command, tmp_path: Path) -> None:
     folder = carried_out(EFFECTS, tmp_path, plumbline)
-    rows = table(folder, "effects", plumbline)
+    rows = table(folder, "effects", printed)
     by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}
     for engine in ("reference", "mujoco", "bullet", "dart"):
         assert by["flight_projectile", engine, "gravity"]["verdict"] == "needed and on"
@@ -154,9 +154,9 @@ def test_each_effect_has_a_price_and_a_verdict(plumbline: Command, tmp_path: Pat
     assert checked([(folder / "report" / "effects.html").read_text()]) == 1
 
 
-def test_repetitions_are_compared_bit_by_bit(plumbline: Command, tmp_path: Path) -> None:
+def test_repetitions_are_compared_bit_by_bit(plumbline: Command, printed: Command, tmp_path: Path) -> None:
     folder = carried_out(DETERMINISM, tmp_path, plumbline)
-    rows = {(row["engine"], row["way"]): row for row in table(folder, "determinism", plumbline)}
+    rows = {(row["engine"], row["way"]): row for row in table(folder, "determinism", printed)}
     for engine in ("mujoco", "bullet", "dart"):
         assert rows[engine, "again"]["verdict"] == "bit-identical"
         assert rows[engine, "alone"]["verdict"] == "bit-identical"

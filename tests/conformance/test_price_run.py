@@ -72,9 +72,9 @@ def test_fronts_are_clocked_and_every_point_stays_visible(folder: Path) -> None:
             assert any(point.clocked for point in close if max(point.error, SMALLEST) <= max(error, SMALLEST))
 
 
-def test_the_price_list_has_every_pair_and_says_what_is_not_reached(folder: Path, plumbline: Command) -> None:
+def test_the_price_list_has_every_pair_and_says_what_is_not_reached(folder: Path, printed: Command) -> None:
     """Through the command line; with integrators of a high order both engines come to 1e-6 of an attitude."""
-    rows = json.loads(plumbline("show", str(folder), "--table", "price", "--format", "json").stdout)
+    rows = json.loads(printed("show", str(folder), "--table", "price", "--format", "json").stdout)
     assert len(rows) == 2 * 8
     for row in rows:
         assert row["verdict"] in ("priced", "at most", "not within the ladder", "not clocked")
@@ -94,9 +94,9 @@ def test_going_on_runs_nothing_that_was_run(folder: Path, plumbline: Command) ->
 
 
 @pytest.mark.parametrize("table", ["profile", "steps"])
-def test_tables_made_of_prices_print(folder: Path, plumbline: Command, table: str) -> None:
+def test_tables_made_of_prices_print(folder: Path, printed: Command, table: str) -> None:
     """In every format, with the same number of rows."""
-    rows = json.loads(plumbline("show", str(folder), "--table", table, "--format", "json").stdout)
+    rows = json.loads(printed("show", str(folder), "--table", table, "--format", "json").stdout)
     assert rows
-    assert len(plumbline("show", str(folder), "--table", table, "--format", "csv").stdout.splitlines()) == len(rows) + 1
-    assert "reference" in plumbline("show", str(folder), "--table", table).stdout
+    assert len(printed("show", str(folder), "--table", table, "--format", "csv").stdout.splitlines()) == len(rows) + 1
+    assert "reference" in printed("show", str(folder), "--table", table).stdout

@@ -73,8 +73,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> Path
     return out / "run"
 
 
-def test_every_scene_and_setting_has_a_price_for_its_own_unit(folder: Path, plumbline: Command) -> None:
-    rows = json.loads(plumbline("show", folder, "--table", "scaling", "--format", "json").stdout)
+def test_every_scene_and_setting_has_a_price_for_its_own_unit(folder: Path, printed: Command) -> None:
+    rows = json.loads(printed("show", folder, "--table", "scaling", "--format", "json").stdout)
     assert all(tuple(row) == COLUMNS for row in rows)
     costs = [row for row in rows if row["row"] == "cost"]
     assert {(row["where"], row["track"], row["unit"]) for row in costs} == {
@@ -102,12 +102,12 @@ def test_every_scene_and_setting_has_a_price_for_its_own_unit(folder: Path, plum
     assert all(row["rate_per_s"] > 0 for row in shared.values())
 
 
-def test_the_table_is_printed_in_every_format(folder: Path, plumbline: Command) -> None:
-    sheet = list(csv.DictReader(io.StringIO(plumbline("show", folder, "--table", "scaling", "--format", "csv").stdout)))
+def test_the_table_is_printed_in_every_format(folder: Path, printed: Command) -> None:
+    sheet = list(csv.DictReader(io.StringIO(printed("show", folder, "--table", "scaling", "--format", "csv").stdout)))
     assert len(sheet) == 18
-    markdown = plumbline("show", folder, "--table", "scaling", "--format", "markdown").stdout
+    markdown = printed("show", folder, "--table", "scaling", "--format", "markdown").stdout
     assert len(markdown.splitlines()) == 2 + len(sheet)
-    text = plumbline("show", folder, "--table", "scaling").stdout
+    text = printed("show", folder, "--table", "scaling").stdout
     assert "stack_pile n 8" in text
     assert "exponent" in text
 

@@ -95,13 +95,13 @@ def test_show_prints_one_json_array_and_nothing_else(folder: Path, plumbline: Co
 
 
 @pytest.mark.parametrize("table", ["trials", "measurements", "samples"])
-def test_show_prints_every_table_in_every_format(folder: Path, plumbline: Command, table: str) -> None:
-    rows = json.loads(plumbline("show", folder, "--table", table, "--format", "json").stdout)
-    sheet = list(csv.DictReader(io.StringIO(plumbline("show", folder, "--table", table, "--format", "csv").stdout)))
+def test_show_prints_every_table_in_every_format(folder: Path, printed: Command, table: str) -> None:
+    rows = json.loads(printed("show", folder, "--table", table, "--format", "json").stdout)
+    sheet = list(csv.DictReader(io.StringIO(printed("show", folder, "--table", table, "--format", "csv").stdout)))
     assert [row["trial"] for row in sheet] == [row["trial"] for row in rows]
-    markdown = plumbline("show", folder, "--table", table, "--format", "markdown").stdout
+    markdown = printed("show", folder, "--table", table, "--format", "markdown").stdout
     assert len(markdown.splitlines()) == 2 + len(rows)
-    assert rows[0]["trial"][:6] in plumbline("show", folder, "--table", table).stdout
+    assert rows[0]["trial"][:6] in printed("show", folder, "--table", table).stdout
 
 
 def test_a_trial_run_again_is_bit_identical(folder: Path, plumbline: Command) -> None:

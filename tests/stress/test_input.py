@@ -34,7 +34,7 @@ def many(count: int) -> str:
 
 @dataclass(frozen=True)
 class Fault:
-    """A file and what must be said of it.
+    """A file and what must be said of it. A large one is written where it is wanted: this module is read by every worker.
 
     Terms: words: have to stand in what is said, beside the file's name. options: of the command line. environment: variables.
     """
@@ -159,15 +159,22 @@ VALUES: dict[str, Fault] = {
     "no body": told("bodies = []", "bodies is empty"),
 }
 LIMITS: dict[str, Fault] = {
-    "a million bodies": told(many(1_000_000), "bytes", "--limit bytes=", ending="json"),
-    "a million bodies with room": told(
-        many(1_000_000), "bodies: at least 100001", "at most 100000", ending="json", options=("--limit", "bytes=1e8")
+    "a million bodies": Fault(lambda path: path.write_text(many(1_000_000)), ("bytes", "--limit bytes="), "json"),
+    "a million bodies with room": Fault(
+        lambda path: path.write_text(many(1_000_000)),
+        ("bodies: at least 100001", "at most 100000"),
+        "json",
+        options=("--limit", "bytes=1e8"),
     ),
-    "a million bodies in TOML": told(
-        "".join(f'[[bodies]]\nname = "{n}"\n' for n in range(1_000_000)), "at least 100001", options=("--limit", "bytes=1e8")
+    "a million bodies in TOML": Fault(
+        lambda path: path.write_text("".join(f'[[bodies]]\nname = "{n}"\n' for n in range(1_000_000))),
+        ("at least 100001",),
+        options=("--limit", "bytes=1e8"),
     ),
-    "a million bodies inline": told(
-        "bodies = [" + ",".join(f'{{name="{n}"}}' for n in range(1_000_000)) + "]", "100001", options=("--limit", "bytes=1e8")
+    "a million bodies inline": Fault(
+        lambda path: path.write_text("bodies = [" + ",".join(f'{{name="{n}"}}' for n in range(1_000_000)) + "]"),
+        ("100001",),
+        options=("--limit", "bytes=1e8"),
     ),
     "a million joints": told(
         '{"joints": [' + '{"type": "fixed"},' * 1_000_000,

@@ -208,3 +208,19 @@ def test_no_number_of_threads_changes_a_bit() -> None:
     said = subprocess.run(given, check=True, capture_output=True, text=True, env=told).stdout.split()
     assert len(said) == 9
     assert [len(set(said[k : k + 3])) for k in (0, 3, 6)] == [1, 1, 1]
+
+
+ALONE_AND_BESIDE = """
+import sys, engine
+def made(): return engine.World([engine.Body(p_WB=(0, 0, 1))])
+engine.Batch([made(), made()]).step() if sys.argv[1] == "batch" else made().step()
+"""
+
+
+@pytest.mark.compiler
+def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path) -> None:
+    """Each in a process of its own; asked for under another signature, the same step would be compiled and kept twice."""
+    told = os.environ | {"PLUMBLINE_KERNEL_CACHE": str(tmp_path)}
+    for kind in ("batch", "world"):
+        subprocess.run([sys.executable, "-c", ALONE_AND_BESIDE, kind], check=True, env=told)
+        assert len([*tmp_path.rglob("smooth.step_free*.nbc")]) == 1

@@ -126,9 +126,18 @@ def test_whatever_bit_flips_is_noticed(tmp_path: Path) -> None:
     path = tmp_path / "journal.jsonl"
     for place in range(0, len(whole), 5):
         for bit in (0, 2, 7):
-            path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+            put(path, place, whole[place] ^ 1 << bit)
             with pytest.raises(StoreError, match=r"journal\.jsonl: line [1-4]"):
                 read_journal(path)
+        put(path, place, whole[place])
+    assert path.read_bytes() == whole
+
+
+def put(path: Path, place: int, byte: int) -> None:
+    """Write a byte in its place; a file that is written whole, over what it held, waits for the disk."""
+    with path.open("r+b") as stream:
+        stream.seek(place)
+        stream.write(bytes([byte]))
 
 
 def test_lines_that_are_missing_doubled_or_swapped_are_noticed(tmp_path: Path) -> None:

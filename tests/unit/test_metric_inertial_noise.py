@@ -1,6 +1,7 @@
 """Inertial noise metrics: noise of the law passes in many seeds, and each planted fault is seen by the metric meant for it."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,13 +24,20 @@ FALSE_ALARM = 5.0
 
 
 def _streams(law: AxisNoise = LAW, seed: int = 1) -> dict[str, Floats]:
-    """Noise on a signal that is not zero."""
+    """Noise on a signal that is not zero, in a dictionary of the caller's own; its arrays are everybody's."""
+    return dict(_made(law, seed))
+
+
+@cache
+def _made(law: AxisNoise, seed: int) -> dict[str, Floats]:
     time = np.arange(1, COUNT + 1) / RATE
     streams = {"imu/time": time}
     for channel in ("accelerometer", "gyroscope"):
         ideal = np.stack([np.sin(time), np.cos(time), 0 * time], axis=1)
         streams[f"imu/{channel}_ideal"] = ideal
         streams[f"imu/{channel}"] = ideal + three_axes(law, COUNT, 1 / RATE, seed, "imu", channel)
+    for array in streams.values():
+        array.flags.writeable = False
     return streams
 
 
@@ -110,6 +118,7 @@ def test_a_shared_seed_is_seen_between_axes_and_between_channels() -> None:
 def test_one_bad_sample_makes_every_score_non_finite() -> None:
     for channel in ("accelerometer", "gyroscope"):
         streams = _streams()
+        streams[f"imu/{channel}"] = streams[f"imu/{channel}"].copy()
         streams[f"imu/{channel}"][5, 1] = np.nan
         own = GYROSCOPE_SCORE if channel == "gyroscope" else ACCELEROMETER_SCORE
         for metric in (own, BIAS_SCORE, INDEPENDENCE_SCORE):

@@ -4,6 +4,7 @@ import csv
 import re
 import subprocess
 import sys
+from collections.abc import Mapping
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -141,13 +142,19 @@ def test_a_report_that_cannot_be_made_leaves_the_old_one_untouched(report: Path,
     assert (report / "index.html").read_bytes() == before
 
 
+@pytest.fixture(scope="module")
+def alone(report: Path) -> Mapping[str, str]:
+    """What the first page makes by itself."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(html, "pages", lambda: tuple(one for one in pages() if one.name == "index"))
+        return html.rendered(Store(report.parent))
+
+
 @pytest.mark.parametrize("name", ["../index.html", "/etc/passwd", "a/b/c.html", "x.exe", "index.html", ".hidden.html"])
 def test_a_page_cannot_write_outside_the_report_nor_over_another(
-    report: Path, monkeypatch: pytest.MonkeyPatch, name: str
+    report: Path, alone: Mapping[str, str], monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     own = [one for one in pages() if one.name == "index"]
-    monkeypatch.setattr(html, "pages", lambda: tuple(own))
-    alone = html.rendered(Store(report.parent))
     page = Page(name="x", title="X", order=-1, render=lambda _: {"x.html": "", name: ""})
     monkeypatch.setattr(html, "pages", lambda: (page, *own))
     made = dict(html.rendered(Store(report.parent)))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.optimize import root
-from scipy.spatial import ConvexHull, Delaunay
+from scipy.spatial import ConvexHull
 
 from harness.adapter import Unsupported
 from harness.scene import (
@@ -111,8 +111,14 @@ def _mask(shape: Shape, p_S: tuple[float, float, float], q_S: tuple[float, float
 def _inside_hull(corners_S: Floats) -> Floats:
     """Pixels whose centre lies in the convex hull of the projected points."""
     points = project(CAMERA, corners_S)
-    triangles = Delaunay(points[ConvexHull(points).vertices])
-    return (triangles.find_simplex(pixel_centres(CAMERA)) >= 0).reshape(480, 640)
+    around = points[ConvexHull(points).vertices]
+    around = np.roll(around, -int(np.argmin(around[:, 0])), axis=0)
+    # Counter-clockwise from the leftmost corner: along one side of the hull to the rightmost, and back along the other.
+    far = int(np.argmax(around[:, 0]))
+    there, back = around[: far + 1], np.concatenate([around[far:], around[:1]])[::-1]
+    x, y = pixel_centres(CAMERA).T
+    beside = (around[0, 0] <= x) & (x <= around[far, 0])
+    return (beside & (np.interp(x, *there.T) <= y) & (y <= np.interp(x, *back.T))).reshape(480, 640)
 
 
 @pytest.mark.parametrize("centre", [(0.0, 0.0, 2.5), (-0.9, -0.6, 3.0), (1.4, 1.1, 2.9)])

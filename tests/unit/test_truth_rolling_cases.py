@@ -56,10 +56,11 @@ def test_rolling_is_the_limit_of_small_steps_of_coulombs_law(
     factor: float, speed: float, rim: float, friction: float, pull: float
 ) -> None:
     step, v, w, x, turned = 1e-5, speed, rim, 0.0, 0.0
+    cone = friction * G * step
     for _ in range(100_000):
         free = v + step * pull - w
         # The impulse that ends the slip within the step, cut off at the cone.
-        impulse = np.clip(-free / (1 + 1 / factor), -friction * G * step, friction * G * step)
+        impulse = min(max(-free / (1 + 1 / factor), -cone), cone)
         v, w = v + step * pull + impulse, w - impulse / factor
         x, turned = x + step * v, turned + step * w
     found = [float(one[0]) for one in rolling(np.array([1.0]), speed, rim, friction, factor, pull, G)]

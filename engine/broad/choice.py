@@ -6,6 +6,8 @@ from importlib import import_module
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.memory.status import DONE
+
 __all__ = ["FEW", "DropApart", "FindPairs", "choose_broad_phase", "load_search", "load_volume", "search_pairs"]
 
 FloatArray = NDArray[np.float64]

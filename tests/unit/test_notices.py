@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import pytest
-from harness.conformance.effects import CHECKS
+from harness.conformance.checks.contract.effects import CHECKS
 
 from harness.adapter import Notice, Settings, Simulation
 from harness.adapter.notice import as_notices

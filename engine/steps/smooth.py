@@ -5,9 +5,10 @@ from engine.constrain.jointed_runge_kutta import jointed_runge_kutta, stages_of
 from engine.constrain.open_joints import open_joint
 from engine.constrain.shake import shake
 from engine.constrain.stiffness import mark_stiff
-from engine.integrate.all_bodies import advance_untouched
+from engine.integrate.runge_kutta import runge_kutta_free
+from engine.integrate.semi_implicit_euler import drift_free
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, DT, GYROSCOPIC, SETTING, START, STEPS, SUBSTEPS
+from engine.memory.arena import BODIES, COUNT, DT, GYROSCOPIC, RUNGE_KUTTA, SETTING, START, STEPS, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, joints_of, rows_of
@@ -20,8 +21,14 @@ __all__ = ["step_free", "step_jointed_euler", "step_jointed_runge_kutta"]
 def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies that nothing touches. Returns: steps done, and DONE or DIVERGED."""
     bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    last, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
     for step in range(steps):
-        advance_untouched(bodies, setting, count)
+        if count[0, RUNGE_KUTTA] == 1:
+            for b in range(last):
+                runge_kutta_free(bodies, setting, b, dt, gyroscopic)
+        else:
+            for b in range(last):
+                drift_free(bodies, setting, b, dt, substeps, gyroscopic)
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED
     return steps, DONE

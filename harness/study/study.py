@@ -26,6 +26,7 @@ from harness.scene.file import dump_json
 from harness.scene.values import FROZEN, Name
 from harness.store.record import digest
 from harness.study.foreseen_cost import NoScene, misfit, scene_at, too_much
+from harness.study.refinement import Refinement
 from harness.trajectory import State
 
 __all__ = [
@@ -152,6 +153,7 @@ class Experiment:
         determinism: run each cell again, alone, beside others, restored, reordered, nudged by a bit and on more threads; see
         `harness.findings.tables.determinism`.
         limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
+        refine: go on halving the time step, until each engine's limit is known; see `harness.search.refined_ladder`.
     """
 
     name: Name
@@ -172,6 +174,7 @@ class Experiment:
     memory: Annotated[float, Field(ge=16, le=2**24)] = 4096.0
     sweep: int = Field(default=0, ge=0, le=10_000)
     limit: Limit | None = None
+    refine: Refinement | None = None
     effects: bool = False
     determinism: bool = False
 

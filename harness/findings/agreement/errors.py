@@ -1,0 +1,52 @@
+"""The error of every run in a scene without a truth: its distance from the agreed limit, or from its engine's own where none is.
+
+So that what an engine errs at a step stands beside what that step costs, as in a case whose truth is known. Distances are the
+largest up to the time to which the limit is known, as shares of the size of what moves.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+from harness.findings.agreement.found import Agreement, Side, agreements
+from harness.store.store import Store
+from harness.trajectory.parting import apart, common
+
+__all__ = ["Errors", "errors_of"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Errors:
+    """Of one run. Terms: error, and how far off the limit itself may be (off), as shares of the size; agreed: is the limit that
+    of several engines, or the engine's own? until [s]: up to there it is compared."""
+
+    error: float
+    off: float
+    agreed: bool
+    until: float
+
+
+@lru_cache(maxsize=2)
+def errors_of(store: Store) -> Mapping[str, Errors]:
+    """By trial; runs without an answer, and engines without a limit, have none."""
+    found: dict[str, Errors] = {}
+    for one in agreements(store):
+        for side in one.sides:
+            found |= _of_side(one, side)
+    return found
+
+
+def _of_side(one: Agreement, side: Side) -> dict[str, Errors]:
+    if one.limit is not None and one.bar is not None:
+        limit, off, until = one.limit, one.bar, one.until
+    elif side.limit.value is not None and side.limit.until > 0:
+        limit, off, until = side.limit.value, side.limit.bar_at(side.limit.until), side.limit.until
+    else:
+        return {}
+    found = {}
+    for rung in side.limit.rungs:
+        if rung.run is not None:
+            here, there = common([rung.run.between(0.0, until), limit.between(0.0, until)])
+            error = float(apart(here, there, one.scale).max(initial=0.0))
+            found[rung.trial] = Errors(error=error, off=off, agreed=one.limit is not None, until=until)
+    return found

@@ -19,7 +19,7 @@ from harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, run
 from harness.store.record import Record
 from harness.store.store import Store
 from harness.study.refinement import Refinement
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trajectory.parting import Extent, extent
 
 __all__ = ["is_ours", "next_trials", "start_name"]

@@ -62,7 +62,7 @@ class Cost:
         that penetrates no more and moves no more (or, without contact, errs no more) than this row; ours names it.
         penetration [m]; residual [m/s]: root mean square speed of the worst body when all should rest; error: the case's
         headline metric. best: is this the engine's fastest setting whose checks hold?
-        clocks, workers: as in `harness.study.study.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain
+        clocks, workers: as in `harness.study.trial.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain
         step of the same engine and setting, where something else was clocked. rate [1/s]: units that all processes get done in
         a second of wall time; efficiency: that over `workers` times the rate of one process; where several stepped side by
         side.

@@ -196,8 +196,8 @@ class Case:
 
     @property
     def family(self) -> str:
-        """The prefix of the name: flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor; scene
-        for one of the user's own."""
+        """The prefix of the name: flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor;
+        scene for one of the user's own."""
         return re.split("[_:]", self.name, maxsplit=1)[0]
 
     @property

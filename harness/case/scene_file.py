@@ -1,7 +1,8 @@
-"""A case made of a scene file of the user's own: no truth is known of it, so that engines are asked where they end and who agrees.
+"""A case made of a scene file of the user's own: no truth is known of it, so that engines are asked where they end and who
+agrees.
 
-What a run shows of itself is observed beside that: balances of energy and momentum, gaps of joints, depths, laws of contact. They
-stay defined where no two runs can be compared any more.
+What a run shows of itself is observed beside that: balances of energy and momentum, gaps of joints, depths, laws of contact.
+They stay defined where no two runs can be compared any more.
 """
 
 from pathlib import Path

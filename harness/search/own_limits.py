@@ -1,12 +1,12 @@
 """Each engine against itself: what a scene without a truth comes to on one engine, as its time step goes to zero.
 
-The runs of an engine on one track, told apart by the step that it really takes, are extrapolated to a step of zero with an error
-bar (`harness.statistics.richardson`), up to where that bar leaves the tolerance or the runs no longer draw together
+The runs of an engine on one track, told apart by the step that it really takes, are extrapolated to a step of zero with an
+error bar (`harness.statistics.richardson`), up to where that bar leaves the tolerance or the runs no longer draw together
 (`harness.statistics.convergence`). Distances are shares of the size of what moves (`harness.trajectory.parting`).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, TypeAlias
 
@@ -33,7 +33,8 @@ Kind: TypeAlias = Literal["converges", "does not converge", "diverged", "cannot"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rung:
-    """One run of a ladder. Terms: dt [s] as it was asked for, substep [s] as it was taken; trial, status, reason: of its record."""
+    """One run of a ladder. Terms: dt [s] as it was asked for, substep [s] as it was taken; trial, status, reason: of its
+    record."""
 
     dt: float
     substep: float
@@ -48,10 +49,11 @@ class OwnLimit:
     """What an engine comes to on one track.
 
     Terms:
-        kind: 'converges' and 'does not converge' are told apart here only where nothing shrinks at all. why: of a kind that is no
-        'converges'. said: how far the ladder converges; None without three runs. value: poses at a step of zero, bar (t,): how
-        far off they may be up to each sample, as a share of the size; None where no time is known. horizons [s]: by the coarser
-        step of each halving, up to when it moves the answer by no more than the tolerance.
+        kind: 'converges' and 'does not converge' are told apart here only where nothing shrinks at all. why: of a kind that
+        is no 'converges'. said: how far the ladder converges; None without three runs. value: poses at a step of zero, bar
+        (t,): how far off they may be up to each sample, as a share of the size; None where no time is known. horizons [s]: by
+        the coarser step of each halving, up to when it moves the answer by no more than the tolerance. time (t,) s, moved
+        (t,): what the last halving moves the answer by up to each sample; None without three runs.
     """
 
     kind: Kind
@@ -61,6 +63,8 @@ class OwnLimit:
     bar: Floats | None = None
     horizons: Mapping[float, float]
     rungs: tuple[Rung, ...]
+    time: Floats | None = None
+    moved: Floats | None = None
 
     @property
     def until(self) -> float:
@@ -82,7 +86,8 @@ def place_of(time: Floats, until: float) -> int:
 def read_run(store: Store, trajectory_hash: str, dt: float) -> Trajectory:
     """The states of a run in a store."""
     arrays = store.trajectory(trajectory_hash, ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
-    return Trajectory(*(arrays[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB")), dt=dt)
+    time, p_WB, q_WB, v_WB, w_WB = (arrays[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
+    return Trajectory(time, p_WB, q_WB, v_WB, w_WB, dt=dt)
 
 
 def rungs_of(store: Store, runs: Sequence[Any]) -> list[Rung]:
@@ -118,14 +123,15 @@ def own_limit(scale: Extent, rungs: Sequence[Rung]) -> OwnLimit:
     found = limit(moved, [1 / step for step in steps], _round_off(finest, steps[-1], scale), length)
     said = convergence(time, steps, parted, found.bar, TOLERANCE)
     horizons = {
-        rung.dt: horizon(time, np.maximum.accumulate(part), TOLERANCE)
-        for rung, part in zip(answered, parted, strict=False)
+        rung.dt: horizon(time, np.maximum.accumulate(part), TOLERANCE) for rung, part in zip(answered, parted, strict=False)
     }
+    last = np.maximum.accumulate(parted[-1])
+    plain = OwnLimit(kind="converges", said=said, horizons=horizons, rungs=whole, time=time, moved=last)
     if said.until is None or (said.ended == "no shrinking" and (said.regular < HALF or said.until < _begins(finest, scale))):
-        why = f"halving the step again moves it by {parted[-1].max():.2g} of its size, halving it before by {parted[-2].max():.2g}"
-        return OwnLimit(kind="does not converge", why=why, said=said, horizons=horizons, rungs=whole)
-    value = displaced(finest, found.value, scale)
-    return OwnLimit(kind="converges", said=said, value=value, bar=found.bar, horizons=horizons, rungs=whole)
+        before, last_moved = float(parted[-2].max()), float(last[-1])
+        why = f"halving the step again moves it by {last_moved:.2g} of its size, halving it before by {before:.2g}"
+        return replace(plain, kind="does not converge", why=why)
+    return replace(plain, value=displaced(finest, found.value, scale), bar=found.bar)
 
 
 def _begins(run: Trajectory, scale: Extent) -> float:

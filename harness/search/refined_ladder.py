@@ -1,13 +1,13 @@
 """How a ladder of time steps goes on: halved until each engine's limit is known, then ensembles of starts where it cannot be.
 
 Every engine and track of a scene is run at the steps that the experiment names, then at half the last one, down to a finest.
-Beyond that it goes on for a few halvings more where its limit is not known to the end of the run: an engine that leaves the numbers
-at coarse steps, or whose answers draw together slowly, is given the steps that it needs. All share a budget of CPU time alike: a
-ladder ends before the step that would, by the cost of the one before, take more than its share.
+Beyond that it goes on for a few halvings more where its limit is not known to the end of the run: an engine that leaves the
+numbers at coarse steps, or whose answers draw together slowly, is given the steps that it needs. All share a budget of CPU
+time alike: a ladder ends before the step that would, by the cost of the one before, take more than its share.
 
-Where fewer than two engines that people can deploy have a limit up to the end, motion is not to be foreseen, by chaos or contacts,
-and single runs say little of it. There each engine is run from several perturbed starts at one step, so that means can be
-compared.
+Where fewer than two engines that people can deploy have a limit up to the end, motion is not to be foreseen, by chaos or
+contacts, and single runs say little of it. There each engine is run from several perturbed starts at one step, so that means
+can be compared.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -85,9 +85,7 @@ def _of_scene(
         return
     if any(trial.alteration.start for trial in scene) or not asked.members:
         return
-    known = {
-        engine for (engine, _), one in limits.items() if _to_the_end(one, case) and not is_ours(adapters[engine])
-    }
+    known = {engine for (engine, _), one in limits.items() if _to_the_end(one, case) and not is_ours(adapters[engine])}
     if len(known) < 2:
         for side, ladder in ladders.items():
             if len(_answered(limits[side])) >= FEWEST:

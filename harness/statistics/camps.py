@@ -18,7 +18,8 @@ Flags: TypeAlias = NDArray[np.bool_]
 
 
 def camps(agree: Flags, widths: Sequence[float]) -> list[tuple[int, ...]]:
-    """The camps that each one belongs to, by number from 0 in the order of their founding: one, or several where it is undecided.
+    """The camps that each one belongs to, by number from 0 in the order of their founding: one, or several where it is
+    undecided.
 
     Args: agree (n, n): does each pair agree? widths (n,): of the bars; the narrowest speaks first.
     """

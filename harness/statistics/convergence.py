@@ -1,10 +1,10 @@
 """Does a ladder of runs converge, up to when, and with what order: read off how far each halving of the step moves the answer.
 
 Differences D_i(t) of neighbouring runs, each the largest up to t, shrink like h^p where a method of order p converges. They
-count as shrinking at t where the line through log D_i over log h_i, of the last four of them, has a slope of 1/2 at least, which
-is nearer to the first order, the lowest that a method has, than to none, and the last is the smallest. Where the last two lie
-below a tenth of the tolerance they need not shrink: that is a floor, of rounding or of a solver that iterates, and three times
-it, the error bar without an order, stays within the tolerance.
+count as shrinking at t where the line through log D_i over log h_i, of the last four of them, has a slope of 1/2 at least,
+which is nearer to the first order, the lowest that a method has, than to none, and the last is the smallest. Where the last
+two lie below a tenth of the tolerance they need not shrink: that is a floor, of rounding or of a solver that iterates, and
+three times it, the error bar without an order, stays within the tolerance.
 
 The limit is **known** up to the time at which its error bar leaves the tolerance, or at which the differences no longer shrink,
 whichever comes first. The **horizon** is the time up to which the last halving itself moves the answer by no more than the
@@ -43,8 +43,8 @@ class Convergence:
     Terms:
         until [s]: up to there the limit is known, None where it never is; ended: by what. horizon [s]: up to there the last
         halving stays within the tolerance. order: the slope at `until`, None where only a floor is left or nothing is known.
-        moved: what the last halving moves up to `until`. regular: the share of the samples up to there at which runs are equal or
-        draw together; elsewhere they stay apart, and are near each other because little has happened yet.
+        moved: what the last halving moves up to `until`. regular: the share of the samples up to there at which runs are
+        equal or draw together; elsewhere they stay apart, and are near each other because little has happened yet.
     """
 
     until: float | None

@@ -10,11 +10,11 @@ the last R and its bar
 
     1.25 max(|R_3 - R_2|, |R_2 - R_1| (n_2 / n_3)^(p+1)),
 
-the second brought to the step of the first. Both are asked for because an event within a step leaves an error whose size depends
-on where within the step it falls, and one difference may be small by chance. Three runs have one such difference alone, and it
-is taken three times. Of several orders that are seen, that with the least bar is taken. Where none is, nothing may be
-extrapolated: the limit is the finest run and its bar 3 max_i |f_{i+1} - f_i| n_{i+1} / n_m, the error of a first-order method
-seen from each difference, three times over. Round-off of all steps is added.
+the second brought to the step of the first. Both are asked for because an event within a step leaves an error whose size
+depends on where within the step it falls, and one difference may be small by chance. Three runs have one such difference
+alone, and it is taken three times. Of several orders that are seen, that with the least bar is taken. Where none is, nothing
+may be extrapolated: the limit is the finest run and its bar 3 max_i |f_{i+1} - f_i| n_{i+1} / n_m, the error of a first-order
+method seen from each difference, three times over. Round-off of all steps is added.
 
 Source: Richardson, Phil. Trans. R. Soc. A 210, 1911; Roache, J. Fluids Eng. 116, 1994 (grid convergence index: safety 1.25
 where the order is observed on three grids or more, 3 where it is not).
@@ -54,7 +54,8 @@ class Extrapolation:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """Values (t, ...) at a step of zero, the error bar up to each sample (t,), and the order that each rests on (t,), 0: none."""
+    """Values (t, ...) at a step of zero, the error bar up to each sample (t,), and the order that each rests on (t,), 0:
+    none."""
 
     value: Floats
     bar: Floats
@@ -63,7 +64,8 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class _Route:
-    """One way to a step of zero. Terms: value (t, ...). bar (t,): infinite where the way is closed. order: 0 for the finest run."""
+    """One way to a step of zero. Terms: value (t, ...). bar (t,): infinite where the way is closed. order: 0 for the finest
+    run."""
 
     value: Floats
     bar: Floats
@@ -96,7 +98,9 @@ def _routes(
     yield _Route(runs[-1], rest + round_off, 0)
 
 
-def extrapolate(runs: Sequence[Floats], rates: Sequence[float], round_off: float, orders: Sequence[int] = (1,)) -> Extrapolation:
+def extrapolate(
+    runs: Sequence[Floats], rates: Sequence[float], round_off: float, orders: Sequence[int] = (1,)
+) -> Extrapolation:
     """All samples taken to a step of zero in one way, with one bar.
 
     Args: runs: each (t, ...), from coarse to fine, two at least. rates: steps of each a unit of time. round_off: what the

@@ -1,4 +1,5 @@
-"""The study of a scene of the user's own: a ladder of time steps on both tracks of every engine, and what the scene calls for."""
+"""The study of a scene of the user's own: a ladder of time steps on both tracks of every engine, and what the scene calls
+for."""
 
 from harness.case import Case
 from harness.study.experiment import Experiment

@@ -1,8 +1,9 @@
 """How far two motions of one scene lie apart, as a share of the size of what moves.
 
-A body that stands d away and is turned by an angle a has moved each of its points by d + r a at most, with its radius of gyration
-r for the distance of a point that counts. That is taken over the size of the whole that the body belongs to: all bodies that
-joints hold together, or the body alone. So one number, with one tolerance, serves a robot of a metre and the pebble beside it.
+A body that stands d away and is turned by an angle a has moved each of its points by d + r a at most, with its radius of
+gyration r for the distance of a point that counts. That is taken over the size of the whole that the body belongs to: all
+bodies that joints hold together, or the body alone. So one number, with one tolerance, serves a robot of a metre and the
+pebble beside it.
 """
 
 from collections.abc import Sequence
@@ -14,7 +15,7 @@ from harness.scene import WORLD, Scene
 from harness.trajectory.kinematics import conjugate, movable, product
 from harness.trajectory.trajectory import Floats, Integers, Trajectory
 
-__all__ = ["Extent", "apart", "displaced", "extent", "length", "offsets"]
+__all__ = ["NOTHING", "Extent", "apart", "common", "displaced", "extent", "length", "offsets"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +35,10 @@ class Extent:
     def largest(self) -> float:
         """The size [m] of the largest whole."""
         return float(self.size.max(initial=0.0))
+
+
+NOTHING = Extent(bodies=np.zeros(0, np.int64), size=np.zeros(0), gyration=np.zeros(0))
+"""Of no scene."""
 
 
 def extent(scene: Scene) -> Extent:

@@ -1,8 +1,11 @@
-"""Where engines end in a scene without a truth: each against itself, then against each other, then what stays defined beyond."""
+"""Where engines end in a scene without a truth: each against itself, then against each other, then what stays defined
+beyond."""
 
-from harness.findings.agreement.beyond import Balance, Outlook, balances, outlooks
-from harness.findings.agreement.errors import Errors, errors_of
-from harness.findings.agreement.found import Agreement, Difference, Side, Word, agreements, scenes_to_judge
+from harness.findings.agreement.beyond import Balance, Outlook, balances, horizon_of, outlooks
+from harness.findings.agreement.errors import Errors, errors_of, ways
+from harness.findings.agreement.found import agreements, scenes_to_judge
+from harness.findings.agreement.judgement import judged
+from harness.findings.agreement.values import Agreement, Difference, Side, Word
 
 __all__ = [
     "Agreement",
@@ -15,6 +18,9 @@ __all__ = [
     "agreements",
     "balances",
     "errors_of",
+    "horizon_of",
+    "judged",
     "outlooks",
     "scenes_to_judge",
+    "ways",
 ]

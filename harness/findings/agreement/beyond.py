@@ -1,8 +1,9 @@
 """What stays defined beyond the horizon: what each run shows of itself, and means over ensembles of perturbed starts.
 
-Where neighbouring runs part, no pose can be right or wrong. Laws can: energy is not won from nothing, joints hold, bodies do not
-share space, contacts push and do not pull. Each is judged by the hundredth that poses are judged by, of what it is measured in:
-the energy in play, the size of what moves, the weight. And means over starts can be compared, with their intervals.
+Where neighbouring runs part, no pose can be right or wrong. Laws can: energy is not won from nothing, joints hold, bodies do
+not share space, contacts push and do not pull. Each is judged by the hundredth that poses are judged by, of what it is
+measured in: the energy in play, the size of what moves, the weight. And means over starts can be compared, with their
+intervals.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.agreement.found import Agreement
+from harness.findings.agreement.values import Agreement
 from harness.scene import Scene
 from harness.scene.file import parse
 from harness.search.own_limits import ANSWERED, TOLERANCE, place_of
@@ -60,8 +61,8 @@ class Outlook:
 
     Terms:
         since [s]: the horizon. starts: how many. dt [s]. speed: root mean square of the bodies' speed [sizes per second].
-        height: of the common centre of mass above its start [sizes]. spread: root mean square distance of bodies from it [sizes].
-        last_speed: as speed, over the last tenth of the run.
+        height: of the common centre of mass above its start [sizes]. spread: root mean square distance of bodies from it
+        [sizes]. last_speed: as speed, over the last tenth of the run.
     """
 
     case: str

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.findings.agreement.beyond import LAWS, Balance, Outlook
-from harness.findings.agreement.found import Agreement, Side
+from harness.findings.agreement.values import Agreement, Side
 
-__all__ = ["beyond_words", "headline", "length", "scene_words", "share", "side_sentence", "side_words"]
+__all__ = ["beyond_words", "headline", "length", "metres", "scene_words", "share", "side_sentence", "side_words"]
 
 
 def share(value: float) -> str:
@@ -14,14 +14,20 @@ def share(value: float) -> str:
     return f"{100 * value:.2g} %" if 1e-5 <= value < 10 else f"{value:.2g}"
 
 
-def length(value: float, one: Agreement) -> str:
-    """The same in metres of the largest whole, in brackets behind it; alone where wholes have sizes of their own."""
-    if not value or not len(one.scale.size) or one.scale.size.min() < one.scale.largest:
-        return share(value)
-    metres = value * one.scale.largest
+def metres(value: float, one: Agreement) -> str:
+    """A share of the size as a length: '5.63 um'; '' where wholes have sizes of their own."""
+    if not value or not len(one.scale.size) or one.scale.size.min() < 0.999 * one.scale.largest:
+        return ""
+    way = value * one.scale.largest
     units = ((1.0, "m"), (1e3, "mm"), (1e6, "um"), (1e9, "nm"))
-    by, unit = next(((by, unit) for by, unit in units if metres * by >= 1), units[-1])
-    return f"{share(value)} ({metres * by:.2g} {unit})"
+    by, unit = next(((by, unit) for by, unit in units if way * by >= 1), units[-1])
+    return f"{way * by:.3g} {unit}"
+
+
+def length(value: float, one: Agreement) -> str:
+    """A share of the size with the length that it is behind it, where there is one: '5.6e-06 (5.63 um)'."""
+    told = metres(value, one)
+    return f"{share(value)} ({told})" if told else share(value)
 
 
 def listed(names: Sequence[str]) -> str:
@@ -55,7 +61,7 @@ def headline(one: Agreement, titles: Mapping[str, str]) -> str:
     if one.agreed:
         voters = [titles.get(side.engine, side.engine) for side in one.members(one.agreed) if side.votes]
         known = length(one.bar or 0.0, one)
-        return f"{listed(voters)} agree on one limit {_up_to(one, one.until)}; it is known to {known} of the size of what moves."
+        return f"{listed(voters)} agree on one limit {_up_to(one, one.until)}, known to {known} of the size of what moves."
     if not one.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
     told = "; ".join(f"{letter}: {_called(one, letter, titles)}" for letter in one.camps)
@@ -69,6 +75,8 @@ def side_words(side: Side, one: Agreement) -> str:
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
     until = "" if side.limit.until >= 0.999 * one.duration else f", {_up_to(one, side.limit.until)}"
+    lost = [rung.dt for rung in side.limit.rungs if rung.run is None]
+    until += f"; diverged at steps down to {1e3 * min(lost):.3g} ms" if lost else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
         return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, one)} away{since})"
@@ -84,8 +92,8 @@ def scene_words(one: Agreement, titles: Mapping[str, str]) -> list[str]:
         if not one.agreed or one.agreed in (gap.one, gap.other):
             here, there = (_called(one, letter, titles) for letter in (gap.one, gap.other))
             found.append(
-                f"{here} and {there} differ since {gap.since:.3g} s: by {length(gap.distance, one)} at {gap.time:.3g} s, "
-                f"most at '{gap.body}'."
+                f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; at {gap.time:.3g} s "
+                f"they are {length(gap.distance, one)} apart, most at '{gap.body}'."
             )
     return found
 
@@ -109,8 +117,8 @@ def beyond_words(broken: Sequence[Balance], outlooks: Sequence[Outlook], titles:
         found.append(
             f"Beyond {since:.3g} s poses cannot be foreseen; of {starts} perturbed starts each: "
             + "; ".join(
-                f"{titles.get(each.engine, each.engine)} {each.track} rms speed {_mean(each.speed)}, height {_mean(each.height)}, "
-                f"spread {_mean(each.spread)}"
+                f"{titles.get(each.engine, each.engine)} {each.track} rms speed {_mean(each.speed)}, "
+                f"height {_mean(each.height)}, spread {_mean(each.spread)}"
                 for each in outlooks
             )
             + " (in sizes of what moves, and seconds)."

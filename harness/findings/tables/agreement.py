@@ -78,9 +78,7 @@ def verdicts(store: Store) -> list[Row]:
     return found
 
 
-def _row(
-    store: Store, one: Agreement, side: Side, costs: Mapping[str, float], finding: str, summary: list[str]
-) -> Row:
+def _row(store: Store, one: Agreement, side: Side, costs: Mapping[str, float], finding: str, summary: list[str]) -> Row:
     limit, found = side.limit, errors_of(store)
     known = [found.get(rung.trial) for rung in limit.rungs]
     clocked = [costs.get(rung.trial) for rung in limit.rungs]

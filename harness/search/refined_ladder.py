@@ -85,7 +85,10 @@ def _of_scene(
         return
     if any(trial.alteration.start for trial in scene) or not asked.members:
         return
-    known = {engine for (engine, _), one in limits.items() if _to_the_end(one, case) and not is_ours(adapters[engine])}
+    # An engine's tuned answer counts, where it has one: what a vendor's default adds may well calm a motion that is chaotic.
+    counted = {engine: one for (engine, track), one in limits.items() if track != "tuned" and _answered(one)}
+    counted |= {engine: one for (engine, track), one in limits.items() if track == "tuned" and _answered(one)}
+    known = [engine for engine, one in counted.items() if _to_the_end(one, case) and not is_ours(adapters[engine])]
     if len(known) < 2:
         for side, ladder in ladders.items():
             if len(_answered(limits[side])) >= FEWEST:

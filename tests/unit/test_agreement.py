@@ -130,7 +130,7 @@ def test_our_own_engine_beside_one_that_differs_makes_no_agreement() -> None:
 
 
 def test_our_own_engine_is_no_second_witness_and_breaks_no_tie() -> None:
-    """With MuJoCo alone it agrees, and that settles nothing; beside two against two it stands with one camp and decides nothing."""
+    """With MuJoCo alone it agrees, and that settles nothing; beside two against two it stands with one camp, undeciding."""
     alone = agreement(pendulum(), 1.0, engines=("mujoco", "reference"))
     assert len(alone.camps) == 1
     assert alone.agreed == ""

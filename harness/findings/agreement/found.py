@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.findings.agreement.judgement import judged
 from harness.findings.agreement.values import Agreement
-from harness.scene import Scene
+from harness.scene import Effect, Scene
 from harness.scene.file import parse
 from harness.search.own_limits import ANSWERED, own_limit, rungs_of
 from harness.store.store import Store
@@ -57,13 +57,18 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     limits = {side: own_limit(scale, rungs_of(store, runs)) for side, runs in sides.items()}
     ours = [name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")]
     duration = float(store.catalogue["cases"][case]["duration"])
-    return judged(scene, duration, limits, ours, touching=_touching(store, rows), case=case, where=where)
+    touching = scene is not None and Effect.CONTACT in scene.effects and _touching(store, rows)
+    return judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
 
 
 def _touching(store: Store, rows: Sequence[Any]) -> bool:
-    """Does any run list a contact?"""
-    kept = (row.trajectory_hash for row in rows if row.status in ANSWERED and isinstance(row.trajectory_hash, str))
-    return any(bool(np.any(store.trajectory(name, ("contacts_count",)).get("contacts_count", 0))) for name in kept)
+    """Does the finest run of any engine and track list a contact?"""
+    finest: dict[tuple[str, str], Any] = {}
+    for row in sorted(rows, key=lambda row: -row.dt):
+        if row.status in ANSWERED and isinstance(row.trajectory_hash, str):
+            finest[row.engine, row.track] = row
+    kept = (store.trajectory(row.trajectory_hash) for row in finest.values())
+    return any(bool(np.any(arrays.get("contacts_count", 0))) for arrays in kept)
 
 
 def _scene(store: Store, rows: Sequence[Any]) -> Scene | None:

@@ -10,8 +10,8 @@ __all__ = ["beyond_words", "headline", "length", "metres", "scene_words", "share
 
 
 def share(value: float) -> str:
-    """A share of the size: '0.12 %', '5e-08' where per cent say little."""
-    return f"{100 * value:.2g} %" if 1e-5 <= value < 10 else f"{value:.2g}"
+    """A share of the size: '0.12 %', '138 %', '5e-08' where per cent say little."""
+    return f"{100 * value:.{2 if value < 0.1 else 3}g} %" if 1e-5 <= value < 10 else f"{value:.2g}"
 
 
 def metres(value: float, one: Agreement) -> str:

@@ -3,11 +3,12 @@ beyond."""
 
 from harness.findings.agreement.beyond import Balance, Outlook, balances, horizon_of, outlooks
 from harness.findings.agreement.errors import Errors, errors_of, ways
-from harness.findings.agreement.found import agreements, scenes_to_judge
+from harness.findings.agreement.found import AGREED_TRUTH, agreements, scenes_to_judge
 from harness.findings.agreement.judgement import judged
 from harness.findings.agreement.values import Agreement, Difference, Side, Word
 
 __all__ = [
+    "AGREED_TRUTH",
     "Agreement",
     "Balance",
     "Difference",

@@ -3,6 +3,7 @@
 What an engine errs at each step stands beside what that step costs, so that its rows can be joined with prices.
 """
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
@@ -113,8 +114,8 @@ def _row(store: Store, one: Agreement, side: Side, costs: Mapping[str, float], f
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS; what has a value for each run is a list."""
-    return [asdict(row) for row in verdicts(store)]
+    """Flat rows with COLUMNS; what has a value for each run is JSON, as in the table of trials."""
+    return [{name: json.dumps(v) if isinstance(v, list) else v for name, v in asdict(row).items()} for row in verdicts(store)]
 
 
 def brief(row: Mapping[str, Any]) -> list[object]:
@@ -134,7 +135,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         f"{row['horizon']:.3g} s" if row["horizon"] is not None else "",
         row["camp"],
         number("distance"),
-        " ".join("-" if cost is None else f"{cost:.2g}" for cost in row["costs"]),
+        " ".join("-" if cost is None else f"{cost:.2g}" for cost in json.loads(row["costs"])),
     ]
 
 
@@ -142,5 +143,5 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What is known of each scene, then the verdict on each engine and track."""
     found: list[str] = []
     for row in rows:
-        found += [sentence for sentence in row["summary"] if sentence not in found]
+        found += [sentence for sentence in json.loads(row["summary"]) if sentence not in found]
     return found + [row["finding"] for row in rows]

@@ -50,10 +50,11 @@ class OwnLimit:
 
     Terms:
         kind: 'converges' and 'does not converge' are told apart here only where nothing shrinks at all. why: of a kind that
-        is no 'converges'. said: how far the ladder converges; None without three runs. value: poses at a step of zero, bar
-        (t,): how far off they may be up to each sample, as a share of the size; None where no time is known. horizons [s]: by
-        the coarser step of each halving, up to when it moves the answer by no more than the tolerance. time (t,) s, moved
-        (t,): what the last halving moves the answer by up to each sample; None without three runs.
+        is no 'converges', else what steps without an answer came to. said: how far the ladder converges; None without three
+        runs. value: poses at a step of zero, bar (t,): how far off they may be up to each sample, as a share of the size;
+        None where no time is known. horizons [s]: by the coarser step of each halving, up to when it moves the answer by no
+        more than the tolerance. time (t,) s, moved (t,): what the last halving moves the answer by up to each sample; None
+        without three runs.
     """
 
     kind: Kind
@@ -126,12 +127,21 @@ def own_limit(scale: Extent, rungs: Sequence[Rung]) -> OwnLimit:
         rung.dt: horizon(time, np.maximum.accumulate(part), TOLERANCE) for rung, part in zip(answered, parted, strict=False)
     }
     last = np.maximum.accumulate(parted[-1])
-    plain = OwnLimit(kind="converges", said=said, horizons=horizons, rungs=whole, time=time, moved=last)
+    plain = OwnLimit(kind="converges", why=_silent(whole), said=said, horizons=horizons, rungs=whole, time=time, moved=last)
     if said.until is None or (said.ended == "no shrinking" and (said.regular < HALF or said.until < _begins(finest, scale))):
         before, last_moved = float(parted[-2].max()), float(last[-1])
         why = f"halving the step again moves it by {last_moved:.2g} of its size, halving it before by {before:.2g}"
         return replace(plain, kind="does not converge", why=why)
     return replace(plain, value=displaced(finest, found.value, scale), bar=found.bar)
+
+
+def _silent(rungs: Sequence[Rung]) -> str:
+    """At which steps there is no answer, and what there is instead; '' where all have one."""
+    lost: dict[str, list[float]] = {}
+    for rung in rungs:
+        if rung.run is None:
+            lost.setdefault(rung.status, []).append(1e3 * rung.dt)
+    return "; ".join(f"{status} at {', '.join(f'{dt:.3g}' for dt in steps)} ms" for status, steps in lost.items())
 
 
 def _begins(run: Trajectory, scale: Extent) -> float:

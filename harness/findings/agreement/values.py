@@ -18,11 +18,11 @@ class Side:
     """One engine on one track.
 
     Terms:
-        word, why: the verdict, and its reason where it is none of convergence. limit: what it comes to by itself. camps: the
-        letter of its camp, several where it is undecided, none without a limit. votes: does it count for its engine? ours: is
-        it our own?
-        distance: of its limit from the agreed one, up to the time to which both are known, as a share of the size; None
-        where there is no such. since [s]: from then on it lies apart from it, None where it does not.
+        word, why: the verdict, and its reason where it is none of convergence, else what steps without an answer came to.
+        limit: what it comes to by itself. camps: the letter of its camp, several where it is undecided, none without a limit.
+        votes: does it count for its engine? ours: is it our own? distance: of its limit from the agreed one, up to the time
+        to which both are known, as a share of the size; None where there is no such. since [s]: from then on it lies apart
+        from it, None where it does not.
     """
 
     engine: str

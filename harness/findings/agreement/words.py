@@ -75,8 +75,7 @@ def side_words(side: Side, one: Agreement) -> str:
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
     until = "" if side.limit.until >= 0.999 * one.duration else f", {_up_to(one, side.limit.until)}"
-    lost = [rung.dt for rung in side.limit.rungs if rung.run is None]
-    until += f"; diverged at steps down to {1e3 * min(lost):.3g} ms" if lost else ""
+    until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
         return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, one)} away{since})"

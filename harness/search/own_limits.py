@@ -128,7 +128,8 @@ def own_limit(scale: Extent, rungs: Sequence[Rung]) -> OwnLimit:
     }
     last = np.maximum.accumulate(parted[-1])
     plain = OwnLimit(kind="converges", why=_silent(whole), said=said, horizons=horizons, rungs=whole, time=time, moved=last)
-    if said.until is None or (said.ended == "no shrinking" and (said.regular < HALF or said.until < _begins(finest, scale))):
+    lost = said.until is None or (said.ended != "end" and said.until < _begins(finest, scale))
+    if lost or (said.ended == "no shrinking" and said.regular < HALF):
         before, last_moved = float(parted[-2].max()), float(last[-1])
         why = f"halving the step again moves it by {last_moved:.2g} of its size, halving it before by {before:.2g}"
         return replace(plain, kind="does not converge", why=why)

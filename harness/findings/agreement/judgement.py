@@ -100,22 +100,46 @@ def _stopped(sides: Sequence[Side]) -> list[Side]:
 
 def _against_each_other(plain: Agreement, scene: Scene) -> Agreement:
     """The camps, the differences between them, and the limit that is agreed."""
-    sides = list(plain.sides)
-    known = [k for k, side in enumerate(sides) if side.word == "converges"]
+    known = [side for side in plain.sides if side.word == "converges"]
     if not known:
         return plain
+    pairs = {
+        (a, b): _compare(_known(known[a]), _known(known[b]), plain.scale, plain.granted)
+        for a, b in combinations(range(len(known)), 2)
+    }
+    # The longer it is asked for, the fewer know, and the sooner those who know have parted: the longest that is agreed counts.
+    for until in sorted({side.limit.until for side in known}, reverse=True):
+        made = _in_camps(plain, scene, known, pairs, until)
+        if agreed := _majority(made, until):
+            return _agreed(made, agreed, until)
+    return _in_camps(plain, scene, known, pairs, plain.duration)
+
+
+def _in_camps(
+    plain: Agreement, scene: Scene, known: Sequence[Side], pairs: "Mapping[tuple[int, int], _Pair]", until: float
+) -> Agreement:
+    """The agreement with its camps, as they are up to a time [s], votes and differences."""
     agree = np.ones((len(known), len(known)), bool)
-    for a, b in combinations(range(len(known)), 2):
-        pair = _compare(_known(sides[known[a]]), _known(sides[known[b]]), plain.scale, plain.granted)
-        agree[a, b] = agree[b, a] = pair.since is None
-    shortest = min(sides[k].limit.until for k in known)
+    for (a, b), pair in pairs.items():
+        agree[a, b] = agree[b, a] = pair.since is None or pair.since > until
+    shortest = min(side.limit.until for side in known)
     # Whose limit is known for long speaks before one that is sharp for a moment.
-    widths = [sides[k].limit.bar_at(shortest) + (plain.duration - sides[k].limit.until) * _SHORT for k in known]
-    for k, letters in zip(known, camps(agree, widths), strict=True):
-        sides[k] = replace(sides[k], camps=tuple(_letter(one) for one in letters))
-    sides = _voting(sides)
-    made = replace(plain, sides=tuple(sides), differences=_differences(sides, plain, scene))
-    return _agreed(made)
+    widths = [side.limit.bar_at(shortest) + max(until - side.limit.until, 0.0) * _SHORT for side in known]
+    letters = {
+        (side.engine, side.track): tuple(_letter(one) for one in camp)
+        for side, camp in zip(known, camps(agree, widths), strict=True)
+    }
+    sides = _voting([replace(side, camps=letters.get((side.engine, side.track), ())) for side in plain.sides])
+    return replace(plain, sides=tuple(sides), differences=_differences(sides, plain, scene))
+
+
+def _majority(made: Agreement, until: float) -> str:
+    """The camp with more votes than any other, two of whose voters are known up to a time [s]; '' for none."""
+    votes = {letter: [side for side in made.members(letter) if side.votes] for letter in made.camps}
+    first, *others = sorted(votes, key=lambda letter: -len(votes[letter])) or [""]
+    if not first or any(len(votes[other]) == len(votes[first]) for other in others):
+        return ""
+    return first if sum(side.limit.until >= until for side in votes[first]) >= 2 else ""
 
 
 _SHORT = 1.0
@@ -188,15 +212,9 @@ def _sharpest(sides: Sequence[Side]) -> Side:
     return min(sides, key=lambda side: (-side.limit.until, side.limit.bar_at(side.limit.until)))
 
 
-def _agreed(made: Agreement) -> Agreement:
-    """The agreement with its limit, where there is one, and the words that follow from it."""
-    votes = {letter: [side for side in made.members(letter) if side.votes] for letter in made.camps}
-    ranked = sorted(votes, key=lambda letter: -len(votes[letter]))
-    if not ranked or len(votes[ranked[0]]) < 2 or (len(ranked) > 1 and len(votes[ranked[1]]) == len(votes[ranked[0]])):
-        return made
-    camp = votes[ranked[0]]
-    until = sorted((side.limit.until for side in camp), reverse=True)[1]
-    there = [side for side in camp if side.limit.until >= until]
+def _agreed(made: Agreement, letter: str, until: float) -> Agreement:
+    """The agreement on the limit of a camp, known up to a time [s], and the words that follow from it."""
+    there = [side for side in made.members(letter) if side.votes and side.limit.until >= until]
     centre = min(there, key=lambda side: side.limit.bar_at(until))
     limit = _known(centre).poses.between(0.0, until)
     nearest = np.full(len(limit), np.inf)
@@ -204,7 +222,7 @@ def _agreed(made: Agreement) -> Agreement:
         way = np.maximum.accumulate(length(offsets(other.poses.between(0.0, until), limit, made.scale)))
         nearest = np.minimum(nearest, way + other.bars[: len(limit)])
     bars = np.maximum(_known(centre).bars[: len(limit)], nearest)
-    agreed = replace(made, agreed=ranked[0], until=until, limit=limit, bars=bars, bar=float(bars[-1]))
+    agreed = replace(made, agreed=letter, until=until, limit=limit, bars=bars, bar=float(bars[-1]))
     return replace(agreed, sides=tuple(_placed(side, agreed) for side in agreed.sides))
 
 

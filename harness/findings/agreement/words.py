@@ -74,12 +74,13 @@ def side_words(side: Side, one: Agreement) -> str:
     order = "" if said is None else "no order" if said.order is None else f"order {said.order:.2f}"
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
-    until = "" if side.limit.until >= 0.999 * one.duration else f", {_up_to(one, side.limit.until)}"
+    compared = min(side.limit.until, one.until) if one.agreed else side.limit.until
+    until = "" if compared >= 0.999 * one.duration else f", {_up_to(one, compared)}"
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
         return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, one)} away{since})"
-    bar = side.limit.bar_at(side.limit.until) if side.limit.bar is not None else 0.0
+    bar = side.limit.bar_at(compared) if side.limit.bar is not None else 0.0
     camp = f"; camp {' or '.join(side.camps)}" if side.word == "converges" and len(one.camps) > 1 else ""
     return f"{side.word} ({order}{until}; known to {length(bar, one)}{camp})"
 
@@ -107,7 +108,7 @@ def beyond_words(broken: Sequence[Balance], outlooks: Sequence[Outlook], titles:
     """What is judged where poses cannot be: the laws that a run breaks, and means over perturbed starts."""
     found = []
     for law, word in LAWS.items():
-        sides = [balance for balance in broken if balance.law == law and not balance.holds]
+        sides = [balance for balance in broken if balance.law == law and balance.holds is False]
         if sides:
             told = [f"{titles.get(b.engine, b.engine)} {b.track} {b.value:.2g}" for b in sides]
             found.append(f"Beyond a hundredth, {word}: {listed(told)}.")

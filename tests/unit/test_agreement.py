@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.findings.agreement import Agreement, Side
+from harness.findings.agreement import Agreement, Side, ways
 from harness.findings.agreement.words import scene_words, side_sentence
 from harness.trajectory import Trajectory
 from harness.trajectory.parting import apart
@@ -116,6 +116,9 @@ def test_two_that_agree_on_a_wrong_answer_against_two_others_are_two_camps_and_n
     assert found.limit is None
     camps = sorted(sorted(one.engine for one in found.members(letter)) for letter in found.camps)
     assert camps == [["bullet", "mujoco again"], ["dart", "mujoco"]]
+    base, distances = ways(found)
+    assert base in {f"{one.engine}, {one.track}" for one in found.sides}
+    assert {engine for (engine, _), (_, way) in distances.items() if way[-1] > 100 * found.granted} in map(set, camps)
     (gap,) = found.differences
     assert gap.body == "bob"
     assert gap.distance > 100 * found.granted

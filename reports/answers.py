@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from harness.findings.agreement import errors_of
 from harness.store.record import digest
 from reports.contents import cases
 from reports.status import outcome
@@ -32,7 +33,11 @@ def answers(store: "Store", trials: pd.DataFrame | None = None) -> pd.DataFrame:
     }
     headlines = [known[name]["headline"] for name in trials["case"]]
     nothing = [np.nan, None, np.nan]
-    found = [measured.get(key, nothing) for key in zip(trials["trial"], headlines, strict=True)]
+    limits = {trial: [one.error, "of its size", one.off] for trial, one in errors_of(store).items()}
+    found = [
+        limits.get(trial, measured.get((trial, headline), nothing))
+        for trial, headline in zip(trials["trial"], headlines, strict=True)
+    ]
     rows = trials.assign(
         metric=headlines,
         error=np.abs(np.array([value for value, _, _ in found], dtype=np.float64)),

@@ -22,19 +22,23 @@ Row = dict[str, Any]
 STEP = "time step [ms]"
 
 
-def error_by_step(store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str) -> Figure | None:
+BY_STEP = (
+    "Each point is one trial; a line joins the medians of trials that differ in the time step only, "
+    "an upright bar spans their seeds. Down is more accurate, "
+    "left is a finer step. The grey line is the bound of the check. Trials without an error stand above the frame as "
+    "their outcome; errors of exactly zero stand on its lower edge."
+)
+
+
+def error_by_step(
+    store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str, caption: str = BY_STEP
+) -> Figure | None:
     """Error against time step, both logarithmic; None without a trial."""
     drawn = points(store, rows)
     if not drawn:
         return None
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]})
     spec = layered(store, drawn, axis_title(metric, unit), bounds=bounds)
-    caption = (
-        "Each point is one trial; a line joins the medians of trials that differ in the time step only, "
-        "an upright bar spans their seeds. Down is more accurate, "
-        "left is a finer step. The grey line is the bound of the check. Trials without an error stand above the frame as "
-        "their outcome; errors of exactly zero stand on its lower edge."
-    )
     return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")))
 
 

@@ -1,5 +1,6 @@
 """What a store holds: its cases by family, its engines and its tracks, also where the catalogue lacks one."""
 
+import re
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,7 @@ FAMILIES: dict[str, str] = {
     "stand": "Standing",
     "system": "Systems",
     "sensor": "Sensors",
+    "scene": "Your scenes",
 }
 """Titles of the families, in the order from the simple to the composed."""
 
@@ -68,7 +70,7 @@ def cases(store: "Store") -> dict[str, dict[str, Any]]:
     names = [name for name in told if name in tried or not tried] + [name for name in tried if name not in told]
     found = {}
     for name in names:
-        case = CASE | {"name": name, "family": str(name).split("_", 1)[0]} | told.get(name, {})
+        case = CASE | {"name": name, "family": re.split("[_:]", str(name), maxsplit=1)[0]} | told.get(name, {})
         case["title"] = case["title"] or name
         found[name] = case
     return found

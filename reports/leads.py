@@ -10,6 +10,7 @@ import pandas as pd
 from reports.answers import answers, at_own_step
 from reports.contents import cases, engines, more_is_better, named_tracks, ours
 from reports.glance import EXACT
+from reports.own_scenes import by_case
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -48,7 +49,7 @@ def leads(store: "Store") -> dict[tuple[str, str], Lead]:
     rows = at_own_step(store, answers(store))
     found = {}
     for (case, track), group in rows.groupby(["case", "track"], sort=False):
-        if track in named_tracks(store) and group["engine"].nunique() > 1:
+        if case not in by_case(store) and track in named_tracks(store) and group["engine"].nunique() > 1:
             medians = group.groupby("engine", sort=False)["error"].median().dropna()
             for name in ours(store):
                 lead = _lead(cases(store)[case], str(track), name, medians, engines(store)[name]["advantages"])

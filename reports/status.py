@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-__all__ = ["STATUSES", "Outcome", "outcome", "worst"]
+__all__ = ["FINITE", "STATUSES", "VERDICTS", "Outcome", "outcome", "worst"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,6 +20,11 @@ class Outcome:
     meaning: str
     rank: int
     answered: bool = False
+
+    @property
+    def style(self) -> str:
+        """The name as a class of the style sheet."""
+        return self.name.replace(" ", "-")
 
 
 STATUSES: dict[str, Outcome] = {
@@ -42,6 +47,30 @@ STATUSES: dict[str, Outcome] = {
     )
 }
 """In the order of `harness.store.record.Status`."""
+
+FINITE = Outcome(
+    name="finite",
+    symbol="·",
+    meaning="every number is finite; whether they are right, engines have to agree on",
+    rank=0,
+    answered=True,
+)
+"""What 'passed' means in a scene of one's own, whose trials are asked nothing else."""
+
+VERDICTS: dict[str, Outcome] = {
+    one.name: one
+    for one in (
+        Outcome(name="agrees", symbol="✓", meaning="ends, as its step goes to zero, where two engines or more agree", rank=0),
+        Outcome(name="converges", symbol="→", meaning="draws together as its step goes to zero; no limit is agreed", rank=3),
+        Outcome(name="converges elsewhere", symbol="≠", meaning="draws together, but not at the limit that is agreed", rank=4),
+        Outcome(name="does not converge", symbol="≈", meaning="ends elsewhere at each time step", rank=6),
+        Outcome(
+            name="diverged", symbol="∞", meaning="left the numbers, or its joints, at its finest step or at all but two", rank=5
+        ),
+        Outcome(name="cannot", symbol="∅", meaning="has no answer at three steps; the reason says why", rank=1),
+    )
+}
+"""The words for engines in a scene without a truth, as `harness.findings.agreement` has them."""
 
 UNKNOWN = Outcome(name="unknown", symbol="?", meaning="a status that this version does not know", rank=9)
 

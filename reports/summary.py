@@ -13,7 +13,8 @@ from reports.contents import ours as yardsticks
 from reports.disputes import disputed
 from reports.glance import Glance, glances
 from reports.leads import NO_REASON, leads
-from reports.status import STATUSES
+from reports.own_scenes import by_case, summary
+from reports.status import FINITE, STATUSES
 from reports.text import TIMES, amount, join_words, plural
 from reports.verdict import Verdict, verdicts
 
@@ -30,8 +31,19 @@ def sentences(store: "Store") -> list[str]:
     """The summary, most important first; a sentence without anything to say is left out."""
     if store.trials.empty:
         return ["The store holds no trial."]
-    seen, cells = glances(store), verdicts(store)
-    written = [*leaders(store, seen), *price(store, seen), *tuning(store, cells), *extremes(store, cells), *promises(store)]
+    own = by_case(store)
+    seen, cells = glances(store), {key: cell for key, cell in verdicts(store).items() if key[0] not in own}
+    agreed = [f"{cases(store)[name]['title']}: {told}" for name in own for told in summary(store, name)]
+    if not cells:
+        return [*agreed, *studied(store), *silence(store), size(store)]
+    written = [
+        *agreed,
+        *leaders(store, seen),
+        *price(store, seen),
+        *tuning(store, cells),
+        *extremes(store, cells),
+        *promises(store),
+    ]
     return [*written, *studied(store), *ours(store, cells), *leading(store), *silence(store), size(store)]
 
 
@@ -86,8 +98,9 @@ def leading(store: "Store") -> list[str]:
 
 def size(store: "Store") -> str:
     """How much was run, and how it ended."""
-    counts = store.trials["status"].value_counts()
-    ended = join_words(f"{int(counts[name])} {name}" for name in STATUSES if name in counts)
+    own, statuses = store.trials["case"].isin(list(by_case(store))), store.trials["status"]
+    counts = statuses.mask(own & (statuses == "passed"), FINITE.name).value_counts()
+    ended = join_words(f"{int(counts[name])} {name}" for name in (*STATUSES, FINITE.name) if name in counts)
     return (
         f"{plural(len(store.trials), 'trial')} of {plural(len(cases(store)), 'case')} on "
         f"{plural(len(engines(store)), 'engine')}: {ended}."

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from reports.own_scenes import by_case, chips
 from reports.status import STATUSES, Outcome, outcome, worst
 
 if TYPE_CHECKING:
@@ -34,12 +35,14 @@ def verdicts(store: "Store") -> dict[tuple[str, str, str], Verdict]:
         bad = worst(group["status"])
         reasons = [reason for status, reason in zip(group["status"], group["reason"], strict=True) if outcome(status) == bad]
         cells[key] = Verdict(counted(Counter(group["status"])), bad, str(reasons[0]))
-    return cells
+    # That all numbers of a scene of one's own are finite is no verdict on it.
+    return cells | {key: Verdict(((word, 1),), word, told) for key, (word, told) in chips(store).items()}
 
 
 def totals(store: "Store") -> Mapping[tuple[str, str], Mapping[str, int]]:
-    """Counts of every status by (engine, track), zeros included."""
-    rows = store.asked.groupby(["engine", "track", "status"], sort=False).size()
+    """Counts of every status by (engine, track), zeros included, over the cases whose checks say what is right."""
+    judged = store.asked[~store.asked["case"].isin(list(by_case(store)))]
+    rows = judged.groupby(["engine", "track", "status"], sort=False).size()
     found: dict[tuple[str, str], dict[str, int]] = {}
     for (engine, track, status), count in rows.items():
         found.setdefault((engine, track), dict.fromkeys(STATUSES, 0))[outcome(status).name] = int(count)

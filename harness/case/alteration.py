@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
+from harness.case.starts import perturbed
 from harness.case.symmetries import Retelling, nudged, reordered, restored
 from harness.scene import Effect, Scene
 
@@ -22,6 +23,7 @@ class Alteration:
         present: effects that the scene lacks, made present so weakly (`FAINT`) that they change nothing but the work.
         linear_damping, angular_damping [1/s]: added to what each movable body has.
         told: run this retelling of the scene in place of it: 'restored' (half-way), 'reordered', 'nudged' (by one bit).
+        start: run this one of the scene's perturbed starts (`harness.case.starts.perturbed`), 0 for its own.
         every_step: record every step, whatever the case says.
     """
 
@@ -32,12 +34,15 @@ class Alteration:
     linear_damping: float = 0.0
     angular_damping: float = 0.0
     told: Literal["", "restored", "reordered", "nudged"] = ""
+    start: int = 0
     every_step: bool = False
 
     def of(self, scene: Scene) -> Scene:
         """The scene as it is under this alteration; the very same one where nothing departs."""
         if self == replace(AS_IT_IS, name=self.name, told=self.told, every_step=self.every_step):
             return scene
+        if self.start:
+            scene = perturbed(scene, self.start)
         if self.present:
             scene = _with(scene, self.present)
         bodies = scene.bodies

@@ -1,5 +1,6 @@
 """A case: one question in SI units, its scene, its truth and the checks that judge an answer."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -121,7 +122,8 @@ class Case:
     Terms:
         name: the file's; its prefix is the family. duration [s].
         scene(**parameters) gives the scene; expected(time (t,), **parameters) the truth at those times, a `Converged`, or
-        None where only conservation or statistics judge. truth: what kind of truth that is, in words. coarsest [s]: without
+        None where only conservation, statistics, or the engines' agreement on a limit judge. truth: what kind of truth that is,
+        in words. coarsest [s]: without
         `expected`, the truth is the exact solver of the reference engine, extrapolated from runs of at most this step.
         sample_interval [s]: distance of recorded samples, 0 for every step. dt [s]: the step of a quick look; ladder: the
         steps of an accuracy run. with_contacts: record contacts at each sample.
@@ -143,7 +145,7 @@ class Case:
     title: str
     question: str
     source: str
-    truth: Literal["closed form", "converged reference", "conservation", "statistics", "rest"]
+    truth: Literal["closed form", "converged reference", "conservation", "statistics", "rest", "agreed limit"]
     scene: Callable[..., Scene]
     checks: tuple[Check, ...]
     duration: float
@@ -194,8 +196,9 @@ class Case:
 
     @property
     def family(self) -> str:
-        """The prefix of the name: flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor."""
-        return self.name.split("_", 1)[0]
+        """The prefix of the name: flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor;
+        scene for one of the user's own."""
+        return re.split("[_:]", self.name, maxsplit=1)[0]
 
     @property
     def metrics(self) -> tuple[Metric, ...]:

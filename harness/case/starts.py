@@ -24,11 +24,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.case.symmetries import Retelling, turned
-from harness.scene import Scene, axis_angle, width
+from harness.scene import Scene, axis_angle, rotate, width
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.touching import touches
 
-__all__ = ["PRESSED", "TOLERANCE", "Member", "member"]
+__all__ = ["PRESSED", "TOLERANCE", "Member", "member", "perturbed"]
 
 TOLERANCE = 1e-4
 """Of a body's width: a tenth of a millimetre at a metre, what a machine shop holds (ISO 2768-1 fine, 0.1..0.15 mm at 1 m)."""
@@ -66,6 +66,14 @@ def member(scene: Scene, number: int, dt: float, turn: bool = True) -> Member:
     varied = replace(scene, bodies=tuple(bodies))
     told = turned(varied, axis_angle((0.0, 0.0, 1.0), angle)) if turn and not own else None
     return Member(varied if told is None else told.scene, told)
+
+
+def perturbed(scene: Scene, number: int) -> Scene:
+    """The scene built with tolerances, and on ground that is level to as much: gravity is tilted by `TOLERANCE` [rad], in a
+    direction drawn from the number, so that machines whose joints have to stay whole start otherwise too."""
+    angle = float(np.random.default_rng((number, 1)).uniform(0.0, 2 * math.pi))
+    tilt = axis_angle((math.cos(angle), math.sin(angle), 0.0), TOLERANCE)
+    return replace(member(scene, number, 0.0, turn=False).scene, gravity=rotate(tilt, scene.gravity))
 
 
 def _kept_touching(scene: Scene, free: list[int], off: Floats) -> Floats:

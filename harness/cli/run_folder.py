@@ -9,6 +9,7 @@ import click
 from harness.cli.guard import GATE, MACHINE, say, stop
 from harness.cli.listing import print_csv, print_json, print_markdown, print_table
 from harness.cli.options import limited, opened, run_folder
+from harness.cli.own_scene import shown_status
 from harness.findings import tables
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ def show(folder: Path, table: str, form: str) -> None:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
         )
+        if table == "trials":
+            rows = [row | {"status": shown_status(str(row["case"]), str(row["status"]))} for row in rows]
         shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]
         print_table(table, brief, shown)
 

@@ -11,7 +11,7 @@ from harness.cli.gate import failures
 from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from harness.cli.installed import left_out
 from harness.cli.options import limited
-from harness.findings import tables
+from harness.cli.own_scene import closing_count, closing_words
 from harness.intake.documents import document
 from harness.intake.safe_text import quoted
 
@@ -54,17 +54,15 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...]) -> "tuple[Stu
     from fnmatch import fnmatchcase
 
     from harness.study import plugins
-    from harness.study.experiment import Experiment
+    from harness.study.own_scene import study_of
     from harness.study.roll_call import call_roll
-    from harness.study.study import Study, load_study
+    from harness.study.study import load_study
 
     if own:
         case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
         if globs:
             raise click.BadParameter(f"{quoted(globs[0])}: a scene file is one case, expected none", param_hint="--case")
-        ladder = Experiment(name="scene", dt=(1 / 240, 1 / 480, 1 / 960))
-        needs = Experiment(name="effects", tracks=("tuned",), effects=True, samples=3, sample_seconds=0.01)
-        return Study(name="scene", title=case.title, experiments=(ladder, needs)), {case.name: case}
+        return study_of(case), {case.name: case}
     study = load_study(name)
     _once("--case", globs)
     for sentence in left_out("cases", "metrics", "pages"):
@@ -157,15 +155,12 @@ def run(
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
     index = publish(store, plan.recordings)
-    counts = store.trials["status"].value_counts()
-    say(f"{len(store.trials)} trials: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
+    say(closing_count(store), err=True)
     say(str(index))
     failed = failures(store, audited=not own)
     for sentence in failed:
         say(sentence, err=True)
-    if own:
-        effects = tables.table("effects")
-        for sentence in tables.sentences(effects, effects.rows(store)):
-            say(sentence, err=True)
+    for sentence in closing_words(store) if own else []:
+        say(sentence, err=True)
     if failed:
         sys.exit(GATE)

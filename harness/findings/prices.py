@@ -21,6 +21,7 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
+from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
 from harness.findings.where import in_words, other_values
 from harness.statistics.bootstrap import interval_of_drawn
@@ -143,7 +144,7 @@ class Prices:
         for row in self._store.measurements.to_dict("records"):
             if row["metric"] == wanted.get(row["trial"]) and row["trial"] not in found:
                 found[row["trial"]] = (abs(number(row["value"])), number(row.get("truth_error", 0.0)))
-        return found
+        return found | {trial: (one.error, one.off) for trial, one in errors_of(self._store).items()}
 
     def _headline(self, case: str) -> str:
         """The metric that is the case's error; none where more of it is better."""

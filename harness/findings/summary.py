@@ -1,12 +1,14 @@
 """Two short answers beside the tables: junit.xml for build servers, and summary.md for people."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree
 
 import pandas as pd
 
+from harness.findings.agreement import AGREED_TRUTH
 from harness.findings.emulations import whose
+from harness.findings.tables import agreement
 from harness.intake.safe_text import markdown_cell, visible
 from harness.store.disk import write_atomically
 from harness.store.store import Store
@@ -33,8 +35,10 @@ def _junit(trials: pd.DataFrame) -> bytes:
     return text
 
 
-def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
-    table = trials.groupby(["engine", "track", "status"]).size().unstack(fill_value=0)
+def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any], verdicts: Sequence[str]) -> bytes:
+    own = trials["case"].isin([name for name, case in catalogue.get("cases", {}).items() if case.get("truth") == AGREED_TRUTH])
+    shown = trials.assign(status=trials["status"].mask(own & (trials["status"] == "passed"), "finite"))
+    table = shown.groupby(["engine", "track", "status"]).size().unstack(fill_value=0)
     lines = ["# Outcomes", "", "| engine | track | " + " | ".join(map(markdown_cell, table.columns)) + " |"]
     lines.append("|---" * (2 + len(table.columns)) + "|")
     for (engine, track), row in table.iterrows():
@@ -52,12 +56,15 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
             law = whose(catalogue, row.engine, row.case, row.track)
             cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason, law)
             lines.append("| " + " | ".join(map(markdown_cell, cells)) + " |")
+    if verdicts:
+        lines += ["", "# Who agrees", "", *(f"* {markdown_cell(sentence)}" for sentence in verdicts)]
     return ("\n".join(lines) + "\n").encode()
 
 
 def summaries(store: Store) -> dict[str, bytes]:
     """The content of junit.xml and summary.md."""
-    return {"junit.xml": _junit(store.trials), "summary.md": _markdown(store.trials, store.catalogue)}
+    verdicts = agreement.sentences(agreement.rows(store))
+    return {"junit.xml": _junit(store.trials), "summary.md": _markdown(store.trials, store.catalogue, verdicts)}
 
 
 def write_summary(store: Store) -> None:

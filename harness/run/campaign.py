@@ -20,7 +20,7 @@ from harness.run.isolated import run_isolated
 from harness.run.progress import Progress
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
-from harness.search import first_break, front, needless_effects
+from harness.search import first_break, front, needless_effects, refined_ladder
 from harness.search.front import due_for_clock
 from harness.store import disk
 from harness.store.journal import FolderTaken, Journal, StoreError, read_journal
@@ -96,6 +96,7 @@ def _timing(
         for trial in trials
         if trial.experiment.timing
         and trial.alteration.name not in REFINED
+        and not trial.alteration.start
         and (not trial.experiment.sweep or trial.trial in near)
         and journal.timings.get(trial.trial) != here
         and trial.trial in records
@@ -151,6 +152,7 @@ def _searched(
             (front.next_trials, any(trial.experiment.sweep for trial in trials)),
             (first_break.next_trials, any(trial.experiment.limit for trial in trials)),
             (partial(needless_effects.next_trials, store=Store(folder)), any(trial.experiment.effects for trial in trials)),
+            (partial(refined_ladder.next_trials, store=Store(folder)), any(trial.experiment.refine for trial in trials)),
         )
         if wanted
     ]

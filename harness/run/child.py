@@ -127,7 +127,7 @@ def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
 def answers(trial: Trial, folder: Path) -> Iterator[Record]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
 
-    What a sweep goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
+    What a sweep or a ladder goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
     """
     allowed = _limits()
     try:
@@ -163,7 +163,8 @@ def _in_words(error: Exception) -> str:
 
 def roughly_clocked(trial: Trial, record: Record) -> bool:
     """Is a rough cost wanted of what came of a trial?"""
-    return bool(trial.experiment.sweep) and trial.members == 1 and bool(record.measurements)
+    wanted = trial.experiment.sweep or (trial.experiment.refine is not None and not trial.alteration.start)
+    return bool(wanted) and trial.members == 1 and bool(record.measurements)
 
 
 def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:

@@ -14,6 +14,7 @@ from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
 from harness.scene.values import FROZEN, Name
+from harness.study.refinement import Refinement
 
 __all__ = ["Each", "Experiment", "FolderName", "Limit", "Some", "StudyError", "Track", "Variant", "experiment_from"]
 
@@ -125,6 +126,7 @@ class Experiment:
         determinism: run each cell again, alone, beside others, restored, reordered, nudged by a bit and on more threads; see
         `harness.findings.tables.determinism`.
         limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
+        refine: go on halving the time step, until each engine's limit is known; see `harness.search.refined_ladder`.
     """
 
     name: Name
@@ -145,6 +147,7 @@ class Experiment:
     memory: Annotated[float, Field(ge=16, le=2**24)] = 4096.0
     sweep: int = Field(default=0, ge=0, le=10_000)
     limit: Limit | None = None
+    refine: Refinement | None = None
     effects: bool = False
     determinism: bool = False
 

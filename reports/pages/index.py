@@ -8,7 +8,9 @@ from reports.answers import answers, at_own_step
 from reports.charts import across_cases
 from reports.contents import cases, engines, families, named_tracks
 from reports.glance import glances
+from reports.own_scenes import by_case
 from reports.page import Page
+from reports.status import STATUSES, VERDICTS
 from reports.summary import sentences
 from reports.template import fill
 from reports.verdict import verdicts
@@ -53,6 +55,7 @@ def render(store: "Store") -> Mapping[str, str]:
         glances=glances(store),
         families=[(family, listed) for family, listed in told if listed],
         cells=cells,
+        meanings=(VERDICTS if by_case(store) else {}) | (STATUSES if len(by_case(store)) < len(judged) else {}),
         laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},
         tracks=named_tracks(store),
         figures=figures,

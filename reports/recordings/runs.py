@@ -121,6 +121,8 @@ def chosen(trials: list[dict[str, Any]], case: Mapping[str, Any]) -> list[dict[s
     with_states = [t for t in trials if isinstance(t["trajectory_hash"], str)]
     if not with_states:
         return []
+    # A scene without its friction, or from another start, is not the case's: it is shown only where nothing else is there.
+    with_states = [t for t in with_states if '"name"' not in str(t.get("alteration", ""))] or with_states
     own = case.get("parameters", {})
 
     def variant(trial: Mapping[str, Any]) -> tuple[str, int]:

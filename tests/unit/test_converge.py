@@ -13,9 +13,10 @@ from harness.case import Case, Check
 from harness.metric import Metric, NotMeasurable
 from harness.metrics.position import POSITION_MAX
 from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
+from harness.statistics.richardson import extrapolate
 from harness.trajectory import Floats, Trajectory
 from harness.trial.accuracy import judge
-from harness.trial.converged_truth import converged, extrapolate, ladder
+from harness.trial.converged_truth import converged, ladder
 from harness.trial.truth_cache import LONG, bounded, truth_of
 
 G = 9.81

@@ -1,0 +1,37 @@
+"""What a run says at its end of scenes of one's own: who agrees with whom, and nothing that only says that it ended."""
+
+from typing import TYPE_CHECKING
+
+from harness.findings import tables
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["closing_count", "closing_words", "shown_status"]
+
+
+def shown_status(case: str, status: str) -> str:
+    """The status of a trial as it is shown: in a scene of one's own the only check is that numbers are finite."""
+    from harness.study.plugins import SCENE_PREFIX
+
+    return "finite" if status == "passed" and case.startswith(SCENE_PREFIX) else status
+
+
+def closing_count(store: "Store") -> str:
+    """How many trials ended how."""
+    trials = store.trials
+    counts: dict[str, int] = {}
+    for case, status in zip(trials["case"], trials["status"], strict=True):
+        name = shown_status(str(case), str(status))
+        counts[name] = counts.get(name, 0) + 1
+    ranked = sorted(counts.items(), key=lambda pair: -pair[1])
+    return f"{len(trials)} trials: " + ", ".join(f"{count} {name}" for name, count in ranked)
+
+
+def closing_words(store: "Store") -> list[str]:
+    """The sentences: the verdicts on all engines, then what of the scene's effects it needs."""
+    found = []
+    for name in ("agreement", "effects"):
+        table = tables.table(name)
+        found += tables.sentences(table, table.rows(store))
+    return found

@@ -1,0 +1,27 @@
+"""Where engines end in a scene without a truth: each against itself, then against each other, then what stays defined
+beyond."""
+
+from harness.findings.agreement.beyond import Balance, Outlook, balances, horizon_of, outlooks
+from harness.findings.agreement.errors import Errors, errors_of, ways
+from harness.findings.agreement.found import AGREED_TRUTH, agreements, scenes_to_judge
+from harness.findings.agreement.judgement import judged
+from harness.findings.agreement.values import Agreement, Difference, Side, Word
+
+__all__ = [
+    "AGREED_TRUTH",
+    "Agreement",
+    "Balance",
+    "Difference",
+    "Errors",
+    "Outlook",
+    "Side",
+    "Word",
+    "agreements",
+    "balances",
+    "errors_of",
+    "horizon_of",
+    "judged",
+    "outlooks",
+    "scenes_to_judge",
+    "ways",
+]

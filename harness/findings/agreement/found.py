@@ -1,0 +1,79 @@
+"""The agreements of a run folder: each engine's own limit from its runs, judged against the others'."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from harness.findings.agreement.judgement import judged
+from harness.findings.agreement.values import Agreement
+from harness.scene import Effect, Scene
+from harness.scene.file import parse
+from harness.search.own_limits import ANSWERED, own_limit, rungs_of
+from harness.store.store import Store
+from harness.trajectory.parting import NOTHING, extent
+
+__all__ = ["AGREED_TRUTH", "agreements", "scenes_to_judge"]
+
+AGREED_TRUTH = "agreed limit"
+"""What a case says of its truth where engines have to agree on it."""
+
+
+def scenes_to_judge(store: Store) -> list[str]:
+    """The cases of a store whose truth engines have to agree on."""
+    tried = set(store.trials["case"])
+    return [
+        name for name, about in store.catalogue.get("cases", {}).items() if about.get("truth") == AGREED_TRUTH and name in tried
+    ]
+
+
+@lru_cache(maxsize=2)
+def agreements(store: Store) -> tuple[Agreement, ...]:
+    """One for each scene without a truth, at each set of its parameters."""
+    found = []
+    for case in scenes_to_judge(store):
+        rows = store.asked[store.asked["case"] == case]
+        refined = rows[rows["experiment"].isin(_ladders(store))] if len(_ladders(store)) else rows
+        for parameters, part in (refined if len(refined) else rows).groupby("parameters", sort=False):
+            found.append(_agreement(store, case, "" if parameters == "{}" else str(parameters), list(part.itertuples())))
+    return tuple(found)
+
+
+def _ladders(store: Store) -> list[str]:
+    """The experiments that went on halving: others run a step or two of a scene for ends of their own."""
+    told = store.study.get("experiments", [])
+    return (
+        [str(one.get("name")) for one in told if isinstance(one, dict) and one.get("refine")] if isinstance(told, list) else []
+    )
+
+
+def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agreement:
+    scene = _scene(store, rows)
+    sides: dict[tuple[str, str], list[Any]] = {}
+    for row in rows:
+        sides.setdefault((row.engine, row.track), []).append(row)
+    scale = NOTHING if scene is None else extent(scene)
+    limits = {side: own_limit(scale, rungs_of(store, runs)) for side, runs in sides.items()}
+    ours = [name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")]
+    duration = float(store.catalogue["cases"][case]["duration"])
+    touching = scene is not None and Effect.CONTACT in scene.effects and _touching(store, rows)
+    return judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
+
+
+def _touching(store: Store, rows: Sequence[Any]) -> bool:
+    """Does the finest run of any engine and track list a contact?"""
+    finest: dict[tuple[str, str], Any] = {}
+    for row in sorted(rows, key=lambda row: -row.dt):
+        if row.status in ANSWERED and isinstance(row.trajectory_hash, str):
+            finest[row.engine, row.track] = row
+    kept = (store.trajectory(row.trajectory_hash) for row in finest.values())
+    return any(bool(np.any(arrays.get("contacts_count", 0))) for arrays in kept)
+
+
+def _scene(store: Store, rows: Sequence[Any]) -> Scene | None:
+    """The scene as it was put to the engines, from the first run that kept one, diverged or not."""
+    for row in rows:
+        if isinstance(row.trajectory_hash, str):
+            return parse(str(store.trajectory(row.trajectory_hash, ("scene",))["scene"]), "scene.json")
+    return None

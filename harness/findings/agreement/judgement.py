@@ -1,0 +1,236 @@
+"""Engines against each other: whose limits are one, who differs, by how much and since when, and what is agreed.
+
+Limits with their error bars are put in camps (`harness.statistics.camps`); two are compared up to the time to which both are
+known. They agree where they lie no further apart than their bars, and what contacts are granted, together.
+
+A limit is **agreed** where a camp has two engines or more that people can deploy, and more of them than any other camp. Each
+engine has one vote, on its tuned track if that has a limit, else on its default one: two tracks of one engine are no two
+witnesses, and an engine that is undecided between camps has none. Our own engine stands with a camp like any other and is
+shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit is that of the sharpest voter
+which is known as long as two of them are; its bar is the nearest confirmation by another voter, distance and that one's bar
+added.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from harness.adapter import Feature
+from harness.adapter.features import features_of
+from harness.findings.agreement.values import Agreement, Difference, Side, Word
+from harness.scene import Scene
+from harness.search.own_limits import OwnLimit
+from harness.statistics.camps import camps
+from harness.trajectory import Floats, Trajectory
+from harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
+
+__all__ = ["judged"]
+
+ROUNDING = 1e-6
+"""Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks
+for."""
+SOFT = 1e-3
+"""Metres that a contact, or a joint that closes a loop, may give under weight: granted to all engines whose contacts are
+springs."""
+LONGER = 2.0
+"""Others converge so many times as long: beyond what a higher order or chance makes of a horizon."""
+
+
+def judged(
+    scene: Scene | None,
+    duration: float,
+    limits: Mapping[tuple[str, str], OwnLimit],
+    ours: Collection[str],
+    *,
+    touching: bool = False,
+    case: str = "",
+    where: str = "",
+) -> Agreement:
+    """What engines say of a scene.
+
+    Args: scene: None where no engine could be told it. duration [s]. limits: of each engine and track. ours: the engines of
+    this project. touching: does any body touch another in any run? case, where: what it is of.
+    """
+    places = list(dict.fromkeys(engine for engine, _ in limits))
+    sides = [
+        Side(engine=engine, track=track, ours=engine in ours, word=one.kind, why=one.why, limit=one)
+        for (engine, track), one in limits.items()
+    ]
+    sides.sort(key=lambda side: (side.ours, places.index(side.engine), side.track))
+    scale = NOTHING if scene is None else extent(scene)
+    plain = Agreement(
+        case=case,
+        where=where,
+        duration=duration,
+        scale=scale,
+        granted=0.0 if scene is None else _granted(scene, scale, touching=touching),
+        sides=tuple(_stopped(sides)),
+        differences=(),
+    )
+    return plain if scene is None else _against_each_other(plain, scene)
+
+
+def _granted(scene: Scene, scale: Extent, *, touching: bool) -> float:
+    """What limits may lie apart beyond their bars, as a share of the smallest size."""
+    soft = touching or Feature.CLOSED_LOOP in features_of(scene)
+    return ROUNDING + (SOFT / float(scale.size.min(initial=np.inf)) if soft else 0.0)
+
+
+def _stopped(sides: Sequence[Side]) -> list[Side]:
+    """Those whose answers part for good where others' go on drawing together do not converge."""
+    longest: dict[str, float] = {}
+    for side in sides:
+        if not side.ours:
+            longest[side.engine] = max(longest.get(side.engine, 0.0), side.limit.until)
+
+    def judged(side: Side) -> Side:
+        said = side.limit.said
+        others = sorted((until for engine, until in longest.items() if engine != side.engine), reverse=True)
+        if side.word != "converges" or said is None or said.ended != "no shrinking" or not others:
+            return side
+        if others[0] < LONGER * side.limit.until:
+            return side
+        why = f"from {side.limit.until:.3g} s on smaller steps do not draw together, others converge up to {others[0]:.3g} s"
+        return replace(side, word="does not converge", why=why)
+
+    return [judged(side) for side in sides]
+
+
+def _against_each_other(plain: Agreement, scene: Scene) -> Agreement:
+    """The camps, the differences between them, and the limit that is agreed."""
+    known = [side for side in plain.sides if side.word == "converges"]
+    if not known:
+        return plain
+    pairs = {
+        (a, b): _compare(_known(known[a]), _known(known[b]), plain.scale, plain.granted)
+        for a, b in combinations(range(len(known)), 2)
+    }
+    # The longer it is asked for, the fewer know, and the sooner those who know have parted: the longest that is agreed counts.
+    for until in sorted({side.limit.until for side in known}, reverse=True):
+        made = _in_camps(plain, scene, known, pairs, until)
+        if agreed := _majority(made, until):
+            return _agreed(made, agreed, until)
+    return _in_camps(plain, scene, known, pairs, plain.duration)
+
+
+def _in_camps(
+    plain: Agreement, scene: Scene, known: Sequence[Side], pairs: "Mapping[tuple[int, int], _Pair]", until: float
+) -> Agreement:
+    """The agreement with its camps, as they are up to a time [s], votes and differences."""
+    agree = np.ones((len(known), len(known)), bool)
+    for (a, b), pair in pairs.items():
+        agree[a, b] = agree[b, a] = pair.since is None or pair.since > until
+    shortest = min(side.limit.until for side in known)
+    # Whose limit is known for long speaks before one that is sharp for a moment.
+    widths = [side.limit.bar_at(shortest) + max(until - side.limit.until, 0.0) * _SHORT for side in known]
+    letters = {
+        (side.engine, side.track): tuple(_letter(one) for one in camp)
+        for side, camp in zip(known, camps(agree, widths), strict=True)
+    }
+    sides = _voting([replace(side, camps=letters.get((side.engine, side.track), ())) for side in plain.sides])
+    return replace(plain, sides=tuple(sides), differences=_differences(sides, plain, scene))
+
+
+def _majority(made: Agreement, until: float) -> str:
+    """The camp with more votes than any other, two of whose voters are known up to a time [s]; '' for none."""
+    votes = {letter: [side for side in made.members(letter) if side.votes] for letter in made.camps}
+    first, *others = sorted(votes, key=lambda letter: -len(votes[letter])) or [""]
+    if not first or any(len(votes[other]) == len(votes[first]) for other in others):
+        return ""
+    return first if sum(side.limit.until >= until for side in votes[first]) >= 2 else ""
+
+
+_SHORT = 1.0
+"""Share of the size for each second that a limit is not known: more than any bar of one that is."""
+
+
+def _letter(number: int) -> str:
+    return chr(ord("A") + number % 26) * (1 + number // 26)
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    """Two limits: how far apart up to `time` [s], since when [s] more than their bars, and the place of the body there."""
+
+    distance: float
+    time: float
+    since: float | None
+    body: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """Poses, with how far off they may be up to each sample (t,), and the time [s] up to which they are known."""
+
+    poses: Trajectory
+    bars: Floats
+    until: float
+
+
+def _known(side: Side) -> _Known:
+    assert side.limit.value is not None
+    assert side.limit.bar is not None
+    return _Known(side.limit.value, side.limit.bar, side.limit.until)
+
+
+def _compare(one: _Known, other: _Known, scale: Extent, granted: float) -> _Pair:
+    time = min(one.until, other.until)
+    here, there = one.poses.between(0.0, time), other.poses.between(0.0, time)
+    offset, end = offsets(here, there, scale), len(here)
+    distance = np.maximum.accumulate(length(offset))
+    beyond = np.flatnonzero(distance > one.bars[:end] + other.bars[:end] + granted)
+    parts = np.linalg.norm(offset[..., :3], axis=-1) + np.linalg.norm(offset[..., 3:], axis=-1)
+    body = int(scale.bodies[int(np.argmax(parts.max(axis=0)))])
+    return _Pair(float(distance[-1]), time, float(here.time[beyond[0]]) if len(beyond) else None, body)
+
+
+def _voting(sides: Sequence[Side]) -> list[Side]:
+    """Each engine's side that counts: the tuned one where it stands in a camp, else another one that does."""
+    chosen: dict[str, Side] = {}
+    for side in sorted(sides, key=lambda side: side.track != "tuned"):
+        if len(side.camps) == 1 and not side.ours:
+            chosen.setdefault(side.engine, side)
+    return [replace(side, votes=side is chosen.get(side.engine)) for side in sides]
+
+
+def _differences(sides: Sequence[Side], plain: Agreement, scene: Scene) -> tuple[Difference, ...]:
+    letters = sorted({side.camps[0] for side in sides if len(side.camps) == 1})
+    sharpest = {letter: _known(_sharpest([side for side in sides if side.camps == (letter,)])) for letter in letters}
+    found = []
+    for one, other in combinations(letters, 2):
+        pair = _compare(sharpest[one], sharpest[other], plain.scale, plain.granted)
+        since = pair.since if pair.since is not None else pair.time
+        body = scene.bodies[pair.body].name
+        found.append(Difference(one=one, other=other, distance=pair.distance, time=pair.time, since=since, body=body))
+    return tuple(found)
+
+
+def _sharpest(sides: Sequence[Side]) -> Side:
+    """The one that is known longest, and of several the one with the narrowest bar."""
+    return min(sides, key=lambda side: (-side.limit.until, side.limit.bar_at(side.limit.until)))
+
+
+def _agreed(made: Agreement, letter: str, until: float) -> Agreement:
+    """The agreement on the limit of a camp, known up to a time [s], and the words that follow from it."""
+    there = [side for side in made.members(letter) if side.votes and side.limit.until >= until]
+    centre = min(there, key=lambda side: side.limit.bar_at(until))
+    limit = _known(centre).poses.between(0.0, until)
+    nearest = np.full(len(limit), np.inf)
+    for other in (_known(side) for side in there if side is not centre):
+        way = np.maximum.accumulate(length(offsets(other.poses.between(0.0, until), limit, made.scale)))
+        nearest = np.minimum(nearest, way + other.bars[: len(limit)])
+    bars = np.maximum(_known(centre).bars[: len(limit)], nearest)
+    agreed = replace(made, agreed=letter, until=until, limit=limit, bars=bars, bar=float(bars[-1]))
+    return replace(agreed, sides=tuple(_placed(side, agreed) for side in agreed.sides))
+
+
+def _placed(side: Side, agreed: Agreement) -> Side:
+    """A side with its distance from the agreed limit, and the word for that."""
+    if side.word != "converges" or agreed.limit is None or agreed.bars is None:
+        return side
+    pair = _compare(_known(side), _Known(agreed.limit, agreed.bars, agreed.until), agreed.scale, agreed.granted)
+    word: Word = "agrees" if agreed.agreed in side.camps else "converges elsewhere"
+    since = pair.since if word == "converges elsewhere" else None
+    return replace(side, word=word, distance=pair.distance, since=since)

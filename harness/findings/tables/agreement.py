@@ -1,0 +1,147 @@
+"""Who agrees in a scene without a truth: the rows of the agreement table, one an engine and track, made from a run folder.
+
+What an engine errs at each step stands beside what that step costs, so that its rows can be joined with prices.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import pandas as pd
+
+from harness.findings.agreement import Agreement, Side, agreements, balances, errors_of, outlooks
+from harness.findings.agreement.words import beyond_words, scene_words, side_sentence
+from harness.store.store import Store
+
+__all__ = ["BRIEF", "COLUMNS", "Row", "brief", "rows", "sentences", "verdicts"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One engine on one track.
+
+    Terms:
+        where: parameters, as JSON, if not the case's own. ours: is it our own engine, which has no vote? verdict: agrees,
+        converges elsewhere, converges (where no limit is agreed), does not converge, diverged, cannot; why: of the last three.
+        order: of convergence, None without one. bar: of its own limit, a share of the size; known_until [s]: up to there.
+        horizon [s]: up to there its last halving moves the answer by no more than a hundredth. camp: a letter, several where it
+        is undecided. votes: does it count for its engine? distance: of its limit from the agreed one, a share of the size;
+        since [s]: from then on beyond the bars. agreed: the camp whose limit is agreed on; agreed_until [s], agreed_bar: how
+        long and how well it is known. size [m]: of the largest whole that moves.
+        finding: the verdict in a sentence; summary: what is known of the scene, in sentences.
+        steps [s], errors, offs, costs, trials: of each run from coarse to fine; error: from the agreed limit, from the
+        engine's own where none is; off: of that limit; cost: CPU seconds per simulated second, None where it was not clocked.
+    """
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    ours: bool
+    verdict: str
+    why: str
+    order: float | None
+    bar: float | None
+    known_until: float
+    horizon: float | None
+    camp: str
+    votes: bool
+    distance: float | None
+    since: float | None
+    agreed: str
+    agreed_until: float | None
+    agreed_bar: float | None
+    size: float
+    finding: str
+    summary: list[str]
+    steps: list[float]
+    errors: list[float | None]
+    offs: list[float | None]
+    costs: list[float | None]
+    trials: list[str]
+
+
+COLUMNS = tuple(field.name for field in fields(Row))
+BRIEF = ("scene", "engine", "track", "verdict", "order", "known to", "until", "horizon", "camp", "away", "cost, coarse to fine")
+
+
+def verdicts(store: Store) -> list[Row]:
+    """One row for each engine and track of each scene without a truth."""
+    if store.trials.empty or not agreements(store):
+        return []
+    costs = dict(zip(store.trials["trial"], store.trials["cpu_per_sim_s"], strict=True))
+    titles = {name: str(about.get("title") or name) for name, about in store.catalogue.get("engines", {}).items()}
+    found = []
+    for one in agreements(store):
+        summary = [*scene_words(one, titles), *beyond_words(balances(store, one), outlooks(store, one), titles)]
+        found += [_row(store, one, side, costs, side_sentence(side, one, titles), summary) for side in one.sides]
+    return found
+
+
+def _row(store: Store, one: Agreement, side: Side, costs: Mapping[str, float], finding: str, summary: list[str]) -> Row:
+    limit, found = side.limit, errors_of(store)
+    known = [found.get(rung.trial) for rung in limit.rungs]
+    clocked = [costs.get(rung.trial) for rung in limit.rungs]
+    return Row(
+        case=one.case,
+        where=one.where,
+        engine=side.engine,
+        track=side.track,
+        ours=side.ours,
+        verdict=side.word,
+        why=side.why,
+        order=None if limit.said is None else limit.said.order,
+        bar=limit.bar_at(limit.until) if limit.bar is not None else None,
+        known_until=limit.until,
+        horizon=None if limit.said is None else limit.said.horizon,
+        camp=" ".join(side.camps),
+        votes=side.votes,
+        distance=side.distance,
+        since=side.since,
+        agreed=one.agreed,
+        agreed_until=one.until if one.agreed else None,
+        agreed_bar=one.bar,
+        size=one.scale.largest,
+        finding=finding,
+        summary=summary,
+        steps=[rung.dt for rung in limit.rungs],
+        errors=[None if each is None else each.error for each in known],
+        offs=[None if each is None else each.off for each in known],
+        costs=[None if each is None or pd.isna(each) else float(each) for each in clocked],
+        trials=[rung.trial for rung in limit.rungs],
+    )
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS; what has a value for each run is JSON, as in the table of trials."""
+    return [{name: json.dumps(v) if isinstance(v, list) else v for name, v in asdict(row).items()} for row in verdicts(store)]
+
+
+def brief(row: Mapping[str, Any]) -> list[object]:
+    """A flat row in short words under BRIEF."""
+
+    def number(name: str, form: str = ".2g") -> str:
+        return "" if row[name] is None else f"{row[name]:{form}}"
+
+    return [
+        row["case"].rsplit("/", 1)[-1],
+        row["engine"],
+        row["track"],
+        f"{row['verdict']} ({row['why'][:60]})" if row["verdict"] == "cannot" else row["verdict"],
+        number("order", ".2f"),
+        number("bar"),
+        f"{row['known_until']:.3g} s" if row["known_until"] else "",
+        f"{row['horizon']:.3g} s" if row["horizon"] is not None else "",
+        row["camp"],
+        number("distance"),
+        " ".join("-" if cost is None else f"{cost:.2g}" for cost in json.loads(row["costs"])),
+    ]
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What is known of each scene, then the verdict on each engine and track."""
+    found: list[str] = []
+    for row in rows:
+        found += [sentence for sentence in json.loads(row["summary"]) if sentence not in found]
+    return found + [row["finding"] for row in rows]

@@ -1,0 +1,149 @@
+"""How a ladder of time steps goes on: halved until each engine's limit is known, then ensembles of starts where it cannot be.
+
+Every engine and track of a scene is run at the steps that the experiment names, then at half the last one, down to a finest.
+Beyond that it goes on for a few halvings more where its limit is not known to the end of the run: an engine that leaves the
+numbers at coarse steps, or whose answers draw together slowly, is given the steps that it needs. All share a budget of CPU
+time alike: a ladder ends before the step that would, by the cost of the one before, take more than its share.
+
+Where fewer than two engines that people can deploy have a limit up to the end, motion is not to be foreseen, by chaos or
+contacts, and single runs say little of it. There each engine is run from several perturbed starts at one step, so that means
+can be compared.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.case.alteration import Alteration
+from harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
+from harness.store.record import Record
+from harness.store.store import Store
+from harness.study.refinement import Refinement
+from harness.study.trial import Trial
+from harness.trajectory.parting import Extent, extent
+
+__all__ = ["is_ours", "next_trials", "start_name"]
+
+_UNKNOWN = 1e-9
+"""Relative: a time that is so near the end is the end."""
+
+
+def is_ours(adapter: Adapter) -> bool:
+    """Is it the engine of this project, whose word settles nothing?"""
+    return adapter.distribution == "plumbline"
+
+
+def start_name(number: int) -> str:
+    """What the run of a perturbed start is called."""
+    return f"start {number}"
+
+
+def next_trials(
+    trials: Sequence[Trial],
+    records: Mapping[str, Record],
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],
+    *,
+    store: Store,
+) -> list[Trial]:
+    """The next round of all ladders; empty where each has ended."""
+    scenes: dict[str, list[Trial]] = {}
+    for trial in trials:
+        if trial.experiment.refine is not None:
+            name = (trial.experiment.name, trial.case, dict(trial.parameters), trial.seed)
+            scenes.setdefault(repr(name), []).append(trial)
+    found = []
+    for scene in scenes.values():
+        asked = scene[0].experiment.refine
+        assert asked is not None
+        found += list(_of_scene(scene, asked, records, cases[scene[0].case], adapters, store))
+    return found
+
+
+def _of_scene(
+    scene: Sequence[Trial],
+    asked: Refinement,
+    records: Mapping[str, Record],
+    case: Case,
+    adapters: Mapping[str, Adapter],
+    store: Store,
+) -> Iterator[Trial]:
+    ladders: dict[tuple[str, str], list[Trial]] = {}
+    for trial in scene:
+        if not trial.alteration.start:
+            ladders.setdefault((trial.engine, trial.track), []).append(trial)
+    scale, share = extent(case.scene(**scene[0].parameters)), asked.budget / len(ladders)
+    number = max(trial.round for trial in scene) + 1
+    limits = {side: _limit(ladder, records, scale, store) for side, ladder in ladders.items()}
+    more = [
+        finer
+        for side, ladder in ladders.items()
+        if (finer := _halved(ladder, limits[side], asked, records, case, share, number)) is not None
+    ]
+    if more:
+        yield from more
+        return
+    if any(trial.alteration.start for trial in scene) or not asked.members:
+        return
+    # An engine's tuned answer counts, where it has one: what a vendor's default adds may well calm a motion that is chaotic.
+    counted = {engine: one for (engine, track), one in limits.items() if track != "tuned" and _answered(one)}
+    counted |= {engine: one for (engine, track), one in limits.items() if track == "tuned" and _answered(one)}
+    known = [engine for engine, one in counted.items() if _to_the_end(one, case) and not is_ours(adapters[engine])]
+    if len(known) < 2:
+        for side, ladder in ladders.items():
+            if len(_answered(limits[side])) >= FEWEST:
+                yield from _starts(ladder, asked, records, case, share, number)
+
+
+def _limit(ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent, store: Store) -> OwnLimit:
+    return own_limit(scale, rungs_of(store, [records[trial.trial] for trial in ladder if trial.trial in records]))
+
+
+def _answered(one: OwnLimit) -> list[float]:
+    return [rung.dt for rung in one.rungs if rung.status in ANSWERED]
+
+
+def _to_the_end(one: OwnLimit, case: Case) -> bool:
+    return one.until >= case.duration * (1 - _UNKNOWN) - case.sample_interval
+
+
+def _halved(
+    ladder: Sequence[Trial],
+    one: OwnLimit,
+    asked: Refinement,
+    records: Mapping[str, Record],
+    case: Case,
+    share: float,
+    number: int,
+) -> Trial | None:
+    """The ladder's next step; None where it ends."""
+    last = min(ladder, key=lambda trial: trial.settings.dt)
+    record = records.get(last.trial)
+    if record is None or record.status not in (*ANSWERED, "diverged"):
+        return None
+    finer = last.settings.dt / 2
+    beyond = finer < asked.finest * (1 - _UNKNOWN)
+    if beyond and (_to_the_end(one, case) or finer < asked.finest / 2**asked.further * (1 - _UNKNOWN)):
+        return None
+    spent = sum(_cost(records[trial.trial], case) for trial in ladder if trial.trial in records)
+    if spent + 2 * _cost(record, case) > share:
+        return None
+    return last.probing(case, settings=last.settings.with_dt(finer), round=number)
+
+
+def _starts(
+    ladder: Sequence[Trial], asked: Refinement, records: Mapping[str, Record], case: Case, share: float, number: int
+) -> Iterator[Trial]:
+    """An engine from perturbed starts, at the step that was asked for or the next one that it answered and can pay for."""
+    answered = [trial for trial in ladder if records[trial.trial].status in ANSWERED]
+    near = sorted(answered, key=lambda trial: abs(trial.settings.dt - asked.member_dt))
+    for trial in near:
+        if asked.members * _cost(records[trial.trial], case) <= share:
+            for start in range(1, asked.members + 1):
+                yield trial.probing(case, alteration=Alteration(name=start_name(start), start=start), round=number)
+            return
+
+
+def _cost(record: Record, case: Case) -> float:
+    """CPU seconds of a run, roughly; nothing of one that did not come to the clock."""
+    return (record.rough_cost or 0.0) * case.duration

@@ -1,0 +1,139 @@
+"""Scenes of one's own in the report: who they are, their verdicts as chips, and the charts that only they have."""
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from harness.findings.agreement import Agreement, agreements, ways
+from harness.findings.agreement.words import scene_words, side_words
+from reports.contents import engines
+from reports.figure import Figure, thin
+from reports.marks import Marks, chart, decades, finished, logarithmic
+from reports.points import labels
+from reports.status import FINITE, VERDICTS, Outcome, outcome
+from reports.text import amount, slug, visible
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["by_case", "chips", "horizon_chart", "parting_chart", "shown", "summary", "titles"]
+
+Row = dict[str, Any]
+LEAST = 1e-12
+"""Shares of the size below this are not drawn: rounding, of which there may be no logarithm."""
+TIME = "time [s]"
+
+
+@lru_cache(maxsize=2)
+def by_case(store: "Store") -> Mapping[str, tuple[Agreement, ...]]:
+    """The agreements on each scene that is judged by them: one for each set of parameters."""
+    found: dict[str, tuple[Agreement, ...]] = {}
+    for one in agreements(store):
+        found[one.case] = (*found.get(one.case, ()), one)
+    return found
+
+
+def chips(store: "Store") -> Mapping[tuple[str, str, str], tuple[Outcome, str]]:
+    """By case, engine and track: the verdict, and it in words."""
+    return {
+        (one.case, side.engine, side.track): (VERDICTS[side.word], side_words(side, one))
+        for one in agreements(store)
+        for side in one.sides
+    }
+
+
+def titles(store: "Store") -> Mapping[str, str]:
+    """What engines are called in sentences."""
+    return {name: str(engine["title"]) for name, engine in engines(store).items()}
+
+
+def summary(store: "Store", case: str) -> list[str]:
+    """What is known of a scene, in sentences."""
+    return [sentence for one in by_case(store).get(case, ()) for sentence in scene_words(one, titles(store))]
+
+
+def shown(name: str) -> Outcome:
+    """A status of a trial of such a scene: 'passed' says no more than that its numbers are finite."""
+    return FINITE if name == "passed" else outcome(name)
+
+
+def _rows(store: "Store", engine: str, track: str, time: Any, share: Any) -> list[Row]:
+    """A series over time; the start, where all is equal, is left out."""
+    name = labels(store)[engine]
+    return [
+        {
+            "engine": name,
+            "track": visible(track)[:30],
+            "series": f"{engine} {track}",
+            "time": float(t),
+            "share": max(float(s), LEAST),
+        }
+        for t, s in zip(time, share, strict=True)
+        if t > 0 and np.isfinite(s) and s > LEAST
+    ]
+
+
+def horizon_chart(store: "Store", one: Agreement) -> Figure | None:
+    """What the last halving of the step moves, over time, with the tolerance that ends the horizon."""
+    drawn = [
+        row
+        for side in one.sides
+        if side.limit.time is not None
+        for row in _rows(store, side.engine, side.track, side.limit.time, side.limit.moved)
+    ]
+    caption = (
+        "How far the last halving of its time step has moved an engine's answer up to each instant, as a share of the size of "
+        "what moves. The grey line is the tolerance, a hundredth: where a curve crosses it, that engine's horizon ends. A "
+        "straight rise on this axis is chaos."
+    )
+    return _over_time(store, drawn, f"case-{slug(one.case)}-horizon", "Horizon: what a smaller step still moves", caption, 0.01)
+
+
+def parting_chart(store: "Store", one: Agreement) -> Figure | None:
+    """How far each engine's limit lies from the one that is agreed, over time."""
+    base, series = ways(one)
+    drawn = [row for (engine, track), (time, share) in series.items() for row in _rows(store, engine, track, time, share)]
+    against = "the agreed limit" if one.agreed else f"the limit of {base}, since none is agreed"
+    caption = (
+        f"Distance of each engine's own limit, at a step of zero, from {against}, the largest up to each instant, as a share "
+        "of the size of what moves. The grey line is how far that limit itself may be off: who stays about it agrees. A curve "
+        "ends where its limit is no longer known; one that is the limit itself has none."
+    )
+    return _over_time(store, drawn, f"case-{slug(one.case)}-parting", "Who parts, and when", caption, one.bar)
+
+
+def _over_time(store: "Store", drawn: Sequence[Row], name: str, title: str, caption: str, line: float | None) -> Figure | None:
+    import altair as alt  # late: half a second that only a report needs
+
+    if not drawn:
+        return None
+    style = Marks(store, drawn)
+    series: dict[str, list[Row]] = {}
+    for row in drawn:
+        series.setdefault(row["series"], []).append(row)
+    placed = [row for part in series.values() for row in thin(part, "time", "share", 400)]
+    x = alt.X("time:Q", title=TIME, axis=alt.Axis(grid=True, tickCount=6))
+    y = logarithmic(alt.Y, "share", "share of the size", decades([row["share"] for row in placed]))
+    told = [
+        alt.Tooltip("engine:N"),
+        alt.Tooltip("track:N"),
+        alt.Tooltip("time:Q", format=".3f"),
+        alt.Tooltip("share:Q", format=".3~e"),
+    ]
+    layers: list[Any] = []
+    if line is not None and line > 0:
+        ends = [min(row["time"] for row in placed), max(row["time"] for row in placed)]
+        rule = chart([{"time": end, "share": max(line, LEAST)} for end in ends])
+        layers.append(rule.mark_line(color="#8a93a0", strokeWidth=1.5).encode(x=x, y=y))
+    layers.append(
+        chart(placed)
+        .mark_line(strokeWidth=1.6)
+        .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash(), tooltip=told)
+    )
+    marked = [part[k] for part in series.values() for k in sorted({len(part) // 3, 2 * len(part) // 3, len(part) - 1})]
+    channels = style.channels() | {"tooltip": told}
+    layers.append(chart(marked).mark_point(filled=True, size=55, strokeWidth=1.6, opacity=1).encode(x=x, y=y, **channels))
+    cells = [[row["engine"], row["track"], amount(row["time"]), amount(row["share"])] for row in marked]
+    return Figure(name, title, caption, finished(layers, height=320), ("engine", "track", TIME, "share of the size"), cells)

@@ -1,0 +1,122 @@
+"""A page for each scene of one's own: who agrees where it ends, up to when, what it costs, and what stays defined beyond."""
+
+import shlex
+from collections.abc import Mapping
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+from harness.findings.agreement import Agreement, balances, horizon_of, outlooks
+from harness.findings.agreement.beyond import LAWS
+from harness.findings.agreement.words import metres
+from harness.findings.tables import agreement as agreement_table
+from reports.answers import answers
+from reports.charts import error_by_step
+from reports.contents import FAMILIES, cases, engines, tracks
+from reports.departures import departures
+from reports.laws import laws_of_case
+from reports.own_scenes import by_case, horizon_chart, parting_chart, shown, summary
+from reports.page import Page
+from reports.price_list import price_list
+from reports.recordings.layout import file_name
+from reports.sheet import sheet
+from reports.status import FINITE, STATUSES, VERDICTS
+from reports.template import case_file, fill
+from reports.text import slug
+from reports.trial_rows import as_csv, in_order, is_file, numbered, trial
+from reports.work_precision import scenes, work_precision
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["PAGE"]
+
+CAPTION = (
+    "Each point is one run; a line joins those of an engine that differ in the time step only. Down is more accurate, left is "
+    "a finer step. The grey line is how far the limit itself may be off. Runs without an answer stand above the frame as "
+    "their outcome."
+)
+
+
+def concerns(store: "Store") -> bool:
+    """Only where a scene has no truth but the engines' own agreement."""
+    return bool(by_case(store))
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """For each scene its page, its charts, its trials and its verdicts as CSV."""
+    files: dict[str, str] = {}
+    rows, known = answers(store, store.trials), cases(store)
+    prices = price_list(store) if scenes(store) else []
+    sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
+    verdicts = agreement_table.rows(store)
+    for name, found in by_case(store).items():
+        case, mine, plain = known[name], in_order(rows[rows["case"] == name], sides), slug(name)
+        measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
+        values: dict[str, dict[str, Any]] = {}
+        for row in measured.to_dict("records"):
+            values.setdefault(row["trial"], {})[row["metric"]] = row
+        ladder = mine[mine["trial"].isin([rung.trial for one in found for side in one.sides for rung in side.limit.rungs])]
+        by_step = error_by_step(store, ladder, f"case-{plain}", "distance from the limit", "of its size", caption=CAPTION)
+        figures = [by_step, *(work_precision(store, scene) for scene in scenes(store) if scene.case == name)]
+        figures += [drawn for one in found for drawn in (horizon_chart(store, one), parting_chart(store, one))]
+        charts = [figure for figure in figures if figure is not None]
+        recording = store.folder / "recordings" / file_name(name)
+        listed = [line for line in prices if line.case == name]
+        files[f"trials/{plain}.csv"] = as_csv(mine, measured)
+        files[f"trials/{plain}-agreement.csv"] = sheet(
+            agreement_table.COLUMNS, [row for row in verdicts if row["case"] == name]
+        )
+        files |= {figure.path: figure.svg for figure in charts}
+        files[case_file(name)] = fill(
+            "scene.html",
+            store,
+            title=case["title"],
+            case=case,
+            family=FAMILIES["scene"],
+            file=PurePath(name.partition(":")[2] or name).name,
+            found=[judged(store, one) for one in found],
+            summary=summary(store, name),
+            meanings=VERDICTS,
+            figures=charts,
+            prices=listed,
+            several=len({line.title for line in listed}) > 1,
+            laws=laws_of_case(store, case),
+            metrics=list(dict.fromkeys(measured["metric"])) if len(measured) else [],
+            trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],
+            departures=departures(mine),
+            shown=shown,
+            meant={FINITE.name: FINITE} | {name: one for name, one in STATUSES.items() if name != "passed"},
+            csv=f"trials/{plain}.csv",
+            sheet=f"trials/{plain}-agreement.csv",
+            recording=f"../recordings/{file_name(name)}" if is_file(recording) else None,
+            view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
+        )
+    return files
+
+
+def judged(store: "Store", one: Agreement) -> dict[str, Any]:
+    """One agreement for the template: verdicts in words, and what stays defined beyond the horizon."""
+    laws: dict[str, dict[tuple[str, str], Any]] = {}
+    for balance in balances(store, one):
+        laws.setdefault(LAWS[balance.law], {})[balance.engine, balance.track] = balance
+    return {
+        "one": one,
+        "sides": [(side, VERDICTS[side.word]) for side in one.sides],
+        "away": {
+            (side.engine, side.track): (side.distance, metres(side.distance, one))
+            for side in one.sides
+            if side.distance is not None
+        },
+        "known": {
+            (side.engine, side.track): (bar := side.limit.bar_at(side.limit.until), metres(bar, one))
+            for side in one.sides
+            if side.limit.bar is not None
+        },
+        "bar": None if one.bar is None else (one.bar, metres(one.bar, one)),
+        "laws": {law: found for law in LAWS.values() if (found := laws.get(law))},
+        "outlooks": outlooks(store, one),
+        "horizon": horizon_of(one),
+    }
+
+
+PAGE = Page(name="scene", title="Your scenes", order=51, render=render, concerns=concerns, listed=False)

@@ -1,0 +1,73 @@
+"""The rows of the table of all trials of a case, on its page and as CSV."""
+
+import csv
+import io
+import json
+import shlex
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from harness.intake.safe_text import csv_cell
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["as_csv", "in_order", "is_file", "numbered", "trial"]
+
+
+def numbered(measured: pd.DataFrame) -> pd.DataFrame:
+    """A metric that a case checks twice, over two windows, gets a number from the second on: no measurement hides another."""
+    again = measured.groupby(["trial", "metric"]).cumcount()
+    names = [f"{metric} #{k + 1}" if k else metric for metric, k in zip(measured["metric"], again, strict=True)]
+    return measured.assign(metric=pd.Series(names, index=measured.index, dtype=object))
+
+
+def in_order(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> pd.DataFrame:
+    """Engine by engine, track by track, from coarse to fine."""
+    place = [sides.index(side) for side in zip(rows["engine"], rows["track"], strict=True)]
+    return (
+        rows.assign(place=place)
+        .sort_values(["place", "dt", "seed"], ascending=[True, False, True], kind="stable")
+        .drop(columns="place")
+    )
+
+
+def is_file(path: Any) -> bool:
+    """Is there such a file? A name that the system refuses is none."""
+    try:
+        return bool(path.is_file())
+    except (OSError, ValueError):
+        return False
+
+
+def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """A row of the table of trials."""
+    nothing = {name: None for name, value in row.items() if pd.api.types.is_scalar(value) and pd.isna(value)}
+    values = {name: {**one, "passed": None if pd.isna(one["passed"]) else bool(one["passed"])} for name, one in values.items()}
+    return {
+        **row,
+        **nothing,
+        "values": values,
+        "resolved": row["resolved"],
+        "warnings": json.loads(row["warnings"]) if row["warnings"] else [],
+        "reproduce": f"plumbline reproduce {shlex.quote(str(store.folder))} {shlex.quote(str(row['trial']))}",
+    }
+
+
+def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
+    """Trials with one column a metric; cells that a spreadsheet would run are made text."""
+    columns = [name for name in rows.columns if name not in ("error", "metric", "at_most", "unit", "answered", "series")]
+    table = rows[columns]
+    if len(measured):
+        wide = measured.pivot_table(index="trial", columns="metric", values="value", aggfunc="first", dropna=False, sort=False)
+        wide.columns = [f"{name} (metric)" if name in table.columns else name for name in map(str, wide.columns)]
+        table = table.join(wide, on="trial")
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([csv_cell(str(name)) for name in table.columns])
+    writer.writerows(
+        [csv_cell("" if pd.api.types.is_scalar(v) and pd.isna(v) else v) for v in row] for row in table.to_numpy(object)
+    )
+    return text.getvalue()

@@ -1,0 +1,219 @@
+"""Who is said to agree in a scene without a truth: shown right on closed forms and on engines with planted faults."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from harness.findings.agreement import Agreement, Side, ways
+from harness.findings.agreement.words import scene_words, side_sentence
+from harness.trajectory import Trajectory
+from harness.trajectory.parting import apart
+from tests.own_limits import (
+    ENGINES,
+    G,
+    agreement,
+    arm,
+    ball,
+    double_pendulum,
+    heavier_to_turn,
+    pendulum,
+    pile,
+    restless,
+)
+
+pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
+
+SOUND = ("mujoco", "bullet", "dart")
+
+
+def side(found: Agreement, engine: str) -> Side:
+    (one,) = [one for one in found.sides if one.engine == engine]
+    return one
+
+
+def words(found: Agreement) -> dict[str, str]:
+    return {one.engine: one.word for one in found.sides}
+
+
+def within_its_bar(found: Agreement, truth: Trajectory) -> bool:
+    """Is the agreed limit no farther from the truth than it says, at each sample?"""
+    assert found.limit is not None
+    assert found.bars is not None
+    return bool((np.maximum.accumulate(apart(found.limit, truth, found.scale)) <= found.bars + 1e-12).all())
+
+
+def test_a_projectile_has_an_agreed_limit_within_its_bar_of_the_closed_form() -> None:
+    found = agreement(ball(), 1.0)
+    assert found.agreed
+    assert found.until == pytest.approx(1.0)
+    t = found.limit.time
+    truth = Trajectory.of(t, 1)
+    truth.p_WB[:, 0] = np.stack([3 * t, 0 * t, 1 + 4 * t - G * t**2 / 2], axis=1)
+    truth.q_WB[:, 0] = np.stack([np.cos(2.5 * t), 0 * t, np.sin(2.5 * t), 0 * t], axis=1)
+    assert within_its_bar(found, truth)
+    assert words(found) == dict.fromkeys(SOUND, "agrees")
+
+
+@cache
+def swinging() -> Agreement:
+    return agreement(pendulum(), 2.0)
+
+
+def swing(t: np.ndarray, inertia: float) -> np.ndarray:
+    """The angle of a pendulum of 1 kg at 1 m that is let go at 1 rad, by an independent integrator."""
+    moment = 1.0 + inertia
+    found = solve_ivp(
+        lambda _, y: [y[1], -G * math.sin(y[0]) / moment], (0, t[-1]), [1.0, 0.0], method="DOP853", t_eval=t, rtol=1e-12,
+        atol=1e-13,
+    )  # fmt: skip
+    return found.y[0]
+
+
+def hung(t: np.ndarray) -> Trajectory:
+    angle = swing(t, 0.4 * 0.4**2)
+    truth = Trajectory.of(t, 1)
+    truth.p_WB[:, 0] = np.stack([np.sin(angle), 0 * t, -np.cos(angle)], axis=1)
+    # The scene's hinge turns about +y, its angle opens towards +x: about -y.
+    truth.q_WB[:, 0] = np.stack([np.cos(angle / 2), 0 * t, -np.sin(angle / 2), 0 * t], axis=1)
+    return truth
+
+
+def test_a_pendulum_has_an_agreed_limit_within_its_bar_of_the_closed_form() -> None:
+    found = swinging()
+    assert found.until == pytest.approx(2.0)
+    assert within_its_bar(found, hung(found.limit.time))
+    assert found.bar < 1e-5
+    assert words(found) == dict.fromkeys(SOUND, "agrees")
+
+
+def test_every_engines_own_bar_holds_the_truth() -> None:
+    for one in swinging().sides:
+        truth = hung(one.limit.value.time)
+        error = np.maximum.accumulate(apart(one.limit.value, truth, swinging().scale))
+        assert (error <= one.limit.bar + 1e-12).all(), one.engine
+
+
+def test_an_engine_with_a_wrong_inertia_is_singled_out() -> None:
+    """A tenth more inertia lengthens the period by (0.064 * 0.1) / (2 * 1.064), 0.3 %: a hundredth of a radian after 2 s."""
+    found = agreement(pendulum(), 2.0, {"dart again": heavier_to_turn(1.1)}, engines=(*ENGINES, "dart again"))
+    assert words(found) == dict.fromkeys(SOUND, "agrees") | {"dart again": "converges elsewhere"}
+    wrong = side(found, "dart again")
+    t = np.arange(121) / 60
+    away = np.abs(swing(t, 1.1 * 0.064) - swing(t, 0.064)).max()
+    # An angle moves the bob by itself times the length of 1 m, and turns it by its radius of gyration of .253 m.
+    assert wrong.distance == pytest.approx(away * (1 + math.sqrt(0.064)) / found.scale.largest, rel=0.02)
+    assert 0.0 < wrong.since < 0.5
+    assert "converges elsewhere" in side_sentence(wrong, found, {})
+
+
+def test_two_that_agree_on_a_wrong_answer_against_two_others_are_two_camps_and_no_limit_is_agreed() -> None:
+    faults = {"bullet": heavier_to_turn(), "mujoco again": heavier_to_turn()}
+    found = agreement(pendulum(), 2.0, faults, engines=(*ENGINES, "mujoco again"))
+    assert found.agreed == ""
+    assert found.limit is None
+    camps = sorted(sorted(one.engine for one in found.members(letter)) for letter in found.camps)
+    assert camps == [["bullet", "mujoco again"], ["dart", "mujoco"]]
+    base, distances = ways(found)
+    assert base in {f"{one.engine}, {one.track}" for one in found.sides}
+    assert {engine for (engine, _), (_, way) in distances.items() if way[-1] > 100 * found.granted} in map(set, camps)
+    (gap,) = found.differences
+    assert gap.body == "bob"
+    assert gap.distance > 100 * found.granted
+    assert set(words(found).values()) == {"converges"}
+    assert scene_words(found, {})[0].startswith("No limit is agreed. Camps: A: ")
+
+
+def test_our_own_engine_beside_one_that_differs_makes_no_agreement() -> None:
+    found = agreement(pendulum(), 1.0, {"mujoco": heavier_to_turn()}, engines=("mujoco", "reference"))
+    assert found.agreed == ""
+    assert len(found.camps) == 2
+
+
+def test_our_own_engine_is_no_second_witness_and_breaks_no_tie() -> None:
+    """With MuJoCo alone it agrees, and that settles nothing; beside two against two it stands with one camp, undeciding."""
+    alone = agreement(pendulum(), 1.0, engines=("mujoco", "reference"))
+    assert len(alone.camps) == 1
+    assert alone.agreed == ""
+    faults = {"bullet": heavier_to_turn(), "mujoco again": heavier_to_turn()}
+    tied = agreement(pendulum(), 1.0, faults, engines=(*ENGINES, "mujoco again", "reference"))
+    assert tied.agreed == ""
+    assert side(tied, "reference").camps == side(tied, "mujoco").camps
+    assert not side(tied, "reference").votes
+
+
+def test_two_tracks_of_one_engine_are_one_witness() -> None:
+    found = agreement(pendulum(), 1.0, engines=("mujoco",), tracks=("default", "tuned"))
+    assert len(found.camps) == 1
+    assert found.agreed == ""
+    assert [one.votes for one in found.sides] == [False, True]
+
+
+def test_an_engine_that_ends_elsewhere_at_every_step_does_not_converge() -> None:
+    found = agreement(pendulum(), 2.0, {"dart again": restless}, engines=(*ENGINES, "dart again"))
+    assert words(found) == dict.fromkeys(SOUND, "agrees") | {"dart again": "does not converge"}
+    assert side(found, "dart again").camps == ()
+
+
+def test_it_does_not_converge_alone_either() -> None:
+    """Nobody is needed to see that: it is the engine against itself."""
+    found = agreement(pendulum(), 2.0, {"mujoco": restless}, engines=("mujoco",))
+    assert words(found) == {"mujoco": "does not converge"}
+
+
+def test_chaos_has_a_horizon_and_the_verdict_holds_up_to_it() -> None:
+    """Of the first order, bars of the double pendulum leave a hundredth before the end; of the fourth, they do not."""
+    found = agreement(double_pendulum(), 5.0)
+    first, fourth = side(found, "dart"), side(found, "mujoco")
+    assert first.limit.said.ended == "horizon"
+    assert 1.0 < first.limit.said.horizon < first.limit.until < 5.0
+    assert list(first.limit.horizons.values()) == sorted(first.limit.horizons.values())
+    assert fourth.limit.until == pytest.approx(5.0)
+    assert words(found) == dict.fromkeys(SOUND, "agrees")
+    assert found.until == first.limit.until
+    # MuJoCo's fourth order is a witness of what is agreed with another method.
+    assert apart(found.limit, fourth.limit.value.between(0.0, found.until), found.scale).max() <= found.bar
+
+
+def test_a_pile_is_known_for_a_moment_only() -> None:
+    found = agreement(pile(), 1.0, tracks=("default", "tuned"))
+    # All fall alike, and that is agreed, whatever they make of the first blow.
+    assert found.agreed
+    assert 0.05 < found.until < 0.3
+    assert len({one.engine for one in found.members(found.agreed) if one.votes}) == 3
+    for one in found.sides:
+        assert one.word in ("agrees", "converges", "converges elsewhere"), one.why
+        # The lowest box is 0.2 m up: its corners touch after at most sqrt(2 * 0.2 / 9.81) = 0.2 s.
+        assert 0.05 < one.limit.until < 0.5
+
+
+def test_the_arm_is_one_limit_for_three_engines_and_ours() -> None:
+    found = agreement(arm(), 1.0, engines=(*ENGINES, "reference"))
+    assert words(found) == dict.fromkeys((*SOUND, "reference"), "agrees")
+    assert found.until == pytest.approx(1.0)
+    assert found.bar < 1e-4
+
+
+def test_a_wrong_inertia_is_singled_out_on_the_arm_too() -> None:
+    faults = {"mujoco again": heavier_to_turn()}
+    found = agreement(arm(), 1.0, faults, engines=(*ENGINES, "mujoco again"))
+    assert words(found) == dict.fromkeys(SOUND, "agrees") | {"mujoco again": "converges elsewhere"}
+
+
+def test_an_engine_that_leaves_the_numbers_at_its_finest_step_diverged() -> None:
+    """MuJoCo's default drives explode at these steps and hold at finer ones: a ladder that stops here has no limit."""
+    found = agreement(arm(), 1.0, engines=("mujoco",), tracks=("default",), ladder=(1 / 240, 1 / 480, 1 / 960))
+    (one,) = found.sides
+    assert one.word == "diverged"
+    assert "at every step" in one.why
+    finer = agreement(arm(), 1.0, engines=("mujoco",), tracks=("default",), ladder=tuple(1 / 960 / 2**k for k in range(5)))
+    assert finer.sides[0].word == "converges"
+    assert "diverged at 1.04 ms" in side_sentence(finer.sides[0], finer, {})
+
+
+def test_too_few_steps_are_said_so() -> None:
+    found = agreement(pendulum(), 1.0, engines=("mujoco",), ladder=(1 / 240, 1 / 480))
+    assert found.sides[0].word == "cannot"
+    assert "2 steps answered, 3 are needed" in found.sides[0].why

@@ -1,0 +1,170 @@
+"""How a ladder goes on, against engines made of formulas: down to a finest step, beyond it where it helps, within a budget."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.adapter import Adapter, Feature, Settings, Simulation
+from harness.case import Case
+from harness.case.alteration import Alteration
+from harness.case.starts import perturbed
+from harness.scene import Body, Scene, sphere_inertia
+from harness.search.refined_ladder import next_trials, start_name
+from harness.store.record import Record
+from harness.study.experiment import Experiment
+from harness.study.refinement import Refinement
+from harness.study.study import Study
+from harness.study.trial import Trial
+from harness.trial.accuracy import outcome
+
+SCENE = Scene(bodies=(Body(name="ball", inertia=sphere_inertia(1.0, 0.1)),))
+CASE = Case(
+    name="scene:made",
+    title="",
+    question="",
+    source="",
+    truth="agreed limit",
+    scene=lambda: SCENE,
+    checks=(),
+    duration=1.0,
+    ladder=(1 / 240, 1 / 480, 1 / 960),
+)
+TIME = np.arange(61) / 60
+Law = Callable[[float], np.ndarray | None]
+"""From a time step [s] to where the ball is at each sample [m]; None where it diverges."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Made(Adapter):
+    """An engine whose answers are formulas."""
+
+    distribution: str = "somebody's"
+    features: Feature = Feature.NONE
+    tracks: Mapping[str, Settings] = field(default_factory=lambda: {"default": Settings(), "tuned": Settings(iterations=9)})
+
+    def version(self) -> str:
+        """Always the same."""
+        return "1"
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        """Never called here."""
+        raise NotImplementedError
+
+
+class Kept:
+    """The trajectories of a run folder, made when they are asked for."""
+
+    def __init__(self) -> None:
+        self.made: dict[str, np.ndarray] = {}
+
+    def trajectory(self, name: str, only: Sequence[str] = ()) -> dict[str, Any]:
+        """As `Store.trajectory`."""
+        p_WB = np.zeros((len(TIME), 1, 3))
+        p_WB[:, 0, 0] = self.made[name]
+        q_WB = np.zeros((len(TIME), 1, 4))
+        q_WB[..., 0] = 1.0
+        return {"time": TIME, "p_WB": p_WB, "q_WB": q_WB, "v_WB": 0 * p_WB, "w_WB": 0 * p_WB}
+
+
+def first_order(dt: float) -> np.ndarray:
+    return TIME + 3 * dt * TIME
+
+
+def chaotic(dt: float) -> np.ndarray:
+    """A difference of dt grows by e^12 in a second and folds back: known for a part of it only, at whatever step."""
+    return np.sin(10 * dt * np.exp(12 * TIME))
+
+
+def explodes_when_coarse(dt: float) -> np.ndarray | None:
+    return None if dt > 1 / 3000 else first_order(dt)
+
+
+def carried_out(
+    laws: Mapping[str, Law], refine: Refinement, cost: float = 0.1, ours: str = ""
+) -> tuple[list[Trial], Mapping[str, Record]]:
+    """All trials of the search, with their records; a run costs `cost` CPU seconds at 1/240 s, twice that at half the step."""
+    experiment = Experiment(name="ladder", dt="ladder", refine=refine, timing=False)
+    adapters: dict[str, Adapter] = {
+        name: Made(name=name, title=name, **({"distribution": "plumbline"} if name == ours else {})) for name in laws
+    }
+    study = Study(name="made", experiments=(experiment,))
+    trials = list(study.trials({CASE.name: CASE}, adapters, dict.fromkeys(laws, "1")))
+    kept, records = Kept(), {}
+    for _ in range(20):
+        for trial in trials:
+            if trial.trial not in records:
+                answer = laws[trial.engine](trial.settings.dt)
+                if answer is not None:
+                    kept.made[trial.trial] = answer
+                status = "diverged" if answer is None else "passed"
+                records[trial.trial] = replace(
+                    outcome(trial, status, ""),
+                    trajectory_hash=None if answer is None else trial.trial,
+                    substep=trial.settings.dt,
+                    rough_cost=cost * (1 / 240) / trial.settings.dt,
+                )
+        more = next_trials(trials, records, {CASE.name: CASE}, adapters, store=kept)  # type: ignore[arg-type]
+        if not more:
+            return trials, records
+        trials += more
+    raise AssertionError("the search does not end")
+
+
+def steps(trials: Sequence[Trial], engine: str, track: str = "tuned") -> list[int]:
+    mine = [t for t in trials if (t.engine, t.track) == (engine, track) and not t.alteration.start]
+    return sorted(round(1 / trial.settings.dt) for trial in mine)
+
+
+def starts(trials: Sequence[Trial], engine: str) -> list[str]:
+    return [trial.alteration.name for trial in trials if trial.engine == engine and trial.alteration.start]
+
+
+def test_every_ladder_goes_down_to_the_finest_step_and_no_further_where_it_is_known() -> None:
+    trials, _ = carried_out({"a": first_order, "b": first_order}, Refinement())
+    for engine in ("a", "b"):
+        for track in ("default", "tuned"):
+            assert steps(trials, engine, track) == [240, 480, 960, 1920, 3840]
+    assert not starts(trials, "a")
+    assert len({trial.trial for trial in trials}) == len(trials)
+
+
+def test_an_engine_that_explodes_when_coarse_is_given_finer_steps() -> None:
+    trials, _ = carried_out({"a": first_order, "b": explodes_when_coarse}, Refinement())
+    assert steps(trials, "b") == [240, 480, 960, 1920, 3840, 7680, 15360]
+    assert steps(trials, "a")[-1] == 3840
+
+
+def test_chaos_is_run_further_and_then_from_perturbed_starts() -> None:
+    trials, _ = carried_out({"a": chaotic, "b": chaotic}, Refinement(members=3))
+    assert steps(trials, "a")[-1] == 15360
+    assert starts(trials, "a") == 2 * ["start 1", "start 2", "start 3"]  # on both tracks
+    assert {round(1 / t.settings.dt) for t in trials if t.alteration.start} == {960}
+
+
+def test_our_own_engine_is_no_second_one_whose_limit_is_known() -> None:
+    laws: Mapping[str, Law] = {"a": chaotic, "b": first_order, "c": first_order}
+    assert not starts(carried_out(laws, Refinement(members=2))[0], "a")
+    assert starts(carried_out(laws, Refinement(members=2), ours="c")[0], "a")
+
+
+def test_a_budget_ends_every_ladder_at_its_share() -> None:
+    """Two engines on two tracks share 4 s: one each. Runs cost .1, .2, .4 s, .7 in all; the next would cost .8 more."""
+    trials, records = carried_out({"a": first_order, "b": first_order}, Refinement(budget=4.0))
+    assert steps(trials, "a") == [240, 480, 960]
+    spent = sum(record.rough_cost * CASE.duration for record in records.values())
+    assert spent <= 4.0
+    trials, _ = carried_out({"a": first_order, "b": first_order}, Refinement(budget=7.0))
+    assert steps(trials, "a") == [240, 480, 960, 1920]
+
+
+def test_perturbed_starts_differ_from_the_scene_and_from_each_other_and_are_the_same_again() -> None:
+    """Off their places by a ten-thousandth of their width at most, on ground that is level to a ten-thousandth."""
+    other, again, third = (Alteration(name=start_name(k), start=k).of(SCENE) for k in (1, 1, 2))
+    assert other == again == perturbed(SCENE, 1)
+    assert len({other.gravity, third.gravity, SCENE.gravity}) == 3
+    tilt = np.arccos(np.dot(other.gravity, SCENE.gravity) / np.dot(SCENE.gravity, SCENE.gravity))
+    assert tilt == pytest.approx(1e-4, rel=1e-3)
+    assert Alteration.from_plain(Alteration(name="start 2", start=2).plain()) == Alteration(name="start 2", start=2)

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.findings.tables.scaling import Cost, Scaling, Sweep, growth
+from harness.findings.costs import Cost, Sweep, growth
+from harness.findings.tables.scaling import Scaling
 from reports.contents import cases
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic

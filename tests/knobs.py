@@ -10,7 +10,9 @@ from harness.case import Case
 from harness.findings.effort import ALIKE
 from harness.search.front import next_trials
 from harness.store.record import Record
-from harness.study.study import Experiment, Study, Trial
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
 
 __all__ = ["Tried", "swept", "unequal"]

@@ -13,7 +13,8 @@ import pytest
 from harness.run.campaign import carry_out
 from harness.store.store import Store
 from harness.study import plugins
-from harness.study.study import Experiment, Study, Variant
+from harness.study.experiment import Experiment, Variant
+from harness.study.study import Study
 
 __all__ = ["CASE", "LADDER", "LAWS", "PLUGINS", "KnownPrices", "Law", "run_known_prices"]
 

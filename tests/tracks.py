@@ -24,7 +24,8 @@ from harness.case import Case
 from harness.findings.prices import number
 from harness.run.campaign import carry_out
 from harness.store.store import Store
-from harness.study.study import Experiment, Study
+from harness.study.experiment import Experiment
+from harness.study.study import Study
 
 __all__ = [
     "LADDER",

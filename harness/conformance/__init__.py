@@ -26,10 +26,10 @@ A feature that the adapter does not claim makes the checks that need it not appl
 
 from harness.conformance.catalogue import CHECKS
 from harness.conformance.check import ConformanceCheck, Finding
-from harness.conformance.control import Control
-from harness.conformance.negative_controls import CONTROLS
-from harness.conformance.run import Outcome, gate, run_check, run_conformance
-from harness.conformance.sensing import noise_axes_are_independent
+from harness.conformance.checks.sensing.noise import noise_axes_are_independent
+from harness.conformance.faults.catalogue import CONTROLS
+from harness.conformance.faults.control import Control
+from harness.conformance.outcomes import Outcome, gate, run_check, run_conformance
 
 __all__ = [
     "CHECKS",

@@ -1,37 +1,18 @@
 """The list of all checks, in the order in which they are run and shown."""
 
-from harness.conformance import (
-    balance,
-    compounds,
-    contact,
-    contract,
-    door,
-    drives,
-    dynamics,
-    effects,
-    features,
-    frames,
-    friction,
-    inertial,
-    joints,
-    memory,
-    pairs,
-    precision,
-    present,
-    resting,
-    robustness,
-    sensing,
-    shapes,
-    stepping,
-)
 from harness.conformance.check import ConformanceCheck
-from harness.conformance.declarations import declarations_check
+from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, shapes
+from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
+from harness.conformance.checks.contract.declarations import declarations_check
+from harness.conformance.checks.joints import constraints, coordinates, drives
+from harness.conformance.checks.motion import dynamics, frames, precision, stepping
+from harness.conformance.checks.sensing import images, inertial, present, rays
 
 __all__ = ["CHECKS"]
 
 _ASKED: tuple[ConformanceCheck, ...] = (
-    *contract.CHECKS,
-    *door.CHECKS,
+    *protocol.CHECKS,
+    *arguments.CHECKS,
     *features.CHECKS,
     *frames.CHECKS,
     *dynamics.CHECKS,
@@ -40,18 +21,20 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *shapes.CHECKS,
     *compounds.CHECKS,
     *resting.CHECKS,
-    *contact.CHECKS,
+    *contacts.CHECKS,
     *pairs.CHECKS,
     *balance.CHECKS,
     *friction.CHECKS,
-    *joints.CHECKS,
+    *constraints.CHECKS,
+    *coordinates.CHECKS,
     *drives.CHECKS,
-    *sensing.CHECKS,
+    *rays.CHECKS,
+    *images.CHECKS,
     *present.CHECKS,
     *inertial.CHECKS,
     *effects.CHECKS,
     *robustness.CHECKS,
-    *memory.CHECKS,
+    *saves.CHECKS,
 )
 
 CHECKS: tuple[ConformanceCheck, ...] = (declarations_check(_ASKED), *_ASKED)

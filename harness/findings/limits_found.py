@@ -12,8 +12,9 @@ from harness.case import Axis
 from harness.findings.where import STEP, differing, in_words
 from harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from harness.store.store import Store
+from harness.study.axes import axis_among
+from harness.study.experiment import Experiment
 from harness.study.stored_study import experiments_of
-from harness.study.study import Experiment, axis_among
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
 
 __all__ = ["Hold", "Search", "amount", "searches"]

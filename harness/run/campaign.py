@@ -28,9 +28,11 @@ from harness.store.machine_fingerprint import circumstances, fingerprint, machin
 from harness.store.seal import sealed_json, sealed_toml
 from harness.store.store import Store, read_plain, write_json, write_tables
 from harness.study.catalogue import describe_case, describe_engine
+from harness.study.experiment import StudyError
 from harness.study.plugins import version_of
 from harness.study.provenance import files_of, sources_of
-from harness.study.study import Study, StudyError, Trial
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
 __all__ = ["Shard", "carry_out", "share"]

@@ -20,7 +20,7 @@ from harness.run.memory_watch import be_killed_first
 from harness.store.journal import StoreError
 from harness.store.record import Record, Status
 from harness.study import plugins
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trial.accuracy import outcome, run_trial
 from harness.trial.bench import Bench, rough_cost_beside
 from harness.trial.ensemble import endure

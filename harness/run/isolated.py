@@ -17,7 +17,7 @@ from harness.run.memory_watch import MemoryWatch, kills_for_memory
 from harness.run.message import BrokenMessage, Inbox, read_record, readable, send
 from harness.store.record import Record
 from harness.study import plugins
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
 __all__ = ["run_isolated", "tell"]

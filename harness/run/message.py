@@ -19,7 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from harness.intake.safe_text import readable
 from harness.store.record import Record, Sample
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
 __all__ = ["LONGEST", "BrokenMessage", "Inbox", "readable", "read_record", "read_sample", "send"]

@@ -19,7 +19,7 @@ from harness.store.record import Record
 from harness.store.seal import Damaged, check_seal
 from harness.store.store import ends_early, read_plain
 from harness.study.provenance import what_changed
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
 __all__ = ["another_study", "clear_drafts", "clocked_elsewhere", "damage", "merged", "review"]

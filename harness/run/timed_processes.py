@@ -24,7 +24,7 @@ from harness.run.memory_watch import MemoryWatch
 from harness.run.message import BrokenMessage, Inbox, read_sample, readable, send
 from harness.store.record import Sample
 from harness.study import plugins
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trial.bench import Bench, calibrate
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]

@@ -20,7 +20,7 @@ from harness.run.interrupt import stop_if_asked
 from harness.run.timed_processes import Team, ready_teams
 from harness.store.record import Sample, Timing
 from harness.study import plugins
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trajectory import Floats
 
 __all__ = ["clock_group", "summarise"]

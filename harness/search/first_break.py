@@ -18,7 +18,9 @@ from harness.adapter import Adapter
 from harness.case import Axis, Case
 from harness.search.remedies import remedied
 from harness.store.record import Record
-from harness.study.study import Limit, Trial, axis_of
+from harness.study.axes import axis_of
+from harness.study.experiment import Limit
+from harness.study.trial import Trial
 
 __all__ = ["BROKE", "Bracket", "Ruler", "bracket", "next_trials", "ruler", "value_of"]
 

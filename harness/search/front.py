@@ -28,7 +28,7 @@ from harness.adapter import Adapter, Settings
 from harness.case import Case
 from harness.statistics.pareto import near_front
 from harness.store.record import Record
-from harness.study.study import Trial
+from harness.study.trial import Trial
 
 __all__ = ["RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
 

@@ -37,7 +37,7 @@ from harness.case.alteration import FINER, FINEST, REFINED, Alteration
 from harness.scene import Effect
 from harness.store.record import Record
 from harness.store.store import Store
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import angle_between
 

@@ -14,7 +14,8 @@ from harness.adapter import Adapter
 from harness.case import Case
 from harness.case.alteration import Alteration
 from harness.scene import Effect
-from harness.study.study import Trial, axis_of
+from harness.study.axes import axis_of
+from harness.study.trial import Trial
 
 __all__ = ["remedied"]
 

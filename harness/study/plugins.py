@@ -71,7 +71,7 @@ def module_of(kind: str, name: str) -> str | None:
 def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | type[Case]) -> Any:
     inside = _folder(kind)
     if name in inside:
-        found = getattr(importlib.import_module(inside[name]), constant, None)
+        constructed = getattr(importlib.import_module(inside[name]), constant, None)
         where = inside[name]
     else:
         point = points(f"plumbline.{kind}").get(name)
@@ -79,12 +79,12 @@ def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | typ
             raise PluginError(f"{kind[:-1]} '{name}': not found, expected one of {', '.join(names(kind))}")
         if said := trouble(point):
             raise PluginError(f"{kind[:-1]} '{name}': {said}")
-        found, where = point.load(), point.value
-    if not isinstance(found, expected):
-        raise PluginError(f"{where}: {constant} is {type(found).__name__}, expected {expected.__name__}")
-    if found.name != name:
-        raise PluginError(f"{where}: {constant}.name is '{found.name}', expected '{name}' like its file")
-    return found
+        constructed, where = point.load(), point.value
+    if not isinstance(constructed, expected):
+        raise PluginError(f"{where}: {constant} is {type(constructed).__name__}, expected {expected.__name__}")
+    if constructed.name != name:
+        raise PluginError(f"{where}: {constant}.name is '{constructed.name}', expected '{name}' like its file")
+    return constructed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,26 +109,26 @@ def adapter(name: str) -> Adapter:
     said = trouble(point)
     if not said:
         try:
-            found: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
-            said = _wrong(found)
+            engine: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
+            said = _wrong(engine)
         except PluginError as error:
             said = str(error)
     if not said:
-        return found
+        return engine
     tracks = {"default": Settings(), "tuned": Settings()}
     return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=said)
 
 
-def _wrong(found: Adapter) -> str:
+def _wrong(adapter: Adapter) -> str:
     """What a listing or a study would break on in a third party's adapter; '' where there is nothing."""
     for field in ("title", "distribution"):
-        if type(getattr(found, field)) is not str:
-            return f"adapter '{found.name}': {field} is {type(getattr(found, field)).__name__}, expected text"
-    if not isinstance(found.features, Feature):
-        return f"adapter '{found.name}': features is {type(found.features).__name__}, expected Feature"
-    tracks = found.tracks
-    if not isinstance(tracks, Mapping) or not all(isinstance(tracks.get(one), Settings) for one in ("default", "tuned")):
-        return f"adapter '{found.name}': tracks, expected Settings for 'default' and 'tuned'"
+        if type(getattr(adapter, field)) is not str:
+            return f"adapter '{adapter.name}': {field} is {type(getattr(adapter, field)).__name__}, expected text"
+    if not isinstance(adapter.features, Feature):
+        return f"adapter '{adapter.name}': features is {type(adapter.features).__name__}, expected Feature"
+    tracks = adapter.tracks
+    if not isinstance(tracks, Mapping) or not all(isinstance(tracks.get(track), Settings) for track in ("default", "tuned")):
+        return f"adapter '{adapter.name}': tracks, expected Settings for 'default' and 'tuned'"
     return ""
 
 
@@ -138,8 +138,8 @@ def case(name: str) -> Case:
         from harness.case.scene_file import own_case  # late: only a scene of the user's own needs its metrics
 
         return own_case(Path(name.removeprefix(SCENE_PREFIX)), SCENE_PREFIX)
-    found: Case = _constant("cases", name, "CASE", Case)
-    return found
+    question: Case = _constant("cases", name, "CASE", Case)
+    return question
 
 
 def adapters() -> dict[str, Adapter]:
@@ -160,17 +160,17 @@ def left_out(kind: str) -> dict[str, str]:
 
 def metrics() -> dict[str, Metric]:
     """All metrics by name, of every file in harness/metrics and of entry points. Raises: PluginError."""
-    found: dict[str, Metric] = {}
+    by_name: dict[str, Metric] = {}
     modules = [getattr(importlib.import_module(path), "METRIC", None) for path in _folder("harness.metrics").values()]
     outside = [point.load() for point in points("plumbline.metrics").values() if not trouble(point)]
     for group in (*modules, *outside):
         for metric in group if isinstance(group, tuple) else (group,):
             if not isinstance(metric, Metric):
                 raise PluginError(f"METRIC is {type(metric).__name__}, expected Metric")
-            if metric.name in found:
+            if metric.name in by_name:
                 raise PluginError(f"metric '{metric.name}': two files define it, expected one")
-            found[metric.name] = metric
-    return found
+            by_name[metric.name] = metric
+    return by_name
 
 
 def version_of(engine: Adapter) -> tuple[str, str | None]:

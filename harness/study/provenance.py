@@ -42,23 +42,23 @@ def _truth(case: str) -> frozenset[str]:
 
 @cache
 def _case_digest(name: str) -> str:
-    told = sources.digest_of(_modules("cases", name))
+    module_digest = sources.digest_of(_modules("cases", name))
     if not name.startswith(plugins.SCENE_PREFIX):
-        return told
-    return hashlib.sha256(told.encode() + Path(name.removeprefix(plugins.SCENE_PREFIX)).read_bytes()).hexdigest()[:16]
+        return module_digest
+    return hashlib.sha256(module_digest.encode() + Path(name.removeprefix(plugins.SCENE_PREFIX)).read_bytes()).hexdigest()[:16]
 
 
 @cache
 def _said(case: str, engine: str) -> tuple[tuple[str, str], ...]:
-    found = {
+    digests = {
         "adapter": sources.digest_of(_modules("adapters", engine)),
         "case": _case_digest(case),
         "harness": sources.digest_of(_harness()),
         "libraries": sources.libraries(),
     }
     if truth := _truth(case):
-        found["truth"] = sources.digest_of(truth)
-    return tuple(found.items())
+        digests["truth"] = sources.digest_of(truth)
+    return tuple(digests.items())
 
 
 def sources_of(case: str, engine: str) -> dict[str, str]:
@@ -79,12 +79,12 @@ def files_of(cases: Iterable[str], engines: Iterable[str]) -> dict[str, str]:
     return sources.file_digests(modules)
 
 
-def _part(part: str, case: str, engine: str) -> frozenset[str]:
-    if part == "harness":
+def _files_of_origin(origin: str, case: str, engine: str) -> frozenset[str]:
+    if origin == "harness":
         return _harness()
-    if part == "truth":
+    if origin == "truth":
         return _truth(case)
-    return _modules("cases", case) if part == "case" else _modules("adapters", engine)
+    return _modules("cases", case) if origin == "case" else _modules("adapters", engine)
 
 
 def what_changed(case: str, engine: str, was: Mapping[str, str], files: Mapping[str, str]) -> str:
@@ -95,15 +95,15 @@ def what_changed(case: str, engine: str, was: Mapping[str, str], files: Mapping[
     now, said = sources_of(case, engine), []
     if not was:
         return "an earlier version of plumbline, which did not say what an answer rests on"
-    for part in (*now, *(part for part in was if part not in now)):
-        before, after = was.get(part, "none"), now.get(part, "none")
+    for origin in (*now, *(origin for origin in was if origin not in now)):
+        before, after = was.get(origin, "none"), now.get(origin, "none")
         if before == after:
             continue
-        if part == "libraries":
+        if origin == "libraries":
             said.append(f"libraries: {before} -> {after}")
             continue
-        today = sources.file_digests(_part(part, case, engine))
+        today = sources.file_digests(_files_of_origin(origin, case, engine))
         names = [name for name, digest in today.items() if files.get(name) != digest]
         shown = f"{', '.join(names[:3])}{f' and {len(names) - 3} more' if len(names) > 3 else ''}" or "what it imports"
-        said.append(f"{_WORDS.get(part, part)} changed: {shown}")
+        said.append(f"{_WORDS.get(origin, origin)} changed: {shown}")
     return "; ".join(said)

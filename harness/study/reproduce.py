@@ -6,8 +6,9 @@ from harness.adapter import Settings
 from harness.case.alteration import Alteration
 from harness.store.journal import NoRun
 from harness.store.store import Store
+from harness.study.experiment import Experiment
 from harness.study.stored_study import experiments_of
-from harness.study.study import Experiment, Trial
+from harness.study.trial import Trial
 
 __all__ = ["trial_of"]
 
@@ -18,10 +19,10 @@ def trial_of(store: Store, name: str) -> Trial:
     Raises:
         NoRun: where no trial, or more than one, has that name. StoreError: where the folder's study is not readable.
     """
-    found = store.trials[store.trials["trial"].str.startswith(name)]
-    if len(found) != 1:
-        raise NoRun(f"{store.folder}: trial '{name}' names {len(found)} trials, expected one; see plumbline show")
-    row = found.iloc[0]
+    matching = store.trials[store.trials["trial"].str.startswith(name)]
+    if len(matching) != 1:
+        raise NoRun(f"{store.folder}: trial '{name}' names {len(matching)} trials, expected one; see plumbline show")
+    row = matching.iloc[0]
     return Trial(
         trial=row["trial"],
         study=row["study"],
@@ -43,6 +44,6 @@ def _limited(store: Store, name: str, case: str) -> Experiment:
 
     A store that does not hold its study, or another one, leaves the limits as they are where nobody sets them.
     """
-    asked = [one for one in experiments_of(store) if one.name == name]
-    told = next((one for one in asked if one.asks(case)), Experiment(name=name))
-    return Experiment(name=name, timing=False, deadline=told.deadline, memory=told.memory)
+    asked = [experiment for experiment in experiments_of(store) if experiment.name == name]
+    asking = next((experiment for experiment in asked if experiment.asks(case)), Experiment(name=name))
+    return Experiment(name=name, timing=False, deadline=asking.deadline, memory=asking.memory)

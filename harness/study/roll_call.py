@@ -4,7 +4,8 @@ from collections.abc import Iterable, Sequence
 from fnmatch import fnmatchcase
 
 from harness.intake.safe_text import quoted
-from harness.study.study import Study, StudyError
+from harness.study.experiment import StudyError
+from harness.study.study import Study
 
 __all__ = ["call_roll", "twice"]
 

@@ -104,13 +104,13 @@ def keeps(module: str) -> bool:
 
 def closure(modules: Iterable[str]) -> frozenset[str]:
     """The modules that these import, directly or through others, of our packages and theirs, but those that only keep."""
-    waiting, found = [*modules], set[str]()
+    waiting, reached = [*modules], set[str]()
     while waiting:
         module = waiting.pop()
-        if module not in found:
-            found.add(module)
+        if module not in reached:
+            reached.add(module)
             waiting += _whole() if module.partition(".")[0] == _WHOLE else imported(module)
-    return frozenset(found)
+    return frozenset(reached)
 
 
 @cache

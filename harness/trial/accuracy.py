@@ -18,7 +18,7 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.store.record import Measurement, Record, Status
 from harness.store.trajectory_file import save_trajectory
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trajectory import Floats, Trajectory
 from harness.trial.retold import retell, told_run
 from harness.trial.simulate import simulate

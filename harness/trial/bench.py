@@ -18,7 +18,7 @@ from harness.adapter import Adapter, Simulation
 from harness.adapter.many_worlds import Batch
 from harness.case import Case, Rays
 from harness.case.forces import Controlled
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
 

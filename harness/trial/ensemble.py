@@ -28,7 +28,7 @@ from harness.metrics.stack import STANDING_HEIGHT
 from harness.scene import Scene
 from harness.store.record import Measurement, Record
 from harness.store.trajectory_file import save_trajectory
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from harness.trajectory import Trajectory
 from harness.trial.accuracy import Answer, answer_of, judge, outcome, refusal
 from harness.trial.bench import Bench, rough_cost

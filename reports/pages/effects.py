@@ -5,8 +5,9 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from harness.case.alteration import EVERYTHING
+from harness.findings.effects_audit import audit, savings
 from harness.findings.tables import effects as effects_table
-from harness.findings.tables.effects import audit, savings, verdicts
+from harness.findings.tables.effects import verdicts
 from reports.contents import engines
 from reports.page import Page
 from reports.savings import matrix, savings_chart

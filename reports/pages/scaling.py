@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from harness.findings.tables.scaling import COLUMNS, Cost, Scaling
+from harness.findings.costs import Cost
+from harness.findings.tables.scaling import COLUMNS, Scaling
 from harness.statistics.order import FEWEST
 from reports.contents import engines
 from reports.costs import UNITS, growths, qualities, standings, titled

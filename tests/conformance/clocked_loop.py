@@ -18,7 +18,8 @@ from typing import Any
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.study import plugins
-from harness.study.study import Experiment, Trial
+from harness.study.experiment import Experiment
+from harness.study.trial import Trial
 from harness.trial import bench
 from harness.trial.bench import Bench
 

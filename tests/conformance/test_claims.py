@@ -13,7 +13,8 @@ from pydantic.dataclasses import dataclass
 from harness.adapter import Adapter
 from harness.scene.values import FROZEN
 from harness.study import plugins
-from harness.study.study import axis_of, load_study
+from harness.study.axes import axis_of
+from harness.study.study import load_study
 from harness.trial.accuracy import run_trial
 from harness.trial.ensemble import endure
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from harness.adapter import Adapter, Settings, Simulation
-from harness.conformance.faults import plant
+from harness.conformance.faults.plant import plant
 from harness.scene import Scene
 from harness.study import plugins
 from harness.trajectory import State

@@ -9,8 +9,8 @@ import pytest
 
 from harness.adapter import Adapter, Feature, Settings
 from harness.conformance import CHECKS, ConformanceCheck, Finding, gate, run_check, run_conformance
-from harness.conformance.contract import loaded_at_once
-from harness.conformance.features import PROBED
+from harness.conformance.checks.contract.features import PROBED
+from harness.conformance.checks.contract.protocol import loaded_at_once
 from harness.scene import Scene
 from harness.trajectory import State
 from tests.conformance.engines import NAMES, adapter, why_unavailable

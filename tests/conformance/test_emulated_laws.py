@@ -15,8 +15,8 @@ import pytest
 
 from harness.adapter import Adapter, Advantage, Emulation, Feature, Settings, Simulation
 from harness.adapter.features import features_of
-from harness.conformance.features import _SCENES, _slide
-from harness.conformance.motion import built
+from harness.conformance.checks.contract.features import _SCENES, _slide
+from harness.conformance.runs import built
 from harness.findings.emulations import made, whose
 from harness.scene import Body, Drive, Effect, Limits, Scene, Spring
 from tests.conformance.engines import NAMES, adapter, why_unavailable

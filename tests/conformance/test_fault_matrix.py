@@ -5,7 +5,7 @@ from fnmatch import fnmatchcase
 import pytest
 
 from harness.conformance import CONTROLS, Control
-from harness.conformance.faults import Rewritten, plant
+from harness.conformance.faults.plant import Rewritten, plant
 from harness.study import plugins
 from tests.conformance.fault_matrix import NAMED, applied, broken_checks, caught, known, sound_failures, steps
 

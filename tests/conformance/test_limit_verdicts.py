@@ -10,7 +10,9 @@ from harness.case import Case
 from harness.metrics.meetings import PAIRS_MET
 from harness.search.first_break import Ruler
 from harness.study import plugins
-from harness.study.study import Experiment, Limit, Study, Trial
+from harness.study.experiment import Experiment, Limit
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trial.accuracy import answer_of, run_trial
 from harness.trial.ensemble import BROKE_BY, OWN_CHECKS, SIGN, endure
 from tests.conformance.engines import NAMES, adapter, why_unavailable

@@ -11,7 +11,8 @@ import pytest
 from harness.findings.leads import BUDGETS
 from harness.store.store import Store
 from harness.study import plugins
-from harness.study.study import Experiment, Limit, Study
+from harness.study.experiment import Experiment, Limit
+from harness.study.study import Study
 from harness.trial.ensemble import endure
 from tests.charts import checked
 from tests.conftest import Command

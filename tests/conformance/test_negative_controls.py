@@ -8,8 +8,8 @@ import pytest
 
 from harness.adapter import Adapter
 from harness.conformance import CHECKS, CONTROLS, Control, noise_axes_are_independent, run_check
-from harness.conformance.faults import Rewritten, Wrapped, plant
-from harness.conformance.sound_engines import any_order, either_sign
+from harness.conformance.faults.plant import Rewritten, Wrapped, plant
+from harness.conformance.faults.sound_engines import any_order, either_sign
 from harness.scene import AxisNoise
 from harness.sensors.imu_noise import three_axes
 from harness.study import plugins

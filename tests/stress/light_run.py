@@ -13,7 +13,9 @@ from harness.run import campaign
 from harness.store.record import Record, Sample, Timing
 from harness.store.store import TABLES, Store
 from harness.study import plugins
-from harness.study.study import Experiment, Study, Trial
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
 from tests.conftest import PLUGINS
 

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import harness.cli.main
+import harness.cli.run_study
 import harness.run.campaign
 import harness.run.isolated
 import harness.run.timed_processes
@@ -41,7 +42,7 @@ def run(arguments: list[str], log: str) -> int:
 if __name__ == "__main__":
     for case in plugins.cases():
         sources_of(case, "sound")
-    harness.cli.main._publish = publish
+    harness.cli.run_study.publish = publish
     harness.run.isolated.context = harness.run.timed_processes.context = lambda: multiprocessing.get_context("fork")  # type: ignore
     for line in sys.stdin:
         told = json.loads(line)

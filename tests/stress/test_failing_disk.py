@@ -16,7 +16,7 @@ from harness.store import disk
 from harness.store.journal import Journal, StoreError
 from harness.store.record import Record
 from harness.store.store import Store
-from harness.study.study import Trial
+from harness.study.trial import Trial
 from tests.stress.failing_disk import ERRORS, Counting, Failing, Losing, PowerCut
 from tests.stress.ledger import Page
 from tests.stress.light_run import carry_out, light, same_tables, tables

@@ -278,7 +278,7 @@ def test_what_is_asked_for_wrongly_is_named_without_acting_on_the_terminal(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("harness.cli.main.listen", lambda: None)  # it would take the signals of the test's own process
+    monkeypatch.setattr("harness.cli.guard.listen", lambda: None)  # it would take the signals of the test's own process
     told = CliRunner().invoke(main, WRONG[name])
     assert told.exit_code in (2, 3), told.output
     assert told.exception is None or isinstance(told.exception, SystemExit)

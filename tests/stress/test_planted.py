@@ -18,7 +18,9 @@ from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 
 sys.path.insert(0, str(PLUGINS))
-from planted import CASE, FAULTS, PLANTED, SLEEP, Fault  # the plug-in's own table
+from planted import CASE, PLANTED  # the plug-in's own table
+from planted_deeds import SLEEP, Fault
+from planted_faults import FAULTS
 
 sys.path.remove(str(PLUGINS))
 

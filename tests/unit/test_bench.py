@@ -11,7 +11,8 @@ from harness.case import Clocks
 from harness.run.timing_blocks import summarise
 from harness.store.record import Sample
 from harness.study import plugins
-from harness.study.study import Experiment, Trial
+from harness.study.experiment import Experiment
+from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.bench import TOGETHER, Bench, calibrate, caster, rough_cost, rough_cost_beside
 

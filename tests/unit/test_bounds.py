@@ -14,7 +14,8 @@ from harness.case import Case, Check
 from harness.metrics.position import POSITION_MAX
 from harness.scene import EARTH_GRAVITY
 from harness.study import plugins
-from harness.study.study import Experiment, Trial
+from harness.study.experiment import Experiment
+from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
 
 CASES = plugins.cases()

@@ -4,7 +4,8 @@ import dataclasses
 
 from harness.adapter import Settings
 from harness.run.campaign import share
-from harness.study.study import Experiment, Trial
+from harness.study.experiment import Experiment
+from harness.study.trial import Trial
 
 PLAIN, SWEEPING = Experiment(name="plain"), Experiment(name="front", sweep=5)
 

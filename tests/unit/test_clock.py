@@ -20,7 +20,8 @@ from harness.run.message import Inbox
 from harness.run.timed_processes import Clocked, Team, joined
 from harness.run.timing_blocks import clock_group, summarise
 from harness.store.record import Sample, Timing
-from harness.study.study import Experiment, Trial
+from harness.study.experiment import Experiment
+from harness.study.trial import Trial
 
 TRIAL = Trial(
     trial="t",

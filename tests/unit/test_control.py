@@ -11,7 +11,9 @@ from harness.adapter import Adapter, Settings, Unavailable
 from harness.case.forces import Control, Controlled, wrench_after
 from harness.scene import Body, Scene, sphere_inertia
 from harness.study import plugins
-from harness.study.study import Experiment, Study, Trial
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trajectory import Floats, State
 from harness.trial.accuracy import run_trial
 from harness.trial.bench import Bench

@@ -12,8 +12,9 @@ import pytest
 from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.case import Case, Check
 from harness.case.alteration import EVERYTHING, FINER, Alteration
-from harness.conformance.faults import Wrapped, plant
-from harness.findings.tables.effects import NOT_JUDGED, Verdict, audit, rows, savings, sentences, verdicts
+from harness.conformance.faults.plant import Wrapped, plant
+from harness.findings.effects_audit import NOT_JUDGED, audit, savings
+from harness.findings.tables.effects import Verdict, rows, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
 from harness.run.campaign import carry_out
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
@@ -21,7 +22,9 @@ from harness.search.needless_effects import FLOOR, Consequence, Scale, compared,
 from harness.store.record import Record
 from harness.store.store import Store
 from harness.study import plugins
-from harness.study.study import Experiment, Study, Trial
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.accuracy import run_trial
 from reports.html import rendered

@@ -16,7 +16,10 @@ from harness.metrics.divergence import DIVERGENCE
 from harness.scene import Body, PlacedShape, Scene, Sphere
 from harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
 from harness.store.record import Record
-from harness.study.study import Experiment, Limit, Study, StudyError, Trial, axis_of
+from harness.study.axes import axis_of
+from harness.study.experiment import Experiment, Limit, StudyError
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, endure
 

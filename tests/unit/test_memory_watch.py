@@ -10,7 +10,8 @@ import pytest
 from harness.adapter import Settings
 from harness.run import isolated, memory_watch
 from harness.run.memory_watch import MemoryWatch, kills_for_memory
-from harness.study.study import Experiment, Trial
+from harness.study.experiment import Experiment
+from harness.study.trial import Trial
 
 TRIAL = Trial(
     trial="t",

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from harness.adapter import Adapter, Settings, Simulation
 from harness.cli.main import main
-from harness.conformance.faults import Wrapped, plant
+from harness.conformance.faults.plant import Wrapped, plant
 from harness.findings.tables.orders import COLUMNS, brief, convergences, verdict
 from harness.scene import Scene
 from harness.store.journal import Journal
@@ -20,7 +20,8 @@ from harness.store.record import Measurement, Record
 from harness.store.store import Store
 from harness.study import plugins
 from harness.study.catalogue import describe_case, describe_engine
-from harness.study.study import Experiment, Study
+from harness.study.experiment import Experiment
+from harness.study.study import Study
 from harness.trial.accuracy import run_trial
 from reports.html import rendered
 from tests.run_folder import write_run_folder

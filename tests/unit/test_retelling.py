@@ -16,7 +16,8 @@ from harness.metrics.retelling import AGREEING_SAMPLES, ATTITUDE_DIFFERENCE, DIF
 from harness.props.regular_motions import stage
 from harness.scene import WORLD, Ball, Body, Revolute, Scene, Spring, axis_angle
 from harness.study import plugins
-from harness.study.study import Experiment, Study
+from harness.study.experiment import Experiment
+from harness.study.study import Study
 from harness.trajectory import Contacts, Floats, State, Trajectory
 from harness.trajectory.kinematics import angle_between
 from harness.trial.retold import retell

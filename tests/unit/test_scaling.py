@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.findings.tables.scaling import COLUMNS, Cost, Scaling, brief, no_worse, ratio
+from harness.findings.costs import Cost, no_worse
+from harness.findings.tables.scaling import COLUMNS, Scaling, brief, ratio
 from harness.store.journal import Journal
 from harness.store.record import Measurement, Record, Sample, Timing
 from harness.store.store import Store

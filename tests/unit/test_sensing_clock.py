@@ -9,7 +9,9 @@ from harness.adapter import Settings
 from harness.case import Clocks
 from harness.scene import Body, Imu, Lidar, Scene
 from harness.study import plugins
-from harness.study.study import Experiment, Study, StudyError, Trial
+from harness.study.experiment import Experiment, StudyError
+from harness.study.study import Study
+from harness.study.trial import Trial
 from harness.trajectory import Hits, State
 from harness.trial.bench import Bench
 from harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval

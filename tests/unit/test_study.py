@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from harness.study import plugins
+from harness.study.experiment import Experiment, StudyError, Variant
 from harness.study.roll_call import call_roll
-from harness.study.study import Experiment, Study, StudyError, Trial, Variant, load_study
+from harness.study.study import Study, load_study
+from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
 

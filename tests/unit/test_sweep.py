@@ -13,7 +13,9 @@ from harness.metrics.position import POSITION_MAX
 from harness.scene import Body, Scene
 from harness.search.front import SCREENING, due_for_clock, next_trials, turned
 from harness.store.record import Measurement, Record
-from harness.study.study import Experiment, Study, Trial
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+from harness.study.trial import Trial
 
 CASE = Case(
     name="flight_made",

@@ -1,16 +1,15 @@
 """What each effect costs, what its absence does, and whether it was needed: the rows of the effects table."""
 
 import json
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from harness.case.alteration import EVERYTHING, REFINED
+from harness.findings.effects_audit import AS_IT_IS, JUDGE, NOT_JUDGED, audit, named_scene, proposed, savings, scenes_of
 from harness.findings.where import differing, in_words
 from harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
 from harness.statistics.ratio import Ratio, ratio
@@ -19,24 +18,12 @@ from harness.store.store import Store
 __all__ = [
     "BRIEF",
     "COLUMNS",
-    "JUDGE",
-    "Audit",
-    "Saving",
     "Verdict",
-    "audit",
     "brief",
     "rows",
-    "savings",
     "sentences",
     "verdicts",
 ]
-
-JUDGE = "reference"
-"""The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
-NOT_JUDGED = "not judged"
-AS_IT_IS = "as it is"
-UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
-"""Statuses that stand as verdicts where a run gave no answer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -243,86 +230,6 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     return None if both.empty else ratio(one[both].to_numpy(), other[both].to_numpy())
 
 
-@dataclass(frozen=True, slots=True)
-class Audit:
-    """Whether each scene calls for exactly what it needs.
-
-    Terms:
-        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows that say
-        something. failed: those of them that are against the scene: an effect that does not matter is on, or one that matters
-        is off. open: its rows that say nothing, since it gave no answer or has not converged: for these nothing is proposed.
-    """
-
-    judge: str
-    judged: tuple[Mapping[str, Any], ...]
-    failed: tuple[Mapping[str, Any], ...]
-    open: tuple[Mapping[str, Any], ...] = ()
-
-    @property
-    def scenes(self) -> int:
-        """How many were judged, each of their effects."""
-        return len(_scenes(self.judged).keys() - _scenes(self.open).keys())
-
-    @property
-    def clean(self) -> int:
-        """How many of these have nothing against them."""
-        return len(_scenes(self.judged).keys() - _scenes(self.open).keys() - _scenes(self.failed).keys())
-
-    @property
-    def in_doubt(self) -> int:
-        """How many were asked about and not judged in full."""
-        return len(_scenes(self.open))
-
-    @property
-    def sentences(self) -> list[str]:
-        """What is against the scenes, a sentence each."""
-        return [_accusation(row) for row in self.failed]
-
-    @property
-    def doubts(self) -> list[str]:
-        """What could not be judged and why, a sentence for each scene and reason."""
-        effects: dict[tuple[str, str], list[str]] = {}
-        for row in self.open:
-            why = row["reason"] or "no answer to compare"
-            why = why if row["verdict"] == NOT_JUDGED else f"{row['engine']}: {row['verdict']}: {why}"
-            what = "any effect" if row["effect"] == AS_IT_IS else row["effect"]
-            effects.setdefault((_named_scene(row), why), []).append(what)
-        return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
-
-
-def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
-    """Of flat rows with COLUMNS; where the judge was not asked, the first engine that was stands in for it."""
-    asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
-    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
-    asked_of = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
-    judged = tuple(row for row in asked_of if row["verdict"] not in (NOT_JUDGED, *UNANSWERED))
-    failed = tuple(row for row in judged if row["verdict"] in ("paid for without need", "needed but missing"))
-    return Audit(judge, judged, failed, tuple(row for row in asked_of if row not in judged))
-
-
-def _scenes(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
-    """The scenes of some rows, in their order."""
-    return dict.fromkeys((row["case"], row["where"]) for row in rows)
-
-
-def _named_scene(row: Mapping[str, Any]) -> str:
-    return f"{row['case']} {row['where']}".strip()
-
-
-def _accusation(row: Mapping[str, Any]) -> str:
-    name = _named_scene(row)
-    if row["verdict"] == "needed but missing":
-        return f"{name}: leaves out {row['effect']}, which matters: with it a body is moved by {_metres(row['moved'])}"
-    return (
-        f"{name}: declares {row['effect']}, which does not matter: without it no body is moved by more than "
-        f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}"
-    )
-
-
-def _metres(value: float | None) -> str:
-    return "nothing" if value is None else f"{value:.2g} m or rad"
-
-
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
     return [asdict(one) for one in verdicts(store)]
@@ -335,7 +242,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     """A flat row in short words under BRIEF."""
     cost = "" if row["cost"] is None else f"x {row['cost']:.3g} ({row['low']:.3g}..{row['high']:.3g})"
     return [
-        _named_scene(row),
+        named_scene(row),
         f"{row['engine']}/{row['track']}",
         row["effect"],
         cost,
@@ -343,40 +250,6 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         "" if row["own"] is None else f"{row['own']:.2g}",
         row["verdict"] + (f": {row['reason'][:70]}" if row["reason"] and row["verdict"] not in ("insisted on",) else ""),
     ]
-
-
-@dataclass(frozen=True, slots=True)
-class Saving:
-    """What everything on costs over the scene as it is, on one engine.
-
-    Terms:
-        mean, low, high: geometric mean, smallest and largest over so many scenes. summed: the time of a simulated second of
-        each of these scenes, added up, with everything on over as it is; None where no step was clocked.
-    """
-
-    engine: str
-    mean: float
-    low: float
-    high: float
-    scenes: int
-    summed: float | None
-
-
-def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
-    """One an engine."""
-    everything: dict[str, list[Mapping[str, Any]]] = {}
-    for row in rows:
-        if row["verdict"] == EVERYTHING and row["cost"]:
-            everything.setdefault(row["engine"], []).append(row)
-    made = []
-    for engine, mine in everything.items():
-        costs = [row["cost"] for row in mine]
-        mean = math.exp(float(np.mean(np.log(costs))))
-        both = [(row["cost"], row["cpu_as_it_is"]) for row in mine if row["cpu_as_it_is"]]
-        whole = sum(second for _, second in both)
-        summed = sum(cost * second for cost, second in both) / whole if whole else None
-        made.append(Saving(engine, mean, min(costs), max(costs), len(costs), summed))
-    return made
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -395,13 +268,4 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             f"Audit: {told.clean} of {told.scenes} scenes call for exactly what they need, judged on {told.judge}{beside}."
         )
     found += [f"Audit: {sentence}." for sentence in (*told.sentences, *told.doubts)]
-    return found + [proposal for scene in _scenes(told.failed) if (proposal := proposed(scene, told.judged))]
-
-
-def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
-    mine = [row for row in rows if (row["case"], row["where"]) == scene]
-    together = [row["effect"].split(", ") for row in mine if row["verdict"] == "left out together"]
-    single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
-    idle: list[str] = max(together + single, key=len, default=[])
-    return f"Proposed for {' '.join(scene).strip()}: narrow = {json.dumps(idle)}." if idle else ""
+    return found + [proposal for scene in scenes_of(told.failed) if (proposal := proposed(scene, told.judged))]

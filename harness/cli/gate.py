@@ -1,0 +1,32 @@
+"""What the gate of a run is about: our own engine's checks, its determinism, and the audit of effects."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["failures"]
+
+
+def failures(store: "Store", audited: bool) -> list[str]:
+    """What the gate is about: our own engine's checks on the tuned track and its determinism, and the audit of effects."""
+    from harness.findings.effects_audit import JUDGE, audit
+    from harness.findings.tables import determinism
+    from harness.findings.tables.effects import rows
+
+    ours = [name for name, row in store.catalogue["engines"].items() if row["ours"]]
+    # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
+    trials = store.asked[store.asked["round"] == 0]
+    broken = trials[
+        trials["engine"].isin(ours) & (trials["track"] == "tuned") & ~trials["status"].isin(("passed", "unsupported"))
+    ]
+    sentences = [
+        f"gate: {row.case} on {row.engine}/{row.track} at dt {row.dt:g}: {row.status}: {row.reason}"
+        for row in broken.itertuples()
+    ]
+    sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]
+    if audited:
+        # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
+        judged = audit([row for row in rows(store) if row["engine"] == JUDGE])
+        sentences += [f"audit: {sentence}" for sentence in judged.sentences]
+    return sentences

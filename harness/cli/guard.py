@@ -1,0 +1,67 @@
+"""How a command ends: exit codes, what people can mend as one line, and sentences that do nothing to a terminal."""
+
+import sys
+from io import StringIO, TextIOWrapper
+from typing import Any, NoReturn
+
+import click
+
+from harness.intake.mendable import Mendable
+from harness.intake.safe_text import one_line, readable
+from harness.run.interrupt import listen
+
+__all__ = ["GATE", "INTERRUPTED", "MACHINE", "USAGE", "Guarded", "say", "stop"]
+
+GATE, USAGE, MACHINE, INTERRUPTED = 1, 2, 3, 130
+"""Exit codes: a check that failed, a wrong use, a machine that does not let us, a request to stop."""
+_CODES = {"usage": USAGE, "machine": MACHINE}
+
+
+def stop(code: int, message: str) -> NoReturn:
+    """End the process with this exit code, the message spelled out on standard error."""
+    click.echo(readable(message), err=True)
+    sys.exit(code)
+
+
+def _misused(error: click.ClickException) -> NoReturn:
+    """Say what click says of a wrong use, cleaned."""
+    said = StringIO()
+    error.show(file=said)
+    stop(error.exit_code, said.getvalue().rstrip("\n"))
+
+
+def say(sentence: str, err: bool = False) -> None:
+    """A line of text that may come from engines and files."""
+    click.echo(one_line(sentence), err=err)
+
+
+class Guarded(click.Group):
+    """Turns the errors that people can mend into a line and an exit code; anything else keeps its trace."""
+
+    def make_context(self, *arguments: Any, **extra: Any) -> click.Context:
+        """Parse the part of the command line that comes before the command."""
+        try:
+            return super().make_context(*arguments, **extra)
+        except click.ClickException as error:
+            _misused(error)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command. Requests to stop are heard even where the shell has told its children to ignore them."""
+        listen()
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")  # a terminal that lacks a letter is no reason to stop
+        try:
+            return super().invoke(ctx)
+        except click.ClickException as error:
+            _misused(error)
+        except (click.exceptions.Exit, click.Abort, BrokenPipeError):
+            raise
+        except KeyboardInterrupt:
+            stop(INTERRUPTED, "interrupted")
+        except OSError as error:
+            stop(MACHINE, f"{error.filename or 'machine'}: {error.strerror or error}")
+        except MemoryError:
+            stop(MACHINE, "no memory is left for this process; free some, and go on with --resume")
+        except Mendable as error:
+            stop(_CODES[error.lies_in], str(error))

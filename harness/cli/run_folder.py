@@ -1,0 +1,138 @@
+"""Commands on a run folder: its tables, its report and recordings, whether it is as written, a trial of it again."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from harness.cli.guard import GATE, MACHINE, say, stop
+from harness.cli.listing import print_csv, print_json, print_markdown, print_table
+from harness.cli.options import limited, opened, run_folder
+from harness.findings import tables
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from harness.store.store import Store
+
+__all__ = ["report", "reproduce", "serve", "show", "verify", "view"]
+
+_TABLES = ("trials", "measurements", "samples")
+"""Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
+
+
+def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
+    """The rows of a stored table and its columns."""
+    frame = getattr(store, table)
+    rows = [
+        {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
+        for row in frame.to_dict(orient="records")
+    ]
+    return rows, [str(name) for name in frame.columns]
+
+
+@click.command()
+@run_folder
+@click.option("--table", type=click.Choice([*_TABLES, *tables.names()]), default="trials", show_default=True)
+@click.option("--format", "form", type=click.Choice(["text", "json", "csv", "markdown"]), default="text", show_default=True)
+def show(folder: Path, table: str, form: str) -> None:
+    """Print a table of the run folder DIR."""
+    store = opened(folder)
+    worked_out = None if table in _TABLES else tables.table(table)
+    rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.COLUMNS)
+    if form == "json":
+        print_json(rows)
+    elif form == "csv":
+        print_csv(columns, rows)
+    elif form == "markdown":
+        print_markdown(columns, rows)
+    elif worked_out is not None:
+        print_table(table, worked_out.BRIEF, [worked_out.brief(row) for row in rows])
+        for sentence in tables.sentences(worked_out, rows):
+            say(sentence)
+    else:
+        brief = (
+            ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
+        )
+        shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]
+        print_table(table, brief, shown)
+
+
+@click.command()
+@run_folder
+@click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
+def report(folder: Path, show_it: bool) -> None:
+    """Rebuild the HTML report of DIR from its store."""
+    from reports import build
+
+    index = build(opened(folder).folder)
+    say(str(index))
+    if show_it:
+        click.launch(str(index))
+
+
+@click.command()
+@run_folder
+@click.argument("case")
+def view(folder: Path, case: str) -> None:
+    """Open the recording of CASE in the rerun viewer."""
+    from reports import open_viewer, recording_of
+
+    path = recording_of(folder, case)
+    say(f"opening {path}", err=True)
+    sys.exit(open_viewer(path))
+
+
+@click.command()
+@run_folder
+@click.option("--port", type=click.IntRange(0, 65535), default=8800, show_default=True, help="0 takes any free port.")
+def serve(folder: Path, port: int) -> None:
+    """Serve the report and the web viewer of DIR on loopback until interrupted."""
+    from reports import serve as serve_reports
+
+    serve_reports(opened(folder).folder, port, announce=say)
+
+
+@click.command()
+@run_folder
+def verify(folder: Path) -> None:
+    """Check every file that DIR keeps against its checksum and the journal; one line for each that is not as written."""
+    from harness.run.verify import problems
+
+    sentences = [str(problem) for problem in problems(folder)]
+    for sentence in sentences:
+        say(sentence)
+    say(f"{len(sentences)} problems" if sentences else "every file is as it was written", err=True)
+    if sentences:
+        sys.exit(MACHINE)
+
+
+@click.command()
+@run_folder
+@click.argument("trial")
+@limited
+def reproduce(folder: Path, trial: str) -> None:
+    """Run TRIAL of DIR again and say whether the answer is bit-identical."""
+    from tempfile import TemporaryDirectory
+
+    from harness.run.isolated import run_isolated
+    from harness.study import plugins
+    from harness.study.reproduce import trial_of
+
+    store = opened(folder)
+    again = trial_of(store, trial)
+    row = store.trials.set_index("trial").loc[again.trial]
+    version, reason = plugins.version_of(plugins.adapter(again.engine))
+    if reason is not None:
+        stop(GATE, f"{again.engine}: unavailable: {reason}")
+    if version != row["engine_version"]:
+        say(f"note: {again.engine} was {row['engine_version']}, now {version}", err=True)
+    with TemporaryDirectory() as scratch:
+        (record,) = run_isolated([again], Path(scratch), 1)
+    say(f"then: {row['status']}  {row['trajectory_hash']}  {row['reason']}")
+    say(f"now:  {record.status}  {record.trajectory_hash}  {record.reason}")
+    same = record.trajectory_hash == row["trajectory_hash"] and record.status == row["status"]
+    click.echo("bit-identical" if same else "different")
+    if not same:
+        sys.exit(GATE)

@@ -1,0 +1,171 @@
+"""The command that runs a study, or a scene file of one's own."""
+
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from harness.cli.gate import failures
+from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
+from harness.cli.installed import left_out
+from harness.cli.options import limited
+from harness.findings import tables
+from harness.intake.documents import document
+from harness.intake.safe_text import quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from harness.case import Case
+    from harness.store.store import Store
+    from harness.study.study import Study
+
+__all__ = ["run"]
+
+
+def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
+    shard = re.fullmatch("([0-9]{1,6})/([0-9]{1,6})", text)
+    index, count = (int(number) for number in shard.groups()) if shard else (0, 0)
+    if not 1 <= index <= count:
+        raise click.BadParameter(f"{quoted(text)}, expected i/n with 1 <= i <= n, like 2/4")
+    return index, count
+
+
+def _is_scene(name: str) -> bool:
+    """Is it a scene file? What cannot be read is refused before anything is imported for it. Raises: InputError."""
+    path = Path(name)
+    if path.suffix not in {".json", ".toml"}:
+        return False
+    content = document(path)
+    return path.suffix == ".json" or "bodies" in content
+
+
+def _once(name: str, given: "Sequence[str]") -> None:
+    """Refuse an option's value that is given twice."""
+    from harness.study.roll_call import twice
+
+    if double := twice(given):
+        raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
+
+
+def _study_and_cases(name: str, own: bool, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
+    from fnmatch import fnmatchcase
+
+    from harness.study import plugins
+    from harness.study.experiment import Experiment
+    from harness.study.roll_call import call_roll
+    from harness.study.study import Study, load_study
+
+    if own:
+        case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
+        if globs:
+            raise click.BadParameter(f"{quoted(globs[0])}: a scene file is one case, expected none", param_hint="--case")
+        ladder = Experiment(name="scene", dt=(1 / 240, 1 / 480, 1 / 960))
+        needs = Experiment(name="effects", tracks=("tuned",), effects=True, samples=3, sample_seconds=0.01)
+        return Study(name="scene", title=case.title, experiments=(ladder, needs)), {case.name: case}
+    study = load_study(name)
+    _once("--case", globs)
+    for sentence in left_out("cases", "metrics", "pages"):
+        say(sentence, err=True)
+    names = plugins.names("cases")
+    call_roll(study, names, plugins.names("adapters"))
+    for glob in globs:
+        if not any(fnmatchcase(case, glob) for case in names):
+            raise click.BadParameter(
+                f"{quoted(glob)} names no case, expected a pattern over: {', '.join(names)}", param_hint="--case"
+            )
+
+    def asked(case: str) -> bool:
+        called = any(experiment.asks(case) for experiment in study.experiments)
+        return called and (not globs or any(fnmatchcase(case, glob) for glob in globs))
+
+    return study, plugins.cases(asked)
+
+
+def _of_file(study: str, error: Exception) -> str:
+    """What is wrong with a study, with the file that says it."""
+    said = str(error)
+    return said if not study.endswith(".toml") or said.startswith(study) else f"{study}: {said}"
+
+
+def publish(store: "Store", recordings: bool) -> Path:
+    """Write what people look at: summary, recordings, report. Returns: the first page."""
+    from harness.findings.summary import write_summary
+    from reports import build, write_recordings
+
+    write_summary(store)
+    if recordings:
+        write_recordings(store.folder)
+    return build(store.folder)
+
+
+_MERGE = "--resume-with-another-study"
+
+
+class _Resumable(click.Command):
+    """A command with a flag that may have a value: click would take the word behind a plain `--resume` for it."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click does, where `--resume=merge` is a flag of its own."""
+        for word in args:
+            value = word.removeprefix("--resume=")
+            if value not in (word, "merge"):
+                raise click.BadParameter(f"'{value}', expected merge, or --resume alone", param_hint="--resume")
+        return super().parse_args(ctx, [_MERGE if word == "--resume=merge" else word for word in args])
+
+
+@click.command(cls=_Resumable)
+@click.argument("study")
+@click.option("--engine", "engine_names", multiple=True, help="Only this engine; may be repeated.")
+@click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
+@click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
+@click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
+@click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
+@click.option(_MERGE, "resume", flag_value="merge", hidden=True)
+@limited
+def run(
+    study: str,
+    engine_names: tuple[str, ...],
+    globs: tuple[str, ...],
+    out: Path | None,
+    workers: int,
+    shard: tuple[int, int],
+    resume: Literal["same", "merge"] | None,
+) -> None:
+    """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
+    own = _is_scene(study)
+    _once("--engine", engine_names)
+
+    from harness.run.campaign import carry_out
+    from harness.study import plugins
+    from harness.study.experiment import StudyError
+
+    try:
+        plan, chosen = _study_and_cases(study, own, globs)
+    except StudyError as error:
+        stop(USAGE, _of_file(study, error))
+    adapters = {name: plugins.adapter(name) for name in engine_names} if engine_names else plugins.adapters()
+    folder = out or Path("build") / plan.name
+    try:
+        how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
+        store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard)
+    except StudyError as error:
+        stop(USAGE, _of_file(study, error))
+    except KeyboardInterrupt:
+        stop(INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
+    index = publish(store, plan.recordings)
+    counts = store.trials["status"].value_counts()
+    say(f"{len(store.trials)} trials: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
+    say(str(index))
+    failed = failures(store, audited=not own)
+    for sentence in failed:
+        say(sentence, err=True)
+    if own:
+        effects = tables.table("effects")
+        for sentence in tables.sentences(effects, effects.rows(store)):
+            say(sentence, err=True)
+    if failed:
+        sys.exit(GATE)

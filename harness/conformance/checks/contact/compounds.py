@@ -1,0 +1,170 @@
+"""Checks of bodies of several shapes, and of shapes that stand askew in their body: none is left out, each keeps its pose."""
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings, Unsupported
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.exact import angle_between
+from harness.conformance.runs import COARSE, FINE, built, final, state_of
+from harness.conformance.scenes import TURNED, ball, on_ground
+from harness.scene import (
+    Body,
+    Box,
+    PlacedShape,
+    Plane,
+    Quaternion,
+    Scene,
+    Shape,
+    Sphere,
+    Surface,
+    axis_angle,
+    principal_inertia,
+)
+
+__all__ = ["CHECKS"]
+
+_UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+def _compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> Finding:
+    """Tables whose centre of mass hangs over one leg each: whichever leg of the three is missing, one of them tips at once."""
+    corners = [(0.3, 0.0), (-0.15, 0.26), (-0.15, -0.26)]
+    tables = []
+    for k in range(3):
+        # The centre of mass lies above the middle of the triangle, moved half way towards leg k.
+        lean = 0.5 * np.array(corners[k])
+        legs = tuple(
+            PlacedShape(shape=Sphere(radius=0.05), p_BS=(float(x - lean[0]), float(y - lean[1]), -0.2)) for x, y in corners
+        )
+        tables.append(
+            Body(
+                name=f"table{k}",
+                inertia=principal_inertia(0.05, 0.05, 0.05),
+                collision=legs,
+                material="block",
+                p_WB=(2.0 * k, 0.0, 0.25),
+            )
+        )
+    end = final(adapter, on_ground(adapter, *tables, friction=0.0), settings.with_dt(FINE), 0.2)
+    tilt = [angle_between(end.q_WB[1 + k], _UPRIGHT) for k in range(3)]
+    return judge(
+        near("heights of three tables [m]", end.p_WB[1:, 2], [0.25] * 3, 3e-3, "contacts give way by less than 3 mm"),
+        near("their tilts [rad]", tilt, [0.0] * 3, 0.02, "3 mm over .3 m; without its leg one tips by more than .1 rad"),
+    )
+
+
+def _compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings) -> Finding:
+    """A frame on a ball and two long boxes, the first laid along y and the second stood upright by their q_BS.
+
+    Its centre of mass hangs 5 cm beside the line of the places of its shapes: 40 cm of box hold it, 6 cm do not.
+    """
+    long = Box(half_extents=(0.2, 0.03, 0.03))
+    along_y, upright = axis_angle((0.0, 0.0, 1.0), pi / 2), axis_angle((0.0, 1.0, 0.0), pi / 2)
+    shapes = (
+        PlacedShape(shape=Sphere(radius=0.05), p_BS=(0.4, 0.05, -0.2)),
+        PlacedShape(shape=long, p_BS=(-0.4, 0.05, -0.22), q_BS=along_y),
+        PlacedShape(shape=long, p_BS=(0.0, 0.05, -0.05), q_BS=upright),
+    )
+    body = Body(
+        name="frame",
+        inertia=principal_inertia(0.05, 0.05, 0.05),
+        collision=shapes,
+        material="block",
+        p_WB=(0.0, 0.0, 0.25),
+    )
+    end = final(adapter, on_ground(adapter, body, friction=0.0), settings.with_dt(FINE), 0.4)
+    return judge(
+        near("height of the frame [m]", end.p_WB[1, 2], 0.25, 5e-3, "it stands on a ball and two boxes"),
+        near("its tilt [rad]", angle_between(end.q_WB[1], _UPRIGHT), 0.0, 0.05, "g .035/.11 t^2/2 = .25 rad where it falls"),
+    )
+
+
+def _plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Finding:
+    """A plane raised by p_BS and turned by q_BS in a body that is turned itself holds a ball; or it is refused."""
+    slope = axis_angle((0.0, 1.0, 0.0), 0.5)
+    wall = Body(
+        name="wall",
+        motion="static",
+        collision=(PlacedShape(shape=Plane(), p_BS=(0.0, 0.0, 0.4), q_BS=slope),),
+        material="ground",
+        p_WB=(0.0, 0.0, 1.0),
+        q_WB=axis_angle((0.0, 1.0, 0.0), -0.2),
+    )
+    turn = 0.3
+    normal = np.array([np.sin(turn), 0.0, np.cos(turn)])
+    on_plane = np.array([-0.4 * np.sin(0.2), 0.0, 1.0 + 0.4 * np.cos(0.2)])
+    p = on_plane + 0.1 * normal
+    rest = replace(ball(), p_WB=(float(p[0]), 0.0, float(p[2])))
+    pull = -9.81 * normal
+    scene = Scene(
+        bodies=(wall, rest),
+        surfaces=(Surface(between=("ground", "block")),),
+        gravity=(float(pull[0]), 0.0, float(pull[2])),
+    )
+    try:
+        end = final(adapter, scene, settings.with_dt(FINE), 0.15)
+    except Unsupported as refusal:
+        raise NotApplicable(f"refused: {refusal}") from refusal
+    return judge(
+        near("ball on a plane that is placed in its body [m]", end.p_WB[1], p, 3e-3, "contacts give way by less than 3 mm")
+    )
+
+
+def _push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> Finding:
+    """A force on a body whose only shape is off its centre of mass moves the centre of mass and turns nothing."""
+    if not adapter.features & (Feature.SPHERE | Feature.BOX):
+        raise NotApplicable("the engine claims neither a sphere nor a box that could be off the centre of mass")
+    shape: Shape = Sphere(radius=0.1) if Feature.SPHERE in adapter.features else Box(half_extents=(0.1, 0.1, 0.1))
+    body = Body(
+        name="body",
+        mass=2.0,
+        inertia=principal_inertia(0.3, 0.3, 0.3),
+        collision=(PlacedShape(shape=shape, p_BS=(0.3, -0.2, 0.4)),),
+        p_WB=(1.0, 2.0, 3.0),
+        q_WB=TURNED,
+    )
+    scene, f, t = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0)), np.array([[3.0, -5.0, 4.0]]), 24 * COARSE
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        simulation.wrench(f, np.zeros((1, 3)))
+        simulation.step(24)
+        end = state_of(simulation, scene)
+    size = sqrt(50.0) * t / 2.0
+    return judge(
+        near("v_WB after a push [m/s]", end.v_WB[0], f[0] * t / 2.0, 0.01 * size, "F t/m; 1 % for default damping"),
+        near("w_WB after a push [rad/s]", end.w_WB[0], (0.0, 0.0, 0.0), 1e-6, "at the shape it would turn at 1 rad/s"),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="compound_stands_on_every_shape",
+        question="Does a body of three shapes touch with each of them, the last one too?",
+        run=_compound_stands_on_every_shape,
+        needs=Feature.COMPOUND | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="compound_keeps_the_turn_of_every_shape",
+        question="Is each shape of a body turned by its own q_BS, the later ones too?",
+        run=_compound_keeps_the_turn_of_every_shape,
+        needs=Feature.COMPOUND | Feature.SPHERE | Feature.BOX,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="plane_is_placed_in_its_body",
+        question="Does a plane stand where p_BS and q_BS place it in its body, or is it refused?",
+        run=_plane_is_placed_in_its_body,
+        needs=Feature.PLANE | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="push_acts_at_the_centre_of_mass",
+        question="Does a force act at the centre of mass, wherever the shapes are?",
+        run=_push_acts_at_the_centre_of_mass,
+        needs=Feature.WRENCH,
+        excusable=False,
+    ),
+)

@@ -1,0 +1,140 @@
+"""Checks of rest: the table of every pair of shapes of which one can lie on the other, each at its height for 3 s.
+
+Which algorithm finds the contacts of a pair is an engine's own business, and each pair may have another: so that what holds a
+box on a box says nothing of a capsule on a cylinder. Each pair is a scene of its own, since an engine may choose by the scene.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from math import cos, pi, sin
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings, Unsupported
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.checks.contract.features import SIDES
+from harness.conformance.runs import COARSE, final
+from harness.conformance.scenes import ground, static
+from harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Matrix3,
+    PlacedShape,
+    Plane,
+    Quaternion,
+    Scene,
+    Shape,
+    Sphere,
+    TriangleMesh,
+    Vector3,
+    axis_angle,
+    box_inertia,
+    capsule_inertia,
+    cylinder_inertia,
+    multiply,
+    principal_inertia,
+    sphere_inertia,
+)
+
+__all__ = ["CHECKS", "MOVERS", "SUPPORTS"]
+
+DURATION = 3.0
+HEIGHT = 0.1
+"""Of the centre of every mover above the top of its support [m]."""
+REACH = 0.15
+"""Half length of the long movers, and of the tripod's legs [m]."""
+DEPTH = 0.1
+GIVES = 3e-3
+"""How far a contact may give way [m]: a soft one bears a weight on its first millimetres; who sinks goes on sinking."""
+PLACE = (0.13, 0.07)
+"""Off the middle of the support, and turned by `YAW` [rad]: corners, axes and edges of a mesh lie nowhere under the mover."""
+YAW = 0.3
+
+_UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
+_LYING: Quaternion = axis_angle((1.0, 0.0, 0.0), pi / 2)
+
+
+def _corners(half: Vector3) -> tuple[Vector3, ...]:
+    return tuple((x, y, z) for x in (-half[0], half[0]) for y in (-half[1], half[1]) for z in (-half[2], half[2]))
+
+
+_SLAB: Vector3 = (0.5, 0.5, DEPTH)
+_CUBE: Vector3 = (HEIGHT, HEIGHT, HEIGHT)
+_TRIPOD = tuple((REACH * cos(2 * pi * k / 3), REACH * sin(2 * pi * k / 3), 0.0) for k in range(3))
+
+SUPPORTS: dict[str, tuple[Feature, Shape, float]] = {
+    "plane": (Feature.PLANE, Plane(), 0.0),
+    "box": (Feature.BOX, Box(half_extents=_SLAB), DEPTH),
+    "cylinder": (Feature.CYLINDER, Cylinder(radius=0.5, half_length=DEPTH), DEPTH),
+    "hull": (Feature.CONVEX_HULL, ConvexHull(vertices=_corners(_SLAB)), DEPTH),
+    "mesh": (Feature.TRIANGLE_MESH, TriangleMesh(vertices=_corners(_SLAB), faces=SIDES), DEPTH),
+}
+"""What bears, by name: the feature, the shape, and how far its top lies above its middle [m]."""
+
+MOVERS: dict[str, tuple[Feature, tuple[PlacedShape, ...], Matrix3, Quaternion]] = {
+    "sphere": (Feature.SPHERE, (PlacedShape(shape=Sphere(radius=HEIGHT)),), sphere_inertia(1.0, HEIGHT), _UPRIGHT),
+    "box": (Feature.BOX, (PlacedShape(shape=Box(half_extents=_CUBE)),), box_inertia(1.0, _CUBE), _UPRIGHT),
+    "lying_capsule": (
+        Feature.CAPSULE,
+        (PlacedShape(shape=Capsule(radius=HEIGHT, half_length=REACH)),),
+        capsule_inertia(1.0, HEIGHT, REACH),
+        _LYING,
+    ),
+    "lying_cylinder": (
+        Feature.CYLINDER,
+        (PlacedShape(shape=Cylinder(radius=HEIGHT, half_length=REACH)),),
+        cylinder_inertia(1.0, HEIGHT, REACH),
+        _LYING,
+    ),
+    "hull": (
+        Feature.CONVEX_HULL,
+        (PlacedShape(shape=ConvexHull(vertices=_corners(_CUBE))),),
+        box_inertia(1.0, _CUBE),
+        _UPRIGHT,
+    ),
+    "tripod": (
+        Feature.COMPOUND | Feature.SPHERE,
+        tuple(PlacedShape(shape=Sphere(radius=HEIGHT), p_BS=foot) for foot in _TRIPOD),
+        principal_inertia(0.015, 0.015, 0.025),
+        _UPRIGHT,
+    ),
+}
+"""What lies on it, by name: the features, the shapes, the inertia of 1 kg [kg m2], and how it is turned to lie."""
+
+
+def _rests(support: str, mover: str, adapter: Adapter, settings: Settings) -> Finding:
+    """Laid down on its support without a gap, a body of 1 kg stays at its height; or the engine refuses the pair."""
+    _, bearing, top = SUPPORTS[support]
+    _, shapes, inertia, q_WB = MOVERS[mover]
+    body = Body(
+        name="mover",
+        inertia=inertia,
+        collision=shapes,
+        material="block",
+        p_WB=(*PLACE, HEIGHT),
+        q_WB=multiply(axis_angle((0.0, 0.0, 1.0), YAW), q_WB),
+    )
+    scene = Scene(bodies=(static("ground", bearing, p=(0.0, 0.0, -top)), body), surfaces=(ground(0.8),))
+    try:
+        end = final(adapter, scene, settings.with_dt(COARSE), DURATION)
+    except Unsupported as refusal:
+        raise NotApplicable(f"refused: {refusal}") from refusal
+    away = float(np.hypot(end.p_WB[1, 0] - PLACE[0], end.p_WB[1, 1] - PLACE[1]))
+    because = f"contacts give way by less than 3 mm; it moved aside by {1e3 * away:.3g} mm"
+    return judge(near(f"height of its centre after {DURATION:g} s [m]", end.p_WB[1, 2], HEIGHT, GIVES, because))
+
+
+def _check(support: str, mover: str) -> ConformanceCheck:
+    run: Callable[[Adapter, Settings], Finding] = partial(_rests, support, mover)
+    return ConformanceCheck(
+        name=f"{mover}_rests_on_{support}",
+        question=f"Does a {mover.replace('_', ' ')} rest on a {support} at its height, or is the pair refused?",
+        run=run,
+        needs=SUPPORTS[support][0] | MOVERS[mover][0],
+    )
+
+
+CHECKS = tuple(_check(support, mover) for support in SUPPORTS for mover in MOVERS)

@@ -1,0 +1,303 @@
+"""Checks of geometry: every shape rests at the height that its size says, and has all the contacts that its form needs."""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings, Unsupported
+from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS
+from harness.conformance.exact import angle_between
+from harness.conformance.runs import FINE, final
+from harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
+from harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    PlacedShape,
+    Plane,
+    Quaternion,
+    Scene,
+    Shape,
+    Sphere,
+    Surface,
+    TriangleMesh,
+    Vector3,
+    axis_angle,
+    principal_inertia,
+)
+from harness.trajectory import Floats
+
+__all__ = ["CHECKS"]
+
+_GIVES = "contacts give way by less than 3 mm; a wrong size is off by centimetres"
+_UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
+_X_UP: Quaternion = axis_angle((0.0, 1.0, 0.0), -pi / 2)
+_Y_UP: Quaternion = axis_angle((1.0, 0.0, 0.0), pi / 2)
+
+
+def _resting(adapter: Adapter, settings: Settings, shape: Shape, ways: tuple[tuple[Quaternion, float], ...]) -> Finding:
+    """Put the shape on the ground in several orientations, each with the height of its centre.
+
+    Touching, it must stay there, or it is smaller than it should be. Lifted by 2 cm it must fall freely at first, or it is
+    larger: an engine may leave a deep overlap as it is for a while, but lets nothing fall into it.
+    """
+    above = 0.02
+    resting, lifted = (
+        tuple(
+            Body(
+                name=f"way{k}",
+                inertia=principal_inertia(0.1, 0.1, 0.1),
+                collision=(PlacedShape(shape=shape),),
+                material="block",
+                p_WB=(3.0 * k, 1.0, height + lift),
+                q_WB=q,
+            )
+            for k, (q, height) in enumerate(ways)
+        )
+        for lift in (0.0, above)
+    )
+    # Without friction, so that the law among the bodies themselves suits every combination rule.
+    end = final(adapter, on_ground(adapter, *resting, friction=0.0), settings.with_dt(FINE), 0.15)
+    t = 0.05
+    fall = final(adapter, on_ground(adapter, *lifted, friction=0.0), settings.with_dt(FINE), t)
+    return judge(
+        near(f"heights of a resting {shape.type} [m]", end.p_WB[1:, 2], [height for _, height in ways], 3e-3, _GIVES),
+        near("sideways [m]", end.p_WB[1:, :2], [(3.0 * k, 1.0) for k in range(len(ways))], 3e-3, "it rests"),
+        near(
+            "v_z of one let go 2 cm above the ground [m/s]", fall.v_WB[1:, 2], [-G * t] * len(ways), 0.05 * G * t, "free fall"
+        ),
+    )
+
+
+def _sphere_radius(adapter: Adapter, settings: Settings) -> Finding:
+    return _resting(adapter, settings, Sphere(radius=0.15), ((_UPRIGHT, 0.15),))
+
+
+def _box_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
+    shape = Box(half_extents=(0.1, 0.2, 0.3))
+    return _resting(adapter, settings, shape, ((_UPRIGHT, 0.3), (_X_UP, 0.1), (_Y_UP, 0.2)))
+
+
+def _box_ground_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
+    table = static("ground", Box(half_extents=(0.5, 0.5, 0.25)), p=(0.0, 0.0, 1.0))
+    inside, outside = ball("inside", p=(0.4, 0.0, 1.35)), ball("outside", p=(0.0, 0.7, 1.35))
+    scene = Scene(bodies=(table, inside, outside), surfaces=(ground(), Surface(between=("block", "block"))))
+    end = final(adapter, scene, settings.with_dt(FINE), 0.15)
+    return judge(
+        near("height of a ball on the table [m]", end.p_WB[1, 2], 1.35, 3e-3, _GIVES),
+        near("height of a ball beside it [m]", end.p_WB[2, 2], 1.35 - G * 0.15**2 / 2, 5e-3, "it falls freely"),
+    )
+
+
+def _capsule_is_a_capsule(adapter: Adapter, settings: Settings) -> Finding:
+    return _resting(adapter, settings, Capsule(radius=0.06, half_length=0.25), ((_UPRIGHT, 0.31), (_X_UP, 0.06)))
+
+
+def _cylinder_is_a_cylinder(adapter: Adapter, settings: Settings) -> Finding:
+    return _resting(adapter, settings, Cylinder(radius=0.12, half_length=0.25), ((_UPRIGHT, 0.25), (_X_UP, 0.12)))
+
+
+def _convex_hull(adapter: Adapter, settings: Settings) -> Finding:
+    return _resting(adapter, settings, ConvexHull(vertices=CORNERS), ((_UPRIGHT, 0.3), (_X_UP, 0.1), (_Y_UP, 0.2)))
+
+
+def _on_mesh(adapter: Adapter, settings: Settings, mesh: TriangleMesh, places: tuple[tuple[float, float], ...]) -> Floats:
+    """Heights [m] after .15 s of balls of 10 cm let go 40 cm above the middle of a static mesh, whose top is at 30 cm."""
+    balls = tuple(ball(f"ball{k}", p=(x, y, 0.4)) for k, (x, y) in enumerate(places))
+    scene = Scene(bodies=(static("ground", mesh), *balls), surfaces=(ground(), Surface(between=("block", "block"))))
+    return final(adapter, scene, settings.with_dt(FINE), 0.15).p_WB[1:, 2]
+
+
+def _triangle_mesh(adapter: Adapter, settings: Settings) -> Finding:
+    z = _on_mesh(adapter, settings, TriangleMesh(vertices=CORNERS, faces=SIDES), ((-0.03, -0.1), (0.6, 0.6)))
+    return judge(
+        near("height of the ball on the mesh [m]", z[0], 0.4, 3e-3, _GIVES),
+        near("height of the ball beside the mesh [m]", z[1], 0.4 - G * 0.15**2 / 2, 5e-3, "it falls freely"),
+    )
+
+
+def _mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Finding:
+    """One mesh of two blocks with a gap: a ball lies on each, one falls through the gap, which a convex hull would close."""
+    mesh = TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])
+    try:
+        z = _on_mesh(adapter, settings, mesh, ((-0.53, -0.1), (0.54, 0.07), (0.0, 0.0)))
+    except Unsupported as refusal:
+        return Finding("passed", f"refused: {refusal}")
+    return judge(
+        near("heights of the balls on the blocks of the mesh [m]", z[:2], (0.4, 0.4), 3e-3, _GIVES),
+        near("height of the ball in the gap [m]", z[2], 0.4 - G * 0.15**2 / 2, 5e-3, "a mesh is not its convex hull"),
+    )
+
+
+def _plane_normal_points_out(adapter: Adapter, settings: Settings) -> Finding:
+    """Gravity along -x holds a ball against a plane with the normal +x, given in S and by turning the body."""
+    found = []
+    for how, wall in (
+        ("normal (1, 0, 0)", static("ground", Plane(normal=(1.0, 0.0, 0.0)), p=(0.5, 0.0, 0.0))),
+        ("normal z turned to x", static("ground", Plane(), p=(0.5, 0.0, 0.0), q=axis_angle((0.0, 1.0, 0.0), pi / 2))),
+    ):
+        scene = Scene(bodies=(wall, ball(p=(0.6, 2.0, 3.0))), surfaces=(ground(),), gravity=(-G, 0.0, 0.0))
+        end = final(adapter, scene, settings.with_dt(FINE), 0.15)
+        found.append(near(f"ball on a plane, {how} [m]", end.p_WB[1], (0.6, 2.0, 3.0), 3e-3, _GIVES))
+    return judge(*found)
+
+
+def _compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> Finding:
+    """A dumbbell lies on both its balls; with one of them missing it would tip over at once."""
+    balls = tuple(PlacedShape(shape=Sphere(radius=r), p_BS=(x, 0.0, r - 0.1)) for x, r in ((-0.3, 0.1), (0.3, 0.05)))
+    body = Body(
+        name="dumbbell", inertia=principal_inertia(0.02, 0.1, 0.1), collision=balls, material="block", p_WB=(0.0, 0.0, 0.1)
+    )
+    end = final(adapter, on_ground(adapter, body), settings.with_dt(FINE), 0.2)
+    return judge(
+        near("height of the dumbbell [m]", end.p_WB[1, 2], 0.1, 3e-3, _GIVES),
+        near(
+            "tilt [rad]",
+            angle_between(end.q_WB[1], _UPRIGHT),
+            0.0,
+            0.02,
+            "3 mm over .3 m; one ball alone lets it tip by .5 rad",
+        ),
+    )
+
+
+def _tipped(adapter: Adapter, settings: Settings, support: Body) -> Finding:
+    """A cube on a slope of 1:2 with much friction: its weight passes through its face, one contact point cannot hold it."""
+    slope = 0.5
+    lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
+    cube = block("cube", half=(0.2, 0.2, 0.2), p=(0.0, 0.0, 0.2))
+    scene = Scene(bodies=(support, cube), surfaces=(ground(1.0),), gravity=lean)
+    end = final(adapter, scene, settings.with_dt(FINE), 0.4)
+    because = "the tipping torque is half of m g w/2; on one contact point it would turn by 1 rad"
+    return judge(
+        near("tilt of the cube [rad]", angle_between(end.q_WB[1], _UPRIGHT), 0.0, 0.02, because),
+        near("its height [m]", end.p_WB[1, 2], 0.2, 3e-3, _GIVES),
+    )
+
+
+def _box_on_plane(adapter: Adapter, settings: Settings) -> Finding:
+    return _tipped(adapter, settings, static("ground", Plane()))
+
+
+def _box_on_box(adapter: Adapter, settings: Settings) -> Finding:
+    return _tipped(adapter, settings, static("ground", Box(half_extents=(5.0, 5.0, 0.5)), p=(0.0, 0.0, -0.5)))
+
+
+def _shapes_are_placed(adapter: Adapter, settings: Settings) -> Finding:
+    """A long box turned by q_BS and moved by p_BS within its body stands upright on the ground."""
+    placed = PlacedShape(shape=Box(half_extents=(0.3, 0.1, 0.1)), p_BS=(0.0, 0.0, 0.05), q_BS=axis_angle((0.0, 1.0, 0.0), 0.4))
+    # The body is turned back by the same angle less a quarter turn, so that the box's long axis points up.
+    back = axis_angle((0.0, 1.0, 0.0), -pi / 2 - 0.4)
+    offset = np.array([0.05 * np.sin(-pi / 2 - 0.4), 0.0, 0.05 * np.cos(-pi / 2 - 0.4)])
+    p = np.array([0.0, 0.0, 0.3]) - offset
+    body = Body(
+        name="body",
+        inertia=principal_inertia(0.1, 0.1, 0.1),
+        collision=(placed,),
+        material="block",
+        p_WB=(float(p[0]), 0.0, float(p[2])),
+        q_WB=back,
+    )
+    end = final(adapter, Scene(bodies=(floor(adapter), body), surfaces=(ground(0.5),)), settings.with_dt(FINE), 0.15)
+    return judge(
+        near("place of the body [m]", end.p_WB[1], p, 3e-3, _GIVES),
+        near("turn of the body [rad]", angle_between(end.q_WB[1], back), 0.0, 0.02, "it stands on a face .2 m wide"),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="sphere_radius_is_a_radius",
+        question="Is a sphere's size its radius?",
+        run=_sphere_radius,
+        needs=Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="box_extents_are_half",
+        question="Are a box's extents half, each along its own axis?",
+        run=_box_extents_are_half,
+        needs=Feature.BOX,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="box_ground_extents_are_half",
+        question="Are the extents of a static box half as well, and is there nothing beside it?",
+        run=_box_ground_extents_are_half,
+        needs=Feature.BOX | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="capsule_is_a_capsule",
+        question="Is a capsule held on its cap and on its side, by half_length + radius and by radius?",
+        run=_capsule_is_a_capsule,
+        needs=Feature.CAPSULE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="cylinder_is_a_cylinder",
+        question="Is a cylinder held on its end and on its side, by half_length and by radius?",
+        run=_cylinder_is_a_cylinder,
+        needs=Feature.CYLINDER,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="convex_hull_is_its_vertices",
+        question="Does a convex hull reach to its vertices and no further?",
+        run=_convex_hull,
+        needs=Feature.CONVEX_HULL,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="triangle_mesh_is_its_faces",
+        question="Does a triangle mesh hold what lies on it, and nothing beside it?",
+        run=_triangle_mesh,
+        needs=Feature.TRIANGLE_MESH | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="triangle_mesh_is_not_its_hull",
+        question="Is a mesh that is not convex either what it is, or refused?",
+        run=_mesh_is_not_its_hull,
+        needs=Feature.TRIANGLE_MESH | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="plane_normal_points_out",
+        question="Is a plane solid below its normal, given in its own frame?",
+        run=_plane_normal_points_out,
+        needs=Feature.PLANE | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="compound_keeps_all_shapes",
+        question="Does a body of several shapes touch with each of them?",
+        run=_compound_keeps_all_shapes,
+        needs=Feature.COMPOUND | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="shapes_are_placed_in_B",
+        question="Does a shape stand in its body where p_BS and q_BS say?",
+        run=_shapes_are_placed,
+        needs=Feature.BOX,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="box_on_plane_has_a_face_contact",
+        question="Does a box on a plane resist tipping, as a face does and a point does not?",
+        run=_box_on_plane,
+        needs=Feature.BOX | Feature.PLANE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="box_on_box_has_a_face_contact",
+        question="Does a box on a box resist tipping?",
+        run=_box_on_box,
+        needs=Feature.BOX,
+        excusable=False,
+    ),
+)

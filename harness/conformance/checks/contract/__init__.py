@@ -1,0 +1,1 @@
+"""The contract itself: what is declared, claimed, refused, kept and repeated."""

@@ -1,0 +1,140 @@
+"""Checks that an effect which a scene leaves out is not simulated, or is declared as surplus."""
+
+from harness.adapter import Adapter, Feature, Settings
+from harness.conformance.check import Comparison, ConformanceCheck, Finding, judge, near
+from harness.conformance.checks.contact.contacts import SOFT_REBOUND
+from harness.conformance.runs import COARSE, FINE, built, state_of
+from harness.conformance.scenes import TURNED, G, ball, block, floor, free, ground
+from harness.scene import WORLD, Drive, Effect, Prismatic, Scene
+from harness.trajectory import State
+
+__all__ = ["CHECKS"]
+
+
+def _run(adapter: Adapter, scene: Scene, settings: Settings, duration: float) -> tuple[State, tuple[str, ...]]:
+    with built(adapter, scene, settings) as simulation:
+        simulation.step(round(duration / settings.dt))
+        return state_of(simulation, scene), simulation.warnings()
+
+
+def _or_surplus(found: Comparison, effect: Effect, warnings: tuple[str, ...]) -> Finding:
+    """The effect is absent, or a warning 'surplus: ...' names it."""
+    words = {effect.names[0], effect.names[0].replace("_", " ")}
+    if not found.holds:
+        for warning in warnings:
+            if warning.startswith("surplus") and any(word in warning.lower() for word in words):
+                return Finding("passed", f"declared: {warning}")
+        return Finding(
+            "failed",
+            f"{found.text}; got warnings {list(warnings)}, expected none of the effect or 'surplus: {effect.names[0]}'",
+        )
+    return judge(found)
+
+
+def _gravity(adapter: Adapter, settings: Settings) -> Finding:
+    end, warnings = _run(adapter, Scene(bodies=(free(),), narrow=Effect.GRAVITY), settings.with_dt(COARSE), 0.1)
+    return _or_surplus(near("v_WB without gravity [m/s]", end.v_WB[0], (0, 0, 0), 1e-6), Effect.GRAVITY, warnings)
+
+
+def _contact(adapter: Adapter, settings: Settings) -> Finding:
+    scene = Scene(bodies=(floor(adapter), ball()), surfaces=(ground(0.5),), narrow=Effect.CONTACT)
+    end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.1)
+    return _or_surplus(near("v_z of a ball that meets nothing [m/s]", end.v_WB[1, 2], -G * 0.1, 0.02), Effect.CONTACT, warnings)
+
+
+def _friction(adapter: Adapter, settings: Settings) -> Finding:
+    scene = Scene(bodies=(floor(adapter), block(v=(2.0, 0.0, 0.0))), surfaces=(ground(0.5),), narrow=Effect.FRICTION)
+    end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.2)
+    return _or_surplus(near("v_x of a box without friction [m/s]", end.v_WB[1, 0], 2.0, 0.15), Effect.FRICTION, warnings)
+
+
+def _restitution(adapter: Adapter, settings: Settings) -> Finding:
+    dropped = ball(p=(0.0, 0.0, 0.11), v=(0.0, 0.0, -2.0))
+    scene = Scene(bodies=(floor(adapter), dropped), surfaces=(ground(restitution=0.8),), narrow=Effect.RESTITUTION)
+    end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.08)
+    rebound = max(0.0, float(end.v_WB[1, 2])) / 2.0
+    return _or_surplus(near("rebound without restitution", rebound, 0.0, SOFT_REBOUND), Effect.RESTITUTION, warnings)
+
+
+def _gyroscopic(adapter: Adapter, settings: Settings) -> Finding:
+    body = free(moments=(0.1, 0.2, 0.25), q=TURNED, w=(3.0, 1.0, -2.0))
+    scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.GYROSCOPIC)
+    end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.1)
+    return _or_surplus(
+        near("w_WB without gyroscopic torque [rad/s]", end.w_WB[0], body.w_WB, 0.02), Effect.GYROSCOPIC, warnings
+    )
+
+
+def _joints(adapter: Adapter, settings: Settings) -> Finding:
+    joint = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0))
+    end, warnings = _run(adapter, Scene(bodies=(free(),), joints=(joint,), narrow=Effect.JOINTS), settings.with_dt(COARSE), 0.1)
+    return _or_surplus(near("v_z of a body that nothing holds [m/s]", end.v_WB[0, 2], -G * 0.1, 0.02), Effect.JOINTS, warnings)
+
+
+def _drives(adapter: Adapter, settings: Settings) -> Finding:
+    joint = Prismatic(
+        name="slide",
+        parent=WORLD,
+        child="body",
+        anchor_W=(0.0, 0.0, 0.0),
+        axis_W=(1.0, 0.0, 0.0),
+        drive=Drive(stiffness=100.0, damping=1.0, target=1.0),
+    )
+    end, warnings = _run(adapter, Scene(bodies=(free(),), joints=(joint,), narrow=Effect.DRIVES), settings.with_dt(COARSE), 0.1)
+    return _or_surplus(near("v_x of a body that nothing drives [m/s]", end.v_WB[0, 0], 0.0, 1e-4), Effect.DRIVES, warnings)
+
+
+def _linear_damping(adapter: Adapter, settings: Settings) -> Finding:
+    body = free(v=(1.0, 0.0, 0.0), linear_damping=3.0)
+    scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.LINEAR_DAMPING)
+    end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
+    return _or_surplus(near("v_x without damping [m/s]", end.v_WB[0, 0], 1.0, 0.05), Effect.LINEAR_DAMPING, warnings)
+
+
+def _angular_damping(adapter: Adapter, settings: Settings) -> Finding:
+    body = free(w=(0.0, 1.0, 0.0), angular_damping=3.0)
+    scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.ANGULAR_DAMPING)
+    end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
+    return _or_surplus(near("w_y without damping [rad/s]", end.w_WB[0, 1], 1.0, 0.05), Effect.ANGULAR_DAMPING, warnings)
+
+
+def _nothing_is_surplus(adapter: Adapter, settings: Settings) -> Finding:
+    """A scene that asks for gravity alone, of a body with unequal moments at rest: the warnings name what else is computed."""
+    with built(adapter, Scene(bodies=(free(moments=(0.1, 0.2, 0.25)),)), settings) as simulation:
+        simulation.step(5)
+        got = [w for w in simulation.warnings() if w.startswith("surplus")]
+    unknown = [w for w in got if not any(name in w.lower().replace(" ", "_") for name in Effect(~0).names)]
+    if unknown:
+        return Finding("failed", f"surplus effects by unknown names: {unknown}, expected names of effects")
+    return Finding("passed", f"surplus effects declared: {got or 'none'}")
+
+
+_S = Feature.SPHERE
+
+CHECKS = (
+    *(
+        ConformanceCheck(
+            name=f"narrowed_{name}_is_left_out",
+            question=f"Where a scene leaves out {name.replace('_', ' ')}, is it absent, or declared as surplus?",
+            run=run,
+            needs=needs,
+        )
+        for name, run, needs in (
+            ("gravity", _gravity, Feature.NONE),
+            ("contact", _contact, _S),
+            ("friction", _friction, Feature.BOX),
+            ("restitution", _restitution, _S | Feature.RESTITUTION),
+            ("gyroscopic", _gyroscopic, Feature.NONE),
+            ("joints", _joints, Feature.PRISMATIC),
+            ("drives", _drives, Feature.PRISMATIC | Feature.DRIVES),
+            ("linear_damping", _linear_damping, Feature.LINEAR_DAMPING),
+            ("angular_damping", _angular_damping, Feature.ANGULAR_DAMPING),
+        )
+    ),
+    ConformanceCheck(
+        name="surplus_names_effects",
+        question="Does every 'surplus: ...' warning name an effect by its name?",
+        run=_nothing_is_surplus,
+        excusable=False,
+    ),
+)

@@ -1,0 +1,296 @@
+"""One probe for each feature: a scene or a call that an engine without the feature cannot honour."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import reduce
+from operator import or_
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
+from harness.conformance.check import ConformanceCheck, Finding, judge, that
+from harness.conformance.runs import built
+from harness.conformance.scenes import ball, block, free, ground, static
+from harness.scene import (
+    WORLD,
+    Ball,
+    Body,
+    Box,
+    Camera,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Distance,
+    Distortion,
+    Drive,
+    Effect,
+    Fixed,
+    Joint,
+    Limits,
+    PlacedShape,
+    Plane,
+    Prismatic,
+    Revolute,
+    Scene,
+    Shape,
+    Sphere,
+    Spring,
+    Surface,
+    TriangleMesh,
+)
+
+__all__ = ["CHECKS", "CORNERS", "PROBED", "SIDES", "TWO_BLOCKS", "refusal"]
+
+CORNERS = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3))
+"""The corners of a box of half extents (.1, .2, .3) m."""
+
+SIDES = (
+    (0, 1, 3),
+    (0, 3, 2),
+    (4, 6, 7),
+    (4, 7, 5),
+    (0, 4, 5),
+    (0, 5, 1),
+    (2, 3, 7),
+    (2, 7, 6),
+    (0, 2, 6),
+    (0, 6, 4),
+    (1, 5, 7),
+    (1, 7, 3),
+)
+"""The twelve triangles of a box on `CORNERS`, counter-clockwise seen from outside."""
+
+TWO_BLOCKS = (
+    tuple((x + shift, y, z) for shift in (-0.5, 0.5) for x, y, z in CORNERS),
+    tuple((a + first, b + first, c + first) for first in (0, 8) for a, b, c in SIDES),
+)
+"""Vertices [m] and faces of two such boxes, 1 m apart along x, as one mesh that is not convex."""
+
+
+def _shape(shape: Shape) -> Scene:
+    """The shape on a moving body where it may move, above a sphere-free ground of its own kind."""
+    if shape.type in {"plane", "triangle_mesh"}:
+        return Scene(bodies=(static("ground", shape), free(p=(0.0, 0.0, 1.0))))
+    return Scene(bodies=(Body(name="body", collision=(PlacedShape(shape=shape),), p_WB=(0.0, 0.0, 1.0)),))
+
+
+def _joint(joint: Joint) -> Scene:
+    return Scene(bodies=(free("body", p=(0.0, 0.0, -1.0)),), joints=(joint,))
+
+
+def _slide(limits: Limits | None = None, spring: Spring | None = None, drive: Drive | None = None) -> Scene:
+    return _joint(
+        Prismatic(
+            name="j",
+            parent=WORLD,
+            child="body",
+            anchor_W=(0.0, 0.0, -1.0),
+            axis_W=(1.0, 0.0, 0.0),
+            limits=limits,
+            spring=spring,
+            drive=drive,
+        )
+    )
+
+
+def _loop() -> Scene:
+    """Four bars, four hinges about y: two cranks on the world and a coupler."""
+    bars = (free("left", p=(0.0, 0.0, 0.5)), free("top", p=(0.5, 0.0, 1.0)), free("right", p=(1.0, 0.0, 0.5)))
+    pins = (
+        ("world", "left", (0, 0, 0)),
+        ("left", "top", (0, 0, 1)),
+        ("top", "right", (1, 0, 1)),
+        ("world", "right", (1, 0, 0)),
+    )
+    return Scene(
+        bodies=bars,
+        joints=tuple(Revolute(name=f"{a}-{b}", parent=a, child=b, anchor_W=p, axis_W=(0.0, 1.0, 0.0)) for a, b, p in pins),
+    )
+
+
+_TOUCHING = ("ground", "block")
+
+
+def _surface(law: Surface) -> Scene:
+    return Scene(
+        bodies=(static("ground", Box(half_extents=(2.0, 2.0, 0.5)), p=(0.0, 0.0, -0.5)), block()),
+        surfaces=(law,),
+    )
+
+
+def _no_rule() -> Scene:
+    """Pair values 0, .4 and .8 that no rule of one number per material gives: not product, mean, least or greatest."""
+    pairs = {("ground", "slab"): 0.0, ("ground", "block"): 0.8, ("slab", "block"): 0.4}
+    return Scene(
+        bodies=(
+            static("ground", Box(half_extents=(5.0, 5.0, 0.5)), p=(0.0, 0.0, -0.5)),
+            block("slab", half=(0.5, 0.5, 0.05), material="slab"),
+            block("block", p=(0.0, 0.0, 0.15)),
+        ),
+        surfaces=tuple(Surface(between=p, static_friction=mu, kinetic_friction=mu) for p, mu in pairs.items()),
+    )
+
+
+_SCENES: Mapping[Feature, Callable[[], Scene]] = {
+    Feature.SPHERE: lambda: _shape(Sphere(radius=0.1)),
+    Feature.BOX: lambda: _shape(Box(half_extents=(0.1, 0.2, 0.3))),
+    Feature.CAPSULE: lambda: _shape(Capsule(radius=0.1, half_length=0.2)),
+    Feature.CYLINDER: lambda: _shape(Cylinder(radius=0.1, half_length=0.2)),
+    Feature.PLANE: lambda: _shape(Plane()),
+    Feature.CONVEX_HULL: lambda: _shape(ConvexHull(vertices=CORNERS)),
+    Feature.TRIANGLE_MESH: lambda: _shape(TriangleMesh(vertices=CORNERS, faces=SIDES)),
+    Feature.COMPOUND: lambda: Scene(
+        bodies=(
+            Body(
+                name="body",
+                collision=tuple(PlacedShape(shape=Sphere(radius=0.1), p_BS=(x, 0.0, 0.0)) for x in (-0.2, 0.2)),
+            ),
+        )
+    ),
+    Feature.FULL_INERTIA: lambda: Scene(
+        bodies=(Body(name="body", inertia=((0.3, 0.05, 0.02), (0.05, 0.4, 0.03), (0.02, 0.03, 0.5))),)
+    ),
+    Feature.KINEMATIC: lambda: Scene(
+        bodies=(
+            Body(
+                name="belt",
+                motion="kinematic",
+                v_WB=(1.0, 0.0, 0.0),
+                collision=(PlacedShape(shape=Box(half_extents=(1.0, 1.0, 0.1))),),
+            ),
+            free(p=(0.0, 0.0, 1.0)),
+        )
+    ),
+    Feature.FIXED: lambda: _joint(Fixed(name="j", parent=WORLD, child="body")),
+    Feature.BALL: lambda: _joint(Ball(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0))),
+    Feature.REVOLUTE: lambda: _joint(
+        Revolute(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
+    ),
+    Feature.PRISMATIC: lambda: _slide(),
+    Feature.DISTANCE: lambda: _joint(
+        Distance(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), child_anchor_W=(0.0, 0.0, -1.0))
+    ),
+    Feature.CLOSED_LOOP: _loop,
+    Feature.LIMITS: lambda: _slide(limits=Limits(lower=-0.1, upper=0.1)),
+    Feature.SPRINGS: lambda: _slide(spring=Spring(stiffness=10.0, damping=1.0)),
+    Feature.DRIVES: lambda: _slide(drive=Drive(stiffness=10.0, damping=1.0, target=0.5)),
+    Feature.PAIR_FRICTION: _no_rule,
+    Feature.STATIC_FRICTION: lambda: _surface(Surface(between=_TOUCHING, static_friction=0.6, kinetic_friction=0.4)),
+    Feature.ROLLING_FRICTION: lambda: _surface(
+        Surface(between=_TOUCHING, static_friction=0.5, kinetic_friction=0.5, rolling_friction=0.01)
+    ),
+    Feature.TORSIONAL_FRICTION: lambda: _surface(
+        Surface(between=_TOUCHING, static_friction=0.5, kinetic_friction=0.5, torsional_friction=0.01)
+    ),
+    Feature.RESTITUTION: lambda: _surface(Surface(between=_TOUCHING, restitution=0.5)),
+    Feature.LINEAR_DAMPING: lambda: Scene(bodies=(free(linear_damping=0.5),)),
+    Feature.ANGULAR_DAMPING: lambda: Scene(bodies=(free(angular_damping=0.5),)),
+    Feature.CONTINUOUS_COLLISION: lambda: Scene(
+        bodies=(static("ground", Box(half_extents=(2.0, 2.0, 0.01))), ball(p=(0.0, 0.0, 1.0), v=(0.0, 0.0, -300.0))),
+        surfaces=(ground(),),
+        widen=Effect.CONTINUOUS_COLLISION,
+    ),
+}
+"""What each feature lets a scene say. CONTACT_FORCES and NATIVE_STEPS have no scene or call that could be refused."""
+
+
+_CAMERA = Camera(name="camera", body=WORLD, rate=1.0, width=16, height=12, focal_x=10, focal_y=10, centre_x=8, centre_y=6)
+
+
+def _ray(simulation: Simulation) -> None:
+    simulation.cast(np.array([[0.0, 0.0, 5.0]]), np.array([[0.0, 0.0, -1.0]]), 10.0)
+
+
+_CALLS: Mapping[Feature, Callable[[Simulation], object]] = {
+    Feature.CONTACTS: lambda simulation: simulation.contacts(),
+    Feature.RAYS: _ray,
+    Feature.RENDER: lambda simulation: simulation.render(_CAMERA),
+    Feature.RAY_TRACING: lambda simulation: simulation.render(
+        replace(_CAMERA, renderer="ray_traced", distortion=Distortion(k1=-0.01))
+    ),
+    Feature.WRENCH: lambda simulation: simulation.wrench(np.zeros((1, 3)), np.zeros((1, 3))),
+    Feature.SAVE: lambda simulation: simulation.restore(simulation.save()),
+}
+
+
+PROBED = reduce(or_, (*_SCENES, *_CALLS))
+"""The features that can be probed."""
+
+
+MISSING = "missing: continuous_collision"
+"""What an engine that runs without continuous collision has to say in its warnings."""
+
+
+class _Missing(Unsupported):
+    """Not refused, but run without and said so: as good as a refusal for a means that is no law of the scene."""
+
+
+def _probe(adapter: Adapter, settings: Settings, feature: Feature) -> None:
+    """Use the feature; raises Unsupported where the engine refuses it."""
+    if feature in _SCENES:
+        with built(adapter, _SCENES[feature](), settings) as simulation:
+            simulation.step()
+            if feature is Feature.CONTINUOUS_COLLISION and MISSING in " ".join(simulation.warnings()):
+                raise _Missing("continuous collision", "the engine runs without and says so")
+    elif feature in _CALLS:
+        bare = Scene(bodies=(free(),))
+        with built(adapter, bare, settings) as simulation:
+            simulation.step()
+            _CALLS[feature](simulation)
+
+
+def refusal(adapter: Adapter, settings: Settings, missing: Feature) -> Finding:
+    """Not applicable where the engine refuses each feature that it does not claim; failed where it does not."""
+    silent = []
+    for feature in missing:
+        if feature not in _SCENES and feature not in _CALLS:
+            continue
+        try:
+            _probe(adapter, settings, feature)
+        except Unsupported:
+            continue
+        silent.append(feature)
+    names = ", ".join(missing.names)
+    if silent:
+        got = ", ".join(name for feature in silent for name in feature.names)
+        return Finding("failed", f"not claimed and yet not refused: {got}; expected Unsupported")
+    return Finding("not_applicable", f"the engine does not claim {names} and refuses it")
+
+
+def claimed_features_build(adapter: Adapter, settings: Settings) -> Finding:
+    """Each claimed feature builds and steps."""
+    found = []
+    for feature in adapter.features:
+        name = feature.names[0]
+        try:
+            _probe(adapter, settings, feature)
+        except _Missing:
+            continue  # whether it has to be there is the question of continuous_collision_stops_a_fast_ball
+        except Exception as error:
+            found.append(that(False, f"{name}: claimed, but {type(error).__name__}: {error}"))
+    return judge(*found) if found else Finding("passed", f"{len(adapter.features.names)} claimed features build and step")
+
+
+def unclaimed_features_raise_unsupported(adapter: Adapter, settings: Settings) -> Finding:
+    """Each feature that is not claimed raises Unsupported where a scene or a call asks for it."""
+    missing = ~adapter.features
+    if not missing.names:
+        return Finding("not_applicable", "the engine claims every feature")
+    finding = refusal(adapter, settings, missing)
+    return finding if finding.status == "failed" else Finding("passed", finding.message)
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="claimed_features_build",
+        question="Does every claimed feature build and step?",
+        run=claimed_features_build,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="unclaimed_features_raise_unsupported",
+        question="Is every feature that is not claimed refused by Unsupported, never approximated in silence?",
+        run=unclaimed_features_raise_unsupported,
+        excusable=False,
+    ),
+)

@@ -1,0 +1,178 @@
+"""Checks of the contract that need no physics: settings, lazy imports, ownership of arrays."""
+
+import ast
+import inspect
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.adapter import Adapter, Settings, SettingsError
+from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.runs import COARSE, built, state_of
+from harness.conformance.scenes import TURNED, free, without_gravity
+from harness.scene import Scene
+
+__all__ = ["CHECKS", "loaded_at_once"]
+
+_LIGHT = {"numpy", "scipy", "harness"}
+"""What an adapter file may import when it is loaded, beside the standard library and its own package."""
+
+
+def _version_is_a_string(adapter: Adapter, _settings: Settings) -> Finding:
+    version = adapter.version()
+    return judge(
+        that(isinstance(version, str) and bool(version.strip()), f"version: got {version!r}, expected a non-empty string")
+    )
+
+
+def loaded_at_once(tree: ast.AST) -> Iterator[str]:
+    """The names of modules that are imported when the file is, whatever stands inside functions."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            continue
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            if node.level == 0 and node.module:
+                yield node.module
+        elif isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            for other in node.orelse:
+                yield from loaded_at_once(other)
+        else:
+            yield from loaded_at_once(node)
+
+
+def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding:
+    source = inspect.getsourcefile(type(adapter))
+    if source is None:
+        return Finding("failed", f"{type(adapter).__qualname__}: no source file to read its imports from")
+    own = type(adapter).__module__.split(".")[0]
+    allowed = _LIGHT | set(sys.stdlib_module_names) | ({own} - {adapter.distribution, adapter.name})
+    tree = ast.parse(Path(source).read_text(encoding="utf-8"))
+    heavy = sorted({name for name in loaded_at_once(tree) if name.split(".")[0] not in allowed})
+    return judge(
+        that(
+            not heavy,
+            f"imports outside of functions: got {', '.join(heavy) or 'none'} beyond numpy, scipy and harness, expected none",
+        )
+    )
+
+
+def _resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> Finding:
+    asked = settings.with_dt(1 / 500)
+    with built(adapter, Scene(bodies=(free(),)), asked) as simulation:
+        got = simulation.resolved
+    dropped = [
+        name
+        for name in ("substeps", "iterations", "integrator", "solver", "tolerance")
+        if getattr(asked, name) is not None and getattr(got, name) is None
+    ]
+    return judge(
+        near("resolved dt [s]", got.dt, asked.dt, 1e-9 * asked.dt, "the step is the harness's choice"),
+        that(not dropped, f"resolved leaves open what was asked for: {dropped}"),
+        that(got.integrator is not None, f"resolved integrator: got {got.integrator!r}, expected its name, default or not"),
+    )
+
+
+def _refusal_of(adapter: Adapter, settings: Settings, name: str) -> Finding:
+    try:
+        adapter.build(Scene(bodies=(free(),)), settings).close()
+    except SettingsError as error:
+        return judge(that(name in str(error), f"SettingsError {str(error)!r} does not name {name!r}"))
+    return Finding("failed", f"{name}: got a simulation, expected SettingsError")
+
+
+def _unknown_option_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+    return _refusal_of(adapter, replace(settings, options={**settings.options, "no_such_option": 1}), "no_such_option")
+
+
+def _unknown_integrator_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+    return _refusal_of(adapter, replace(settings, integrator="no_such_integrator"), "no_such_integrator")
+
+
+def _unknown_solver_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+    return _refusal_of(adapter, replace(settings, solver="no_such_solver"), "no_such_solver")
+
+
+def _close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
+    simulation = adapter.build(Scene(bodies=(free(),)), settings)
+    simulation.step()
+    simulation.close()
+    simulation.close()
+    return Finding("passed", "closed twice without an exception")
+
+
+def _warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
+    with built(adapter, Scene(bodies=(free(),)), settings) as simulation:
+        simulation.step(2)
+        got = simulation.warnings()
+    return judge(
+        that(isinstance(got, tuple) and all(isinstance(w, str) for w in got), f"warnings: got {got!r}, expected a tuple of str")
+    )
+
+
+def _state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings) -> Finding:
+    scene = without_gravity(free("a", q=TURNED, w=(1.0, 2.0, 3.0)), free("b", p=(3.0, 0.0, 0.0), v=(1.0, 0.0, 0.0)))
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        first = state_of(simulation, scene)
+        kept = first.p_WB.copy(), first.q_WB.copy(), first.v_WB.copy(), first.w_WB.copy()
+        simulation.step(10)
+        second = state_of(simulation, scene)
+    return judge(
+        that(first.finite and second.finite, "state: got entries that were not written, expected all of p, q, v, w filled in"),
+        near("earlier state after later steps", first.p_WB, kept[0], 0.0, "what was handed out must not change"),
+        near("earlier orientation after later steps", first.q_WB, kept[1], 0.0),
+        near("norm of the quaternions", np.linalg.norm(second.q_WB, axis=1), np.ones(2), 1e-6, "unit quaternions"),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="version_is_a_string", question="Is the version a string?", run=_version_is_a_string, excusable=False
+    ),
+    ConformanceCheck(
+        name="imports_without_its_vendor",
+        question="Is the vendor's package imported inside functions only?",
+        run=_imports_without_its_vendor,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="resolved_settings_are_complete",
+        question="Does the simulation say which step, integrator and solver it really uses?",
+        run=_resolved_settings_are_complete,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="unknown_option_is_refused",
+        question="Is an option that the adapter does not know an error that names it?",
+        run=_unknown_option_is_refused,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="unknown_integrator_is_refused",
+        question="Is an integrator that the engine does not have an error that names it?",
+        run=_unknown_integrator_is_refused,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="unknown_solver_is_refused",
+        question="Is a solver that the engine does not have an error that names it?",
+        run=_unknown_solver_is_refused,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="close_may_be_called_twice", question="May close be called twice?", run=_close_may_be_called_twice, excusable=False
+    ),
+    ConformanceCheck(
+        name="warnings_are_strings", question="Are warnings a tuple of strings?", run=_warnings_are_strings, excusable=False
+    ),
+    ConformanceCheck(
+        name="state_is_written_into_the_given_arrays",
+        question="Is the whole state copied into the caller's arrays, so that it stays as it was?",
+        run=_state_is_written_into_the_given_arrays,
+        excusable=False,
+    ),
+)

@@ -1,0 +1,236 @@
+"""Checks of honesty: nothing non-finite is hidden, runs repeat bit for bit, simulations share nothing, saves are exact."""
+
+from hashlib import sha256
+
+import numpy as np
+
+from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation
+from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.runs import COARSE, FINE, built, state_of
+from harness.conformance.scenes import TURNED, ball, block, floor, free, ground, without_gravity
+from harness.scene import Scene, Surface
+from harness.trajectory import State
+
+__all__ = ["CHECKS"]
+
+
+def _refused_or_seen(what: str, simulation: Simulation, scene: Scene, steps: int = 20) -> Finding:
+    """After a non-finite input: an exception at once, or a state that shows it; never a healthy one."""
+    try:
+        for _ in range(steps):
+            simulation.step()
+            if not state_of(simulation, scene).finite:
+                return Finding("passed", f"{what}: the state shows it")
+    except Diverged as error:
+        return Finding("passed", f"{what}: Diverged: {error}")
+    return Finding("failed", f"{what}: got a finite state after {steps} steps, expected Diverged or a state that shows it")
+
+
+def _nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
+    """By a NaN force where the engine takes forces; and by a spin whose square overflows."""
+    findings = []
+    scene = without_gravity(free(v=(1.0, 0.0, 0.0)))
+    if Feature.WRENCH in adapter.features:
+        with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+            simulation.step(2)
+            try:
+                simulation.wrench(np.full((1, 3), np.nan), np.zeros((1, 3)))
+            except (Diverged, ValueError) as error:
+                findings.append(Finding("passed", f"NaN force: refused: {error}"))
+            else:
+                findings.append(_refused_or_seen("NaN force", simulation, scene))
+    huge = 1e160
+    spin = without_gravity(free(moments=(0.1, 0.2, 0.25), w=(huge, 0.5 * huge, -0.3 * huge)))
+    with built(adapter, spin, settings.with_dt(COARSE)) as simulation:
+        try:
+            for _ in range(20):
+                simulation.step()
+            end = state_of(simulation, spin)
+        except Diverged as error:
+            findings.append(Finding("passed", f"spin of 1e160 rad/s: Diverged: {error}"))
+        else:
+            with np.errstate(all="ignore"):
+                kept = float(np.linalg.norm(end.w_WB[0] / huge))
+            # Angular momentum is kept, so w stays within the ratio of the moments, 0.25 : 0.1; a reset gives 0 or the start.
+            honest = not end.finite or 0.3 < kept < 3.0
+            findings.append(
+                judge(
+                    that(
+                        honest,
+                        f"spin of 1e160 rad/s: got a finite {kept * huge:.3g} rad/s, expected Diverged, NaN, or the spin kept",
+                    )
+                )
+            )
+    wrong = [f.message for f in findings if f.status == "failed"]
+    return Finding("failed", "; ".join(wrong)) if wrong else Finding("passed", "; ".join(f.message for f in findings))
+
+
+def _huge_state_is_not_reset(adapter: Adapter, settings: Settings) -> Finding:
+    """1e12 m/s is finite: either it is carried through rightly, or the engine's limit is reported as Diverged."""
+    v, steps = 1e12, 20
+    scene = without_gravity(free(v=(v, 0.0, 0.0)))
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        try:
+            simulation.step(steps)
+        except Diverged as error:
+            return Finding("passed", f"Diverged: {error}")
+        end = state_of(simulation, scene)
+        if not end.finite:
+            return Finding("passed", "the state shows that it is not finite")
+    return judge(
+        near("v_WB of a body at 1e12 m/s [m/s]", end.v_WB[0, 0], v, 1e-3 * v, "kept, or Diverged; never reset"),
+        near("its way [m]", end.p_WB[0, 0], v * steps * COARSE, 1e-3 * v * steps * COARSE, "v t"),
+    )
+
+
+def _crowd(adapter: Adapter, scale: float = 1.0) -> Scene:
+    """What meets in contact where the engine has shapes for it, beside free tops; different for each scale."""
+    tops = tuple(
+        free(f"top{k}", p=(0.0, 9.0 + k, 5.0), q=TURNED, w=(3.0 * scale, 1.0, -k), moments=(0.1, 0.2, 0.25)) for k in range(2)
+    )
+    if Feature.SPHERE not in adapter.features or not adapter.features & (Feature.PLANE | Feature.BOX):
+        return Scene(bodies=tops)
+    balls = tuple(ball(f"ball{k}", p=(0.05 * k * scale, 0.02 * k, 0.1 + 0.19 * k), w=(0.0, scale, 0.0)) for k in range(3))
+    bodies = (floor(adapter), *balls, *tops)
+    return Scene(bodies=bodies, surfaces=(ground(), Surface(between=("block", "block"))), gravity=(0.0, 0.0, -9.81 * scale))
+
+
+def _bits(state: State) -> str:
+    digest = sha256()
+    for array in (state.p_WB, state.q_WB, state.v_WB, state.w_WB):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()[:16]
+
+
+def _alone(adapter: Adapter, scene: Scene, settings: Settings, steps: int) -> str:
+    with built(adapter, scene, settings) as simulation:
+        for _ in range(steps):
+            simulation.step()
+        return _bits(state_of(simulation, scene))
+
+
+def _same_input_same_hash(adapter: Adapter, settings: Settings) -> Finding:
+    scene = _crowd(adapter)
+    first, second = (_alone(adapter, scene, settings.with_dt(COARSE), 120) for _ in range(2))
+    return judge(that(first == second, f"state hashes of two equal runs: got {first} and {second}, expected the same"))
+
+
+def _two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> Finding:
+    """Two different scenes at different steps, taken in turns, each equal to the same run on its own."""
+    one, other = _crowd(adapter), _crowd(adapter, 1.7)
+    slow, fast = settings.with_dt(COARSE), settings.with_dt(FINE)
+    expected = _alone(adapter, one, slow, 60), _alone(adapter, other, fast, 60)
+    with built(adapter, one, slow) as a, built(adapter, other, fast) as b:
+        for _ in range(60):
+            a.step()
+            b.step()
+        got = _bits(state_of(a, one)), _bits(state_of(b, other))
+    return judge(that(got == expected, f"state hashes in turns: got {got}, expected those of each run alone, {expected}"))
+
+
+def _save_and_restore_is_exact(adapter: Adapter, settings: Settings) -> Finding:
+    scene = _crowd(adapter)
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        simulation.step(40)
+        here, saved = _bits(state_of(simulation, scene)), simulation.save()
+        simulation.step(60)
+        there = _bits(state_of(simulation, scene))
+        simulation.restore(saved)
+        back = _bits(state_of(simulation, scene))
+        simulation.step(60)
+        again = _bits(state_of(simulation, scene))
+    return judge(
+        that(back == here, f"state hash after restore: got {back}, expected {here}, that of the save"),
+        that(again == there, f"state hash 60 steps after restore: got {again}, expected {there}, that of the first time"),
+    )
+
+
+def _inputs_are_left_alone(adapter: Adapter, settings: Settings) -> Finding:
+    """What the caller hands in stays as it was, and is not kept by reference."""
+    scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
+    f, tau = np.zeros((2, 3)), np.zeros((2, 3))
+    f[0, 0] = 2.0
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        simulation.wrench(f, tau)
+        unchanged = bool(f[0, 0] == 2.0 and np.count_nonzero(f) == 1 and not tau.any())
+        f[:] = 1e6
+        simulation.step(100)
+        end = state_of(simulation, scene)
+    return judge(
+        that(unchanged, f"forces handed in: got {f[0]} afterwards, expected them untouched"),
+        near(
+            "v_WB although the caller reused the array [m/s]",
+            end.v_WB[0],
+            (0.1, 0.0, 0.0),
+            0.002,
+            "F t / m of what was handed in",
+        ),
+    )
+
+
+def _heavy_on_light_stays_finite(adapter: Adapter, settings: Settings) -> Finding:
+    """50 kg on 1 kg: nothing asks for accuracy here, only that the state is finite or Diverged says that it is not."""
+    scene = Scene(
+        bodies=(
+            floor(adapter),
+            block("light", half=(0.1, 0.1, 0.1), p=(0.0, 0.0, 0.1)),
+            block("heavy", mass=50.0, half=(0.1, 0.1, 0.1), p=(0.0, 0.0, 0.3)),
+        ),
+        surfaces=(ground(), Surface(between=("block", "block"))),
+    )
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        try:
+            simulation.step(60)
+        except Diverged as error:
+            return Finding("passed", f"Diverged: {error}")
+        end = state_of(simulation, scene)
+    return judge(
+        that(end.finite, "state of 50 kg on 1 kg: got a number that is not finite and no Diverged"),
+        near("norms of the quaternions", np.linalg.norm(end.q_WB, axis=1), np.ones(3), 1e-6, "unit"),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="nan_is_reported",
+        question="After a NaN or an overflow, is there Diverged or a state that shows it, never a healthy one?",
+        run=_nan_is_reported,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="huge_state_is_not_reset",
+        question="Is a huge but finite velocity kept, or reported as Diverged, never reset in silence?",
+        run=_huge_state_is_not_reset,
+    ),
+    ConformanceCheck(
+        name="same_input_same_hash",
+        question="Do two equal runs end in the same bits?",
+        run=_same_input_same_hash,
+    ),
+    ConformanceCheck(
+        name="two_simulations_share_no_state",
+        question="Do two simulations taken in turns give what each gives alone?",
+        run=_two_simulations_share_no_state,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="save_and_restore_is_exact",
+        question="Is the future after restore the same, bit for bit, as after save?",
+        run=_save_and_restore_is_exact,
+        needs=Feature.SAVE,
+    ),
+    ConformanceCheck(
+        name="inputs_are_left_alone",
+        question="Does the adapter copy the arrays handed in, and leave them as they were?",
+        run=_inputs_are_left_alone,
+        needs=Feature.WRENCH,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="heavy_on_light_is_finite_or_diverged",
+        question="Is a state that came out of a hard contact problem finite, or Diverged?",
+        run=_heavy_on_light_stays_finite,
+        needs=Feature.BOX,
+        excusable=False,
+    ),
+)

@@ -1,0 +1,1 @@
+"""Joints: what they hold, and what acts along their coordinates."""

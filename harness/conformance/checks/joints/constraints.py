@@ -1,0 +1,297 @@
+"""Checks of joints: what they let free, what they hold, and whether the bodies that they hold collide."""
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from harness.adapter import Adapter, Feature, Settings, Unsupported
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near, that
+from harness.conformance.exact import angle_between, rotation
+from harness.conformance.runs import COARSE, FINE, final, record
+from harness.conformance.scenes import TURNED, G, block, free
+from harness.scene import (
+    WORLD,
+    Ball,
+    Distance,
+    Fixed,
+    Prismatic,
+    Quaternion,
+    Revolute,
+    Scene,
+    Surface,
+    Vector3,
+    axis_angle,
+    multiply,
+    rotate,
+)
+
+__all__ = ["CHECKS"]
+
+_NOWHERE: Vector3 = (0.0, 0.0, 0.0)
+_HELD = 5e-3
+"""What a held degree of freedom may give way [m or rad]: constraints solved by iteration or with compliance stay below."""
+_FIRST = "a staggered scheme of first order is off by half a step of motion"
+
+
+def _pendulum(angle: float, *, length: float = 1.0, moment: float = 0.2, mass: float = 2.0) -> Scene:
+    """A rigid pendulum that swings about the axis y through the origin, let go at `angle` [rad] from below."""
+    bob = free(
+        "bob",
+        mass=mass,
+        moments=(moment, moment, moment),
+        p=(-length * sin(angle), 0.0, -length * cos(angle)),
+        q=axis_angle((0.0, 1.0, 0.0), angle),
+    )
+    pin = Revolute(name="pin", parent=WORLD, child="bob", anchor_W=_NOWHERE, axis_W=(0.0, 1.0, 0.0))
+    return Scene(bodies=(bob,), joints=(pin,))
+
+
+def _pendulum_period(adapter: Adapter, settings: Settings) -> Finding:
+    """(I + m l^2) a'' = -m g l sin a, from 1 rad for 1 s: nearly half a period."""
+    start, t, inertia = 1.0, 1.0, 0.2 + 2.0
+    swing = solve_ivp(lambda _, y: (y[1], -2.0 * G * sin(y[0]) / inertia), (0, t), (start, 0.0), rtol=1e-10, atol=1e-10).y[
+        :, -1
+    ]
+    end = final(adapter, _pendulum(start), settings.with_dt(FINE), t)
+    expected = (-sin(swing[0]), 0.0, -cos(swing[0]))
+    return judge(
+        near("bob after 1 s [m]", end.p_WB[0], expected, _HELD, f"3 m/s times dt/2 = 1.5 mm: {_FIRST}"),
+        near("angular velocity [rad/s]", end.w_WB[0], (0.0, swing[1], 0.0), 0.02, "right-handed about the axis"),
+        near("orientation [rad]", angle_between(end.q_WB[0], axis_angle((0.0, 1.0, 0.0), float(swing[0]))), 0.0, _HELD),
+    )
+
+
+def _joint_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
+    run = record(adapter, _pendulum(pi / 2), settings.with_dt(COARSE), 3.0, every=4)
+    # The energy of a staggered scheme oscillates by 6e-3 m g l; damping of .04 at the joint takes ten times that.
+    energy = run.v_WB[:, 0] ** 2 @ np.ones(3) + 0.1 * (run.w_WB[:, 0] ** 2 @ np.ones(3)) + 2.0 * G * run.p_WB[:, 0, 2]
+    return judge(
+        near("energy over 3 s / (m g l)", energy[-60:].mean() / (2.0 * G), 0.0, 0.01, "kept; mean over the last second"),
+        that(float(np.ptp(run.p_WB[:, 0, 0])) > 1.0, "the pendulum swings"),
+    )
+
+
+def _revolute_turns_about_its_axis(adapter: Adapter, settings: Settings) -> Finding:
+    """A turned body runs round a slanted axis away from its centre, without gravity: at constant rate."""
+    axis, anchor, arm = np.array([1.0, 2.0, 2.0]) / 3, np.array([0.5, -0.3, 0.2]), np.array([0.6, 0.3, -0.6])
+    w, t = 2.0, 0.15
+    p = anchor + arm
+    body = free("body", p=_v(p), q=TURNED, v=_v(np.cross(w * axis, arm)), w=_v(w * axis))
+    pin = Revolute(name="pin", parent=WORLD, child="body", anchor_W=_v(anchor), axis_W=_v(axis))
+    end = final(adapter, Scene(bodies=(body,), joints=(pin,), gravity=_NOWHERE), settings.with_dt(FINE), t)
+    turn = axis_angle(_v(axis), w * t)
+    expected = anchor + rotation(turn) @ arm
+    because = "5 % of the way, for default damping, judged elsewhere"
+    return judge(
+        near("place after turning by .3 rad [m]", end.p_WB[0], expected, 0.05 * 0.27, because),
+        near("distance from the anchor [m]", np.linalg.norm(end.p_WB[0] - anchor), 0.9, _HELD, "it is held"),
+        near("orientation [rad]", angle_between(end.q_WB[0], multiply(turn, TURNED)), 0.0, 0.05 * 0.3, because),
+        near("w_WB [rad/s]", end.w_WB[0], w * axis, 0.05 * w, "no moment acts about the axis"),
+    )
+
+
+def _v(a: object) -> Vector3:
+    x, y, z = (float(c) for c in np.asarray(a))
+    return (x, y, z)
+
+
+def _prismatic_slides_along_its_axis(adapter: Adapter, settings: Settings) -> Finding:
+    axis, t = np.array([2.0, -1.0, 2.0]) / 3, 0.4
+    body = free("body", p=(0.3, 0.2, 0.1), q=TURNED)
+    slide = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=_NOWHERE, axis_W=_v(axis))
+    end = final(adapter, Scene(bodies=(body,), joints=(slide,)), settings.with_dt(FINE), t)
+    a = -G * axis[2]
+    return judge(
+        near(
+            "way under gravity [m]",
+            end.p_WB[0] - np.array([0.3, 0.2, 0.1]),
+            a * t * t / 2 * axis,
+            0.05 * -a * t * t / 2,
+            "5 % for default damping",
+        ),
+        near("velocity [m/s]", end.v_WB[0], a * t * axis, 0.05 * -a * t, "gravity along the axis alone; 5 % for damping"),
+        near("orientation [rad]", angle_between(end.q_WB[0], TURNED), 0.0, _HELD, "it does not turn"),
+    )
+
+
+def _fixed_joint_holds(adapter: Adapter, settings: Settings) -> Finding:
+    post, arm = free("post", p=(0.0, 0.0, 1.0)), free("arm", p=(0.8, 0.0, 1.2), q=TURNED)
+    joints = (Fixed(name="foot", parent=WORLD, child="post"), Fixed(name="weld", parent="post", child="arm"))
+    end = final(adapter, Scene(bodies=(post, arm), joints=joints), settings.with_dt(FINE), 0.3)
+    return judge(
+        near("places of two bodies welded to the world [m]", end.p_WB, [post.p_WB, arm.p_WB], _HELD, "they do not move"),
+        near("turn of the outer one [rad]", angle_between(end.q_WB[1], TURNED), 0.0, 2 * _HELD),
+    )
+
+
+def _ball_joint_holds_its_anchor(adapter: Adapter, settings: Settings) -> Finding:
+    """Two links on ball joints, thrown sideways: anchors stay together, all rotations go on."""
+    upper = free("upper", p=(0.0, 0.0, -0.5), moments=(0.1, 0.2, 0.25), w=(0.0, 0.0, 2.0))
+    lower = free("lower", p=(0.5, 0.0, -1.0), q=TURNED, moments=(0.1, 0.2, 0.25))
+    joints = (
+        Ball(name="top", parent=WORLD, child="upper", anchor_W=_NOWHERE),
+        Ball(name="elbow", parent="upper", child="lower", anchor_W=(0.0, 0.0, -1.0)),
+    )
+    end = final(adapter, Scene(bodies=(upper, lower), joints=joints), settings.with_dt(FINE), 0.5)
+    R_upper, R_lower = rotation(end.q_WB[0]), rotation(end.q_WB[1])
+    arm = np.array(rotate(_inverse(TURNED), (-0.5, 0.0, 0.0)))
+    elbow = end.p_WB[0] + R_upper @ (0.0, 0.0, -0.5)
+    return judge(
+        near("the upper anchor [m]", end.p_WB[0] + R_upper @ (0.0, 0.0, 0.5), _NOWHERE, _HELD, "it stays in the world"),
+        near("the elbow seen from below [m]", end.p_WB[1] + R_lower @ arm, elbow, _HELD, "both links share it"),
+        that(
+            end.p_WB[1, 0] < 0.4, f"x of the lower link: got {end.p_WB[1, 0]:.4g} m, expected below .4: it swings down from .5"
+        ),
+        that(abs(end.w_WB[0, 2]) > 0.5, f"spin about z: got {end.w_WB[0, 2]:.4g} rad/s, expected to go on from 2"),
+    )
+
+
+def _inverse(q: Quaternion) -> Quaternion:
+    return (q[0], -q[1], -q[2], -q[3])
+
+
+def _distance_joint_keeps_its_length(adapter: Adapter, settings: Settings) -> Finding:
+    """A bob on a rod, thrown across: the distance stays, the rod carries push as well as pull."""
+    rod = Distance(name="rod", parent=WORLD, child="bob", anchor_W=_NOWHERE, child_anchor_W=(0.0, 0.8, 0.6))
+    bob = free("bob", p=(0.0, 0.8, 0.6), v=(1.0, 0.0, 0.0))
+    run = record(adapter, Scene(bodies=(bob,), joints=(rod,)), settings.with_dt(FINE), 0.5, every=10)
+    length = np.linalg.norm(run.p_WB[:, 0], axis=1)
+    # Energy of a point on a sphere: v^2 = v0^2 + 2 g (z0 - z).
+    speed = float(np.linalg.norm(run.v_WB[-1, 0]))
+    expected = sqrt(1.0 + 2 * G * (0.6 - float(run.p_WB[-1, 0, 2])))
+    return judge(
+        near("distance over half a second [m]", [length.min(), length.max()], (1.0, 1.0), _HELD, "it is held"),
+        near("speed from the height fallen [m/s]", speed, expected, 0.02 * expected, "the rod does no work; 2 %"),
+    )
+
+
+def _closed_loop_stays_closed(adapter: Adapter, settings: Settings) -> Finding:
+    """A parallelogram of three bars falls to one side: its coupler stays level, its four pins together."""
+    w = 1.0
+    left = free("left", p=(0.0, 0.0, 0.5), v=(0.5 * w, 0.0, 0.0), w=(0.0, w, 0.0), mass=1.0, moments=(0.1, 0.1, 0.1))
+    top = free("top", p=(0.5, 0.0, 1.0), v=(w, 0.0, 0.0), mass=1.0, moments=(0.1, 0.1, 0.1))
+    right = free("right", p=(1.0, 0.0, 0.5), v=(0.5 * w, 0.0, 0.0), w=(0.0, w, 0.0), mass=1.0, moments=(0.1, 0.1, 0.1))
+    y = (0.0, 1.0, 0.0)
+    joints = (
+        Revolute(name="a", parent=WORLD, child="left", anchor_W=_NOWHERE, axis_W=y),
+        Revolute(name="b", parent="left", child="top", anchor_W=(0.0, 0.0, 1.0), axis_W=y),
+        Revolute(name="c", parent=WORLD, child="right", anchor_W=(1.0, 0.0, 0.0), axis_W=y),
+        Revolute(name="d", parent="top", child="right", anchor_W=(1.0, 0.0, 1.0), axis_W=y),
+    )
+    end = final(adapter, Scene(bodies=(left, top, right), joints=joints), settings.with_dt(FINE), 0.4)
+    tops = [end.p_WB[k] + rotation(end.q_WB[k]) @ (0.0, 0.0, 0.5) for k in (0, 2)]
+    return judge(
+        near(
+            "left end of the coupler against the left crank [m]",
+            end.p_WB[1] + rotation(end.q_WB[1]) @ (-0.5, 0, 0),
+            tops[0],
+            _HELD,
+        ),
+        near(
+            "right end of the coupler against the right crank [m]",
+            end.p_WB[1] + rotation(end.q_WB[1]) @ (0.5, 0, 0),
+            tops[1],
+            _HELD,
+        ),
+        near("tilt of the coupler [rad]", angle_between(end.q_WB[1], (1, 0, 0, 0)), 0.0, 2 * _HELD, "a parallelogram"),
+        that(end.p_WB[1, 2] < 0.95, f"height of the coupler: got {end.p_WB[1, 2]:.4g} m, expected below .95: it falls"),
+    )
+
+
+def _leaves(apart: float, w: float, collide: bool) -> Scene:
+    """Two boxes, one `apart` [m] above the other, on a hinge about y beside their common face; w [rad/s] opens it."""
+    pin_W = (0.4, 0.0, 0.15)
+    below, above = block("below", half=(0.3, 0.1, 0.1), p=_NOWHERE), (0.0, 0.0, 0.2 + apart)
+    turning = _v(np.cross((0.0, w, 0.0), np.subtract(above, pin_W)))
+    leaf = block("above", half=(0.3, 0.1, 0.1), p=above, v=turning, w=(0.0, w, 0.0))
+    pin = Revolute(name="pin", parent="below", child="above", anchor_W=pin_W, axis_W=(0.0, 1.0, 0.0), collide=collide)
+    return Scene(bodies=(below, leaf), joints=(pin,), surfaces=(Surface(between=("block", "block")),), gravity=_NOWHERE)
+
+
+def _joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> Finding:
+    end = final(adapter, _leaves(-0.005, 0.0, False), settings.with_dt(FINE), 0.1)
+    because = "a joint keeps them from colliding"
+    return judge(
+        near("velocities of two overlapping boxes on one hinge [m/s]", end.v_WB, np.zeros((2, 3)), 1e-6, because),
+        near("their angular velocities [rad/s]", end.w_WB, np.zeros((2, 3)), 1e-6, because),
+    )
+
+
+def _joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Finding:
+    """The same hinge, closing at .2 rad/s over a gap of 2 mm: the boxes meet and stop, or the engine refuses such a joint."""
+    try:
+        end = final(adapter, _leaves(0.002, -0.2, True), settings.with_dt(FINE), 0.15)
+    except Unsupported as refusal:
+        raise NotApplicable(f"refused: {refusal}") from refusal
+    rate = float(end.w_WB[1, 1] - end.w_WB[0, 1])
+    return judge(that(rate > -0.05, f"rate of the hinge: got {rate:.4g} rad/s, expected above -.05: the boxes meet and stop"))
+
+
+_R, _P = Feature.REVOLUTE, Feature.PRISMATIC
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="joint_pendulum_period",
+        question="Does a rigid pendulum swing at its rate, inertia about the axis included?",
+        run=_pendulum_period,
+        needs=_R,
+    ),
+    ConformanceCheck(
+        name="joint_damping_is_off",
+        question="Does a pendulum keep its energy where the scene asks for no damping?",
+        run=_joint_damping_is_off,
+        needs=_R,
+    ),
+    ConformanceCheck(
+        name="revolute_turns_about_its_axis",
+        question="Are anchor and axis in W, and the initial velocity kept?",
+        run=_revolute_turns_about_its_axis,
+        needs=_R,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="prismatic_slides_along_its_axis",
+        question="Does a slide move along its axis alone, in W?",
+        run=_prismatic_slides_along_its_axis,
+        needs=_P,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="fixed_joint_holds",
+        question="Does a fixed joint hold place and orientation, to the world and between bodies?",
+        run=_fixed_joint_holds,
+        needs=Feature.FIXED,
+    ),
+    ConformanceCheck(
+        name="ball_joint_holds_its_anchor",
+        question="Does a ball joint hold its anchor and nothing else?",
+        run=_ball_joint_holds_its_anchor,
+        needs=Feature.BALL,
+    ),
+    ConformanceCheck(
+        name="distance_joint_keeps_its_length",
+        question="Does a rod keep its length, in pull and push, without doing work?",
+        run=_distance_joint_keeps_its_length,
+        needs=Feature.DISTANCE,
+    ),
+    ConformanceCheck(
+        name="closed_loop_stays_closed",
+        question="Does a loop of joints stay closed in motion?",
+        run=_closed_loop_stays_closed,
+        needs=_R | Feature.CLOSED_LOOP,
+    ),
+    ConformanceCheck(
+        name="joined_bodies_do_not_collide",
+        question="Do bodies that a joint keeps from colliding overlap in peace?",
+        run=_joined_bodies_do_not_collide,
+        needs=_R | Feature.BOX,
+    ),
+    ConformanceCheck(
+        name="joined_bodies_collide_when_told",
+        question="Do bodies collide whose joint says that they do?",
+        run=_joined_bodies_collide_when_told,
+        needs=_R | Feature.BOX,
+    ),
+)

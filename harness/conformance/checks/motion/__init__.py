@@ -1,0 +1,1 @@
+"""Free motion: frames, laws, single steps, digits."""

@@ -1,0 +1,266 @@
+"""Checks of free motion: gravity, hidden damping, sleeping, clamps, gyroscopic torque, damping laws, time itself."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings, SettingsError
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.exact import angle_between, turning
+from harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, state_of
+from harness.conformance.scenes import TURNED, G, block, free, on_ground, without_gravity
+from harness.scene import Scene, axis_angle
+
+__all__ = ["CHECKS"]
+
+
+def _fall(adapter: Adapter, settings: Settings, gravity: tuple[float, float, float]) -> Finding:
+    """From rest and for a short time, so that a vendor's default damping, judged elsewhere, takes less than half a percent."""
+    t, dt = 0.05, COARSE
+    end = final(adapter, Scene(bodies=(free(),), gravity=gravity), settings.with_dt(dt), t)
+    g = np.array(gravity)
+    size = float(np.linalg.norm(g))
+    because = "|g| dt t/2 is what a staggered scheme of first order leaves"
+    return judge(
+        near(
+            "v_WB after free fall [m/s]", end.v_WB[0], g * t, 0.01 * size * t, "1 %: every scheme is exact in v but for damping"
+        ),
+        near("p_WB after free fall [m]", end.p_WB[0], g * t * t / 2, 1.001 * size * dt * t / 2 + ROUNDING, because),
+    )
+
+
+def _free_fall(adapter: Adapter, settings: Settings) -> Finding:
+    return _fall(adapter, settings, (0.0, 0.0, -G))
+
+
+def _gravity_is_a_vector(adapter: Adapter, settings: Settings) -> Finding:
+    return _fall(adapter, settings, (3.0, -4.0, 5.0))
+
+
+def _hidden_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
+    v, w = (3.0, -2.0, 1.0), (1.0, 2.0, -3.0)
+    end = final(adapter, without_gravity(free(v=v, w=w)), settings.with_dt(COARSE), 1.0)
+    because = "no force acts; a damping of .04 1/s would take 4 %"
+    return judge(
+        near("v_WB after 1 s [m/s]", end.v_WB[0], v, 1e-4, because),
+        near("w_WB of a spherical inertia after 1 s [rad/s]", end.w_WB[0], w, 1e-4, because),
+    )
+
+
+def _velocity_is_not_clamped(adapter: Adapter, settings: Settings) -> Finding:
+    v, w, t = (400.0, 0.0, 0.0), (0.0, 0.0, 300.0), 0.1
+    end = final(adapter, without_gravity(free(v=v, w=w)), settings.with_dt(FINE), t)
+    return judge(
+        near("v_WB [m/s]", end.v_WB[0], v, 0.1, "nothing slows it down"),
+        near("w_WB [rad/s]", end.w_WB[0], w, 0.1, "nothing slows it down"),
+        near("way [m]", end.p_WB[0, 0], 400.0 * t, 0.05, "v t"),
+    )
+
+
+def _fast_spin_is_not_cut(adapter: Adapter, settings: Settings) -> Finding:
+    """One radian a step: an engine that cuts the turn of a step at pi/4 falls behind by 2 rad in ten."""
+    steps, w = 10, 1.0 / COARSE
+    end = final(adapter, without_gravity(free(w=(0.0, 0.0, w))), settings.with_dt(COARSE), steps * COARSE)
+    behind = angle_between(end.q_WB[0], axis_angle((0.0, 0.0, 1.0), float(steps)))
+    because = "(w dt)^2/12 = 8 % of ten radians for an orientation update of first order"
+    return judge(near("angle to the exact orientation after ten steps of 1 rad [rad]", behind, 0.0, 1.0, because))
+
+
+def _woken(adapter: Adapter, settings: Settings) -> float:
+    """The speed [m/s] that .05 N give to 1 kg on ice in half a second after it has rested for one."""
+    scene = on_ground(adapter, block(), friction=0.0)
+    push = np.zeros((2, 3))
+    push[1, 0] = 0.05
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        simulation.step(round(1 / COARSE))
+        simulation.wrench(push, np.zeros((2, 3)))
+        simulation.step(round(0.5 / COARSE))
+        return float(state_of(simulation, scene).v_WB[1, 0])
+
+
+def _sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
+    """Slow motion in empty space and, where there is ground, slow sliding without friction: both go on for ever."""
+    v, w, t = 0.005, 0.02, 3.0
+    end = final(adapter, without_gravity(free(v=(v, 0.0, 0.0), w=(0.0, 0.0, w))), settings.with_dt(COARSE), t)
+    because = "nothing stops it; an engine that puts slow bodies to sleep does"
+    found = [
+        near("v_WB of a slow body after 3 s [m/s]", end.v_WB[0], (v, 0, 0), 1e-4, because),
+        near("w_WB of a slow body after 3 s [rad/s]", end.w_WB[0], (0, 0, w), 1e-4, because),
+        near("its way [m]", end.p_WB[0], (v * t, 0, 0), 1e-3, because),
+    ]
+    if Feature.BOX in adapter.features:
+        scene = on_ground(adapter, block(v=(v, 0.0, 0.0)), friction=0.0)
+        slid = final(adapter, scene, settings.with_dt(COARSE), t)
+        found.append(near("way of a slow box on ice in 3 s [m]", slid.p_WB[1, 0], v * t, 0.1 * v * t, because))
+    if Feature.BOX | Feature.WRENCH in adapter.features:
+        woken = _woken(adapter, settings)
+        found.append(near("v_x of a rested box on ice, after .05 N for .5 s [m/s]", woken, 0.025, 0.003, "F t / m"))
+    return judge(*found)
+
+
+def _gyroscopic_term_is_present(adapter: Adapter, settings: Settings) -> Finding:
+    moments, w, t = (0.1, 0.2, 0.25), (3.0, 1.0, -2.0), 0.25
+    body = free(moments=moments, q=TURNED, w=w)
+    got = final(adapter, without_gravity(body), settings.with_dt(FINE), t).w_WB[0]
+    expected = turning(body.inertia, TURNED, w, t)[1]
+    change = float(np.linalg.norm(expected - w))
+    because = "5 % of its change in a quarter second; a scheme of first order errs by about w dt/2 = 0.2 %"
+    return judge(near("w_WB of a free asymmetric top [rad/s]", got, expected, 0.05 * change, because))
+
+
+def _linear_damping_law(adapter: Adapter, settings: Settings) -> Finding:
+    c, v, t = 2.0, 3.0, 0.5
+    end = final(adapter, without_gravity(free(v=(v, 0.0, 0.0), linear_damping=c)), settings.with_dt(COARSE), t)
+    expected = v * np.exp(-c * t)
+    within = 1.2 * expected * c * c * t * COARSE / 2 + ROUNDING
+    return judge(near("v_WB under v' = -c v [m/s]", end.v_WB[0], (expected, 0, 0), within, "(1 - c dt)^n errs by c^2 t dt/2"))
+
+
+def _angular_damping_law(adapter: Adapter, settings: Settings) -> Finding:
+    c, w, t = 2.0, 3.0, 0.5
+    end = final(adapter, without_gravity(free(w=(0.0, w, 0.0), angular_damping=c)), settings.with_dt(COARSE), t)
+    expected = w * np.exp(-c * t)
+    within = 1.2 * expected * c * c * t * COARSE / 2 + ROUNDING
+    return judge(near("w_WB under w' = -c w [rad/s]", end.w_WB[0], (0, expected, 0), within, "(1 - c dt)^n errs by c^2 t dt/2"))
+
+
+def _step_advances_exactly_dt(adapter: Adapter, settings: Settings) -> Finding:
+    bodies = [free("fall"), free("spin", p=(5.0, 0.0, 0.0), q=TURNED, w=(3.0, 1.0, -2.0), moments=(0.1, 0.2, 0.25))]
+    scene = Scene(bodies=tuple(bodies))
+    if Feature.BOX in adapter.features:
+        scene = on_ground(adapter, block(p=(0.0, 0.0, 0.05), v=(1.0, 0.5, 0.0)))
+        scene = replace(scene, bodies=(*scene.bodies, *(replace(b, p_WB=(b.p_WB[0], 0.0, 50.0)) for b in bodies)))
+    n, place = 24, scene.index("fall")
+    asked = settings.with_dt(COARSE)
+    with built(adapter, scene, asked) as together, built(adapter, scene, asked) as apart:
+        together.step(n)
+        for _ in range(n):
+            apart.step()
+        one, other = state_of(together, scene), state_of(apart, scene)
+        together.step()
+        later = state_of(together, scene)
+    half = 0.5 * G * COARSE
+    return judge(
+        near("v_z after step(24) [m/s]", one.v_WB[place, 2], -G * n * COARSE, half, "g times 24 dt, half a step granted"),
+        near("v_z one step later [m/s]", later.v_WB[place, 2], -G * (n + 1) * COARSE, half, "g times 25 dt"),
+        near("p_WB of step(24) against 24 step(1) [m]", one.p_WB, other.p_WB, 0.0, "the same bits"),
+        near("q_WB of step(24) against 24 step(1)", one.q_WB, other.q_WB, 0.0, "the same bits"),
+        near("v_WB of step(24) against 24 step(1) [m/s]", one.v_WB, other.v_WB, 0.0, "the same bits"),
+        near("w_WB of step(24) against 24 step(1) [rad/s]", one.w_WB, other.w_WB, 0.0, "the same bits"),
+    )
+
+
+def _substeps_divide_dt(adapter: Adapter, settings: Settings) -> Finding:
+    scene, t = Scene(bodies=(free(),)), 0.1
+    try:
+        end = final(adapter, scene, replace(settings, dt=COARSE, substeps=4), t)
+    except SettingsError as error:
+        raise NotApplicable(f"the adapter takes no substeps: {error}") from error
+    return judge(
+        near(
+            "v_z of a fall in sub-steps [m/s]",
+            end.v_WB[0, 2],
+            -G * t,
+            0.02 * G * t,
+            "sub-steps divide dt, they do not add to it",
+        )
+    )
+
+
+def _wrench_has_sign_and_size(adapter: Adapter, settings: Settings) -> Finding:
+    scene = without_gravity(free("idle"), free("pushed", p=(5.0, 0.0, 0.0), mass=2.0, q=TURNED))
+    f, tau, t = np.array([1.0, -2.0, 3.0]), np.array([0.3, -0.1, 0.2]), 0.02
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        simulation.wrench(np.array([np.zeros(3), f]), np.array([np.zeros(3), tau]))
+        simulation.step(8)
+        simulation.step(12)
+        pushed = state_of(simulation, scene)
+        simulation.wrench(np.zeros((2, 3)), np.zeros((2, 3)))
+        simulation.step(20)
+        coasting = state_of(simulation, scene)
+    return judge(
+        near(
+            "v_WB of the pushed body [m/s]",
+            pushed.v_WB[1],
+            f * t / 2.0,
+            0.02 * 0.037,
+            "f t / m, in every step until told otherwise",
+        ),
+        near(
+            "w_WB of the pushed body [rad/s]", pushed.w_WB[1], tau * t / 0.3, 0.02 * 0.025, "tau t / I for a spherical inertia"
+        ),
+        near("v_WB of the other body [m/s]", pushed.v_WB[0], (0, 0, 0), 1e-9, "each row acts on its own body"),
+        near("v_WB after the push has ended [m/s]", coasting.v_WB[1], pushed.v_WB[1], 0.02 * 0.037, "2 % for default damping"),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="free_fall_has_the_size_and_sign_of_g",
+        question="Does a free body fall with g, downwards?",
+        run=_free_fall,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="gravity_is_a_vector",
+        question="Does gravity act in any direction that the scene gives?",
+        run=_gravity_is_a_vector,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="step_advances_exactly_dt",
+        question="Is step(n) exactly n dt, and bit for bit n times step(1)?",
+        run=_step_advances_exactly_dt,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="substeps_divide_dt",
+        question="Does time pass at the same rate with sub-steps?",
+        run=_substeps_divide_dt,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="hidden_damping_is_off",
+        question="Does a free body keep its velocities where the scene asks for no damping?",
+        run=_hidden_damping_is_off,
+    ),
+    ConformanceCheck(
+        name="velocity_is_not_clamped",
+        question="May a body be fast: 400 m/s, 300 rad/s?",
+        run=_velocity_is_not_clamped,
+    ),
+    ConformanceCheck(
+        name="fast_spin_is_not_cut",
+        question="May a body turn by one radian in a step?",
+        run=_fast_spin_is_not_cut,
+    ),
+    ConformanceCheck(
+        name="sleeping_is_off",
+        question="Does a slow body keep moving, free or in contact?",
+        run=_sleeping_is_off,
+    ),
+    ConformanceCheck(
+        name="gyroscopic_term_is_present",
+        question="Does a free asymmetric top precess?",
+        run=_gyroscopic_term_is_present,
+    ),
+    ConformanceCheck(
+        name="linear_damping_law",
+        question="Is linear damping v' = -c v with the scene's c in 1/s?",
+        run=_linear_damping_law,
+        needs=Feature.LINEAR_DAMPING,
+    ),
+    ConformanceCheck(
+        name="angular_damping_law",
+        question="Is angular damping w' = -c w with the scene's c in 1/s?",
+        run=_angular_damping_law,
+        needs=Feature.ANGULAR_DAMPING,
+    ),
+    ConformanceCheck(
+        name="wrench_has_sign_and_size",
+        question="Do force and torque act in W, at the centre of mass, on the right body, until told otherwise?",
+        run=_wrench_has_sign_and_size,
+        needs=Feature.WRENCH,
+        excusable=False,
+    ),
+)

@@ -1,0 +1,1 @@
+"""Sensing: rays, pictures, inertial sensors."""

@@ -1,0 +1,189 @@
+"""Checks of pictures against closed forms: depth, names of bodies, pixels, light and shadow."""
+
+from dataclasses import replace
+from math import pi, sin
+from typing import Any
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings
+from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.exact import rotation
+from harness.conformance.runs import built
+from harness.conformance.scenes import static
+from harness.scene import (
+    WORLD,
+    Appearance,
+    Box,
+    Camera,
+    PlacedShape,
+    Scene,
+    Sun,
+    axis_angle,
+)
+from harness.trajectory import Image
+
+__all__ = ["CHECKS"]
+
+
+def _picture(adapter: Adapter, settings: Settings, scene: Scene, **changed: Any) -> Image:
+    """What a camera at the origin of W sees that looks along z, of 64 by 48 pixels, unless changed."""
+    asked: dict[str, Any] = {"width": 64, "height": 48, "focal_x": 40, "focal_y": 40, "centre_x": 32, "centre_y": 24, **changed}
+    with built(adapter, scene, settings) as simulation:
+        return simulation.render(Camera(name="camera", body=WORLD, rate=1.0, **asked))
+
+
+def _image_is_z_depth(adapter: Adapter, settings: Settings) -> Finding:
+    """A turned camera in the world sees a box that lies 1 m to its right, .75 m down and 4 m ahead, and nothing else."""
+    look = axis_angle((1.0, -1.0, 1.0), 2 * pi / 3)
+    R = rotation(look)
+    centre = R @ np.array([1.0, 0.75, 4.0])
+    box = static("box", Box(half_extents=(0.5, 0.5, 0.5)), p=(float(centre[0]), float(centre[1]), float(centre[2])))
+    image = _picture(adapter, settings, Scene(bodies=(box,)), q_BS=look)
+    right, down = 32 + round(40 * 1.0 / 3.5), 24 + round(40 * 0.75 / 3.5)
+    return judge(
+        that(image.depth.shape == (48, 64), f"shape of the image: got {image.depth.shape}, expected (48, 64)"),
+        near("z-depth of the box's face [m]", image.depth[down, right], 3.5, 0.02, "z-depth, not range"),
+        that(
+            bool(np.isinf(image.depth[48 - down, 64 - right])),
+            f"depth at the opposite pixel: got {image.depth[48 - down, 64 - right]}, expected inf",
+        ),
+    )
+
+
+def _image_names_bodies(adapter: Adapter, settings: Settings) -> Finding:
+    """A box to the left and one to the right, drawn with a smaller one, in front of a wall that fills the lower half."""
+    small = PlacedShape(shape=Box(half_extents=(0.2, 0.2, 0.2)))
+    right = replace(static("right", Box(half_extents=(0.5, 0.5, 0.5)), p=(1.0, 0.0, 4.0)), visual=(small,))
+    scene = Scene(
+        bodies=(
+            static("wall", Box(half_extents=(20.0, 10.0, 0.5)), p=(0.0, 10.0, 8.0)),
+            static("left", Box(half_extents=(0.5, 0.5, 0.5)), p=(-1.0, 0.0, 4.0)),
+            right,
+        )
+    )
+    image = _picture(adapter, settings, scene)
+    got = [int(image.body[row, column]) for row, column in ((24, 21), (24, 42), (40, 32), (4, 32), (19, 42))]
+    seen = np.isfinite(image.depth)
+    odd = int((seen != (image.body >= 0)).sum())
+    return judge(
+        that(image.body.shape == (48, 64), f"shape of the bodies: got {image.body.shape}, expected (48, 64)"),
+        that(
+            got == [1, 2, 0, -1, -1],
+            f"bodies at the left box, the right one, the wall, above it, and where the right one only touches: got {got}, "
+            "expected [1, 2, 0, -1, -1], places in the scene",
+        ),
+        that(odd == 0, f"pixels with a depth but no body or a body but no depth: got {odd}, expected none"),
+    )
+
+
+def _pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> Finding:
+    """The edges of a face cross the image a quarter of a pixel beyond the centres that they are to hold.
+
+    Columns 20..40 and rows 12..35 have their centres within 20.25..40.75 and 12.25..35.75; were the centre of a pixel at one of
+    its corners, the face would hold other ones.
+    """
+    low, high = np.array([20.25 - 32, 12.25 - 24]) / 40 * 4, np.array([40.75 - 32, 35.75 - 24]) / 40 * 4
+    (x, y), (half_x, half_y) = (low + high) / 2, (high - low) / 2
+    box = static("box", Box(half_extents=(float(half_x), float(half_y), 0.5)), p=(float(x), float(y), 4.5))
+    seen = np.isfinite(_picture(adapter, settings, Scene(bodies=(box,))).depth)
+    columns, rows = np.flatnonzero(seen.any(axis=0)), np.flatnonzero(seen.any(axis=1))
+    got = [[int(one[0]), int(one[-1])] if len(one) else [] for one in (columns, rows)]
+    return judge(
+        that(got == [[20, 40], [12, 35]], f"first and last columns and rows: got {got}, expected [[20, 40], [12, 35]]"),
+        that(int(seen.sum()) == 21 * 24, f"pixels of the face: got {int(seen.sum())}, expected {21 * 24}"),
+    )
+
+
+def _image_is_cut_near_the_camera(adapter: Adapter, settings: Settings) -> Finding:
+    """A face at .1 m fills the image; a floor that runs under the camera to behind it shows below the horizon alone."""
+    close = _picture(adapter, settings, Scene(bodies=(static("wall", Box(half_extents=(1.0, 1.0, 0.5)), p=(0.0, 0.0, 0.6)),)))
+    behind = _picture(adapter, settings, Scene(bodies=(static("wall", Box(half_extents=(1.0, 1.0, 0.5)), p=(0.0, 0.0, -2.0)),)))
+    floor = static("floor", Box(half_extents=(20.0, 0.5, 20.0)), p=(0.0, 1.5, 0.0))
+    below = _picture(adapter, settings, Scene(bodies=(floor,))).depth
+    rows = np.arange(30, 48)
+    expected = np.repeat(40.0 / (rows + 0.5 - 24.0)[:, None], 64, axis=1)
+    return judge(
+        near("z-depths of a face at .1 m [m]", close.depth, np.full((48, 64), 0.1), 1e-3, "nothing of it is cut away"),
+        that(bool(np.isinf(behind.depth).all()), "depths with a box behind the camera: got some, expected inf"),
+        near("z-depths of the floor [m]", below[30:], expected, 0.02, "1 % of the least"),
+        that(bool(np.isinf(below[:24]).all()), "depths above the horizon: got some, expected inf"),
+    )
+
+
+def _image_is_lit_by_sun_and_sky(adapter: Adapter, settings: Settings) -> Finding:
+    """A face whose normal is 60 degrees off the sun sends back its colour times irradiance cos / pi + sky; no face, the sky."""
+    colour, sun = np.array([0.8, 0.4, 0.1]), Sun(towards_W=(0.0, -sin(pi / 3), -0.5), irradiance=pi / 2, sky=0.3)
+    look = Appearance(colour=(0.8, 0.4, 0.1))
+    box = replace(static("box", Box(half_extents=(0.5, 0.5, 0.5)), p=(0.0, 0.0, 4.0)), appearance=look)
+    image = _picture(adapter, settings, Scene(bodies=(box,), sun=sun))
+    if image.colour is None:
+        return Finding("failed", "colour: got none, expected (48, 64, 3)")
+    # Light is at most .8 in all, so that 8 bits count in steps of .8/255; a rasteriser may round twice.
+    grain = 2 * 0.8 / 255
+    return judge(
+        that(image.colour.shape == (48, 64, 3), f"shape of the colours: got {image.colour.shape}, expected (48, 64, 3)"),
+        near("colour of the face", image.colour[24, 32], colour * (0.5 * 0.5 + 0.3), grain, "Lambert's law, 8 bits a colour"),
+        near("colour of the sky", image.colour[2, 2], np.full(3, 0.3), grain),
+    )
+
+
+def _ray_traced_image_has_shadows(adapter: Adapter, settings: Settings) -> Finding:
+    """Seen from the side of a sun above it, a plate of a metre keeps its light off the floor below, not beside."""
+    white = Appearance(colour=(1.0, 1.0, 1.0))
+    scene = Scene(
+        bodies=(
+            replace(static("floor", Box(half_extents=(20.0, 0.5, 20.0)), p=(0.0, 1.5, 0.0)), appearance=white),
+            static("plate", Box(half_extents=(0.5, 0.05, 0.5)), p=(0.0, -0.5, 4.0)),
+        ),
+        sun=Sun(towards_W=(0.0, -1.0, 0.0), irradiance=pi / 2, sky=0.25),
+    )
+    image = _picture(adapter, settings, scene, renderer="ray_traced")
+    if image.colour is None:
+        return Finding("failed", "colour: got none, expected (48, 64, 3)")
+    # The floor lies 1 m below: at 4 m ahead it is seen in row 24 + 40/4.
+    return judge(
+        near("floor under the plate", image.colour[34, 32], np.full(3, 0.25), 1e-2, "the sky alone"),
+        near("floor beside it", image.colour[34, 52], np.full(3, 0.75), 1e-2, "sun and sky"),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="image_is_z_depth",
+        question="Is the depth image z-depth in metres, x right, y down, inf where nothing is?",
+        run=_image_is_z_depth,
+        needs=Feature.RENDER | Feature.BOX,
+    ),
+    ConformanceCheck(
+        name="image_names_bodies",
+        question="Does an image name the place in the scene of what is drawn, by its visual shapes?",
+        run=_image_names_bodies,
+        needs=Feature.RENDER | Feature.BOX,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="pixel_centre_is_at_half",
+        question="Does a pixel show what lies at its centre, half a pixel from its corner?",
+        run=_pixel_centre_is_at_half,
+        needs=Feature.RENDER | Feature.BOX,
+    ),
+    ConformanceCheck(
+        name="image_is_cut_near_the_camera",
+        question="Is what stands close before the camera seen, and what reaches behind it cut?",
+        run=_image_is_cut_near_the_camera,
+        needs=Feature.RENDER | Feature.BOX,
+    ),
+    ConformanceCheck(
+        name="image_is_lit_by_sun_and_sky",
+        question="Are the colours of an image linear, and those of the bodies under the scene's sun and sky?",
+        run=_image_is_lit_by_sun_and_sky,
+        needs=Feature.RENDER | Feature.BOX,
+    ),
+    ConformanceCheck(
+        name="ray_traced_image_has_shadows",
+        question="Does a ray-traced image have shadows?",
+        run=_ray_traced_image_has_shadows,
+        needs=Feature.RAY_TRACING | Feature.BOX,
+    ),
+)

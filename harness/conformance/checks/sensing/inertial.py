@@ -1,0 +1,79 @@
+"""Checks of an engine's own accelerometer and gyroscope: at the end of a lever, in the sensor's frame, at this instant."""
+
+from typing import Any
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.exact import rotation
+from harness.conformance.runs import COARSE, built, state_of
+from harness.conformance.scenes import TURNED, G, free
+from harness.scene import Imu, Scene, multiply
+
+__all__ = ["CHECKS"]
+
+
+def _inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> Finding:
+    """A body that a torque spins up in free fall carries a sensor on a lever, askew.
+
+    Equation: f_S = R_SW (a + alpha x r + w x (w x r) - g); in free fall a = g, and a sphere has alpha = tau/I, all in W.
+    The spin grows by alpha dt = 8 % a step, so that a reading one step late is off by as much.
+    """
+    moment, lever, tau = 0.3, np.array([0.4, -0.3, 0.2]), np.array([1.0, 2.0, -1.5])
+    imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=multiply(TURNED, TURNED))
+    scene = Scene(bodies=(free(p=(1.0, 2.0, 3.0), q=TURNED),), sensors=(imu,))
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        inertial: Any = getattr(simulation, "inertial", None)
+        if inertial is None:
+            raise NotApplicable("the engine has no sensors of its own")
+        simulation.wrench(np.zeros((1, 3)), tau[None])
+        simulation.step(12)
+        at = state_of(simulation, scene)
+        force, rate = inertial("imu")
+    R_WB = rotation(at.q_WB[0])
+    R_SW, r, w, alpha = (R_WB @ rotation(imu.q_BS)).T, R_WB @ lever, at.w_WB[0], tau / moment
+    felt = R_SW @ (np.cross(alpha, r) + np.cross(w, np.cross(w, r)))
+    later = alpha * COARSE
+    change = float(np.linalg.norm(np.cross(later, np.cross(w, r)) + np.cross(w, np.cross(later, r))))
+    because = "a fifth of what one step changes"
+    return judge(
+        near("specific force in S [m/s2]", force, felt, 0.2 * change, because),
+        near("angular velocity in S [rad/s]", rate, R_SW @ w, 0.2 * float(np.linalg.norm(later)), because),
+    )
+
+
+def _inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> Finding:
+    """Pushed upwards by its weight a body hangs still, and its accelerometer says +g upwards, in the sensor's frame."""
+    imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=TURNED)
+    scene = Scene(bodies=(free(q=TURNED),), sensors=(imu,))
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        inertial: Any = getattr(simulation, "inertial", None)
+        if inertial is None:
+            raise NotApplicable("the engine has no sensors of its own")
+        simulation.wrench(np.array([[0.0, 0.0, 2.0 * G]]), np.zeros((1, 3)))
+        simulation.step(5)
+        force, rate = inertial("imu")
+    up = (rotation(TURNED) @ rotation(TURNED)).T @ np.array([0.0, 0.0, G])
+    return judge(
+        near("specific force in S [m/s2]", force, up, 1e-6 * G, "the force that bears it, over its mass"),
+        near("angular velocity in S [rad/s]", rate, (0.0, 0.0, 0.0), 1e-9),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="inertial_sensors_say_what_they_feel",
+        question="Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?",
+        run=_inertial_sensors_say_what_they_feel,
+        needs=Feature.WRENCH,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="inertial_sensors_feel_their_support",
+        question="Does the engine's own accelerometer feel what bears it?",
+        run=_inertial_sensors_feel_their_support,
+        needs=Feature.WRENCH,
+        excusable=False,
+    ),
+)

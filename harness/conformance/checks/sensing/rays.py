@@ -1,0 +1,243 @@
+"""Checks of rays against closed forms."""
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near, that
+from harness.conformance.exact import first_hit, rotation
+from harness.conformance.runs import built
+from harness.conformance.scenes import TURNED, ball, static
+from harness.scene import (
+    Box,
+    Capsule,
+    Cylinder,
+    Plane,
+    Scene,
+    Shape,
+    Sphere,
+)
+from harness.trajectory import Floats, Hits
+
+__all__ = ["CHECKS"]
+
+_SHAPES: tuple[tuple[Feature, Shape], ...] = (
+    (Feature.SPHERE, Sphere(radius=0.5)),
+    (Feature.BOX, Box(half_extents=(0.3, 0.5, 0.8))),
+    (Feature.CAPSULE, Capsule(radius=0.3, half_length=0.5)),
+    (Feature.CYLINDER, Cylinder(radius=0.4, half_length=0.6)),
+    (Feature.PLANE, Plane()),
+)
+
+
+def _rays(count: int, seed: int) -> tuple[Floats, Floats]:
+    """Rays in the frame of a shape: from a sphere of 3 m towards points within 0.6 m of the centre."""
+    draw = np.random.default_rng(seed)
+    origins = draw.normal(size=(count, 3))
+    origins *= 3.0 / np.linalg.norm(origins, axis=1)[:, None]
+    directions = draw.uniform(-0.6, 0.6, (count, 3)) - origins
+    return origins, directions / np.linalg.norm(directions, axis=1)[:, None]
+
+
+def _cast(adapter: Adapter, settings: Settings, scene: Scene, origins: Floats, directions: Floats, reach: float) -> Hits:
+    with built(adapter, scene, settings) as simulation:
+        return simulation.cast(np.ascontiguousarray(origins), np.ascontiguousarray(directions), reach)
+
+
+def _rays_match_closed_forms(adapter: Adapter, settings: Settings) -> Finding:
+    found, place = [], np.array([1.0, -2.0, 3.0])
+    R = rotation(TURNED)
+    for seed, (feature, shape) in enumerate(_SHAPES):
+        if feature not in adapter.features:
+            continue
+        origins, directions = _rays(200, seed)
+        if feature is Feature.PLANE:
+            origins[:, 2] = np.abs(origins[:, 2]) + 0.1
+        expected = np.array([first_hit(shape, o, d) for o, d in zip(origins, directions, strict=True)])
+        expected[expected > 50.0] = np.inf
+        scene = Scene(bodies=(static("target", shape, p=(1.0, -2.0, 3.0), q=TURNED),))
+        hits = _cast(adapter, settings, scene, place + origins @ R.T, directions @ R.T, 50.0)
+        same = np.isfinite(hits.distance) == np.isfinite(expected)
+        both = np.isfinite(hits.distance) & np.isfinite(expected)
+        worst = float(np.abs(hits.distance[both] - expected[both]).max()) if both.any() else np.inf
+        found.append(near(f"worst range error on a turned {shape.type} [m]", worst, 0.0, 1e-5, "rounding in single precision"))
+        wrong = int((~same).sum())
+        found.append(
+            that(wrong <= 1, f"{shape.type}: got {wrong} of 200 rays hitting or missing wrongly, expected 1 at most, grazing")
+        )
+    if not found:
+        raise NotApplicable("the engine claims rays but no shape with a closed form")
+    return judge(*found)
+
+
+def _target(adapter: Adapter, x: float = 0.0) -> tuple[Scene, float]:
+    """A wide target whose near face stands at x + 5 m, with rays along x in mind; the face's distance [m]."""
+    if Feature.BOX in adapter.features:
+        return Scene(
+            bodies=(
+                static("other", Box(half_extents=(0.1, 0.1, 0.1)), p=(0.0, 0.0, 90.0)),
+                static("target", Box(half_extents=(20.0, 20.0, 20.0)), p=(x + 25.0, 0.0, 0.0)),
+            )
+        ), 5.0
+    if Feature.SPHERE in adapter.features:
+        return Scene(
+            bodies=(
+                static("other", Sphere(radius=0.1), p=(0.0, 0.0, 90.0)),
+                static("target", Sphere(radius=20.0), p=(x + 25.0, 0.0, 0.0)),
+            )
+        ), 5.0
+    raise NotApplicable("the engine claims neither a box nor a sphere to aim at")
+
+
+def _ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> Finding:
+    """The target's bounding volume lies within reach, its face beyond: culling bodies is not culling hits."""
+    scene, face = _target(adapter)
+    o, d = np.zeros((2, 3)), np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+    short = _cast(adapter, settings, scene, o, d, face - 0.1)
+    long = _cast(adapter, settings, scene, o, d, face + 0.1)
+    return judge(
+        that(
+            bool(np.isinf(short.distance).all()),
+            f"distances at a range of 4.9 m: got {short.distance}, expected inf: the face is at 5 m",
+        ),
+        that(bool((short.body == -1).all()), f"bodies at a range of 4.9 m: got {short.body}, expected -1"),
+        near("normals of misses", short.normal_W, np.zeros((2, 3)), 0.0, "zero where nothing is hit"),
+        near("distance at a range of 5.1 m [m]", long.distance[0], face, 1e-5),
+        that(bool(np.isinf(long.distance[1])), f"distance the other way: got {long.distance[1]}, expected inf"),
+    )
+
+
+def _ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) -> Finding:
+    """Along each axis of a turned solid from a point within it; a sensor in the housing of its carrier sees that housing."""
+    exits: dict[Feature, tuple[Shape, Floats]] = {
+        Feature.SPHERE: (Sphere(radius=0.5), np.array([0.5, 0.5, 0.5])),
+        Feature.BOX: (Box(half_extents=(0.3, 0.5, 0.8)), np.array([0.3, 0.5, 0.8])),
+        Feature.CAPSULE: (Capsule(radius=0.3, half_length=0.5), np.array([0.3, 0.3, 0.8])),
+        Feature.CYLINDER: (Cylinder(radius=0.4, half_length=0.6), np.array([0.4, 0.4, 0.6])),
+    }
+    found, place, R = [], np.array([1.0, -2.0, 3.0]), rotation(TURNED)
+    for feature, (shape, far) in exits.items():
+        if feature not in adapter.features:
+            continue
+        scene = Scene(bodies=(static("target", shape, p=(1.0, -2.0, 3.0), q=TURNED),))
+        # Off the centre by a fifth along the ray itself, so that both ends of an axis are told apart.
+        directions = np.concatenate([np.eye(3), -np.eye(3)])
+        origins = 0.2 * np.tile(far, 2)[:, None] * np.abs(directions)
+        expected = np.concatenate([0.8 * far, 1.2 * far])
+        hits = _cast(adapter, settings, scene, place + origins @ R.T, directions @ R.T, 50.0)
+        found.append(
+            near(f"ranges from inside a {shape.type} [m]", hits.distance, expected, 1e-5, "rounding in single precision")
+        )
+        found.append(
+            near(f"normals from inside a {shape.type}", hits.normal_W, directions @ R.T, 1e-4, "outwards, along the ray")
+        )
+    if not found:
+        raise NotApplicable("the engine claims no solid with a closed form")
+    return judge(*found)
+
+
+def _ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
+    scene, face = _target(adapter)
+    hits = _cast(
+        adapter,
+        settings,
+        scene,
+        np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 80.0]]),
+        np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+        50.0,
+    )
+    return judge(
+        that(hits.body.tolist() == [1, 0], f"bodies hit: got {hits.body.tolist()}, expected [1, 0], places in the scene"),
+        near("distances [m]", hits.distance, (face, 9.9), 1e-5),
+        near("normals against the rays", hits.normal_W, [(-1, 0, 0), (0, 0, -1)], 1e-4, "unit, outwards"),
+    )
+
+
+def _many_rays_all_answer(adapter: Adapter, settings: Settings) -> Finding:
+    """More rays than fit in a 16-bit count: a batch that is cut off drops the last ones without a word."""
+    scene, face = _target(adapter)
+    count = 16_500
+    o = np.zeros((count, 3))
+    o[:, 1] = np.linspace(-0.05, 0.05, count)
+    hits = _cast(adapter, settings, scene, o, np.tile((1.0, 0.0, 0.0), (count, 1)), 50.0)
+    missed = int((~np.isfinite(hits.distance)).sum())
+    return judge(
+        that(len(hits.distance) == count, f"answers: got {len(hits.distance)}, expected {count}"),
+        that(missed == 0, f"rays without a hit: got {missed} of {count}, expected none"),
+        near("range of the first and the last ray [m]", hits.distance[[0, -1]], (face, face), 1e-3),
+    )
+
+
+def _rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding:
+    """A ball at 10 m/s is met where the state says it is, right after build and after a step, not one step behind."""
+    dt, v, r = 0.01, 10.0, 0.1
+    scene = Scene(bodies=(ball(p=(0.0, 0.0, 0.0), v=(v, 0.0, 0.0), radius=r),), gravity=(0.0, 0.0, 0.0))
+    o, d = np.array([[10.0, 0.0, 0.0]]), np.array([[-1.0, 0.0, 0.0]])
+    with built(adapter, scene, settings.with_dt(dt)) as simulation:
+        first = float(simulation.cast(o, d, 50.0).distance[0])
+        simulation.step(3)
+        later = float(simulation.cast(o, d, 50.0).distance[0])
+    return judge(
+        near("range before any step [m]", first, 10.0 - r, 1e-3),
+        near("range after 3 steps [m]", later, 10.0 - r - 3 * v * dt, 5e-3, "one step behind would be .1 m off"),
+    )
+
+
+def _rays_ask_their_own_simulation(adapter: Adapter, settings: Settings) -> Finding:
+    """Two simulations are open at once, the target at 5 m in one and at 8 m in the other."""
+    near_by, face = _target(adapter)
+    far_off, _ = _target(adapter, 3.0)
+    o, d = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0]])
+    with built(adapter, near_by, settings) as one, built(adapter, far_off, settings) as other:
+        got = [float(simulation.cast(o, d, 50.0).distance[0]) for simulation in (one, other, one)]
+    return judge(near("ranges in the one, the other and the one again [m]", got, (face, face + 3.0, face), 1e-4))
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="rays_match_closed_forms",
+        question="Do rays on turned shapes return the closed-form range?",
+        run=_rays_match_closed_forms,
+        needs=Feature.RAYS,
+    ),
+    ConformanceCheck(
+        name="ray_beyond_max_range_misses",
+        question="Is a hit beyond max_range a miss, and the next one within it a hit?",
+        run=_ray_beyond_max_range_misses,
+        needs=Feature.RAYS,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="ray_from_inside_meets_the_far_side",
+        question="Does a ray that starts inside a solid meet its far side?",
+        run=_ray_from_inside_meets_the_far_side,
+        needs=Feature.RAYS,
+    ),
+    ConformanceCheck(
+        name="ray_names_body_and_normal",
+        question="Do hits name the body's place in the scene and the outward normal?",
+        run=_ray_names_body_and_normal,
+        needs=Feature.RAYS,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="many_rays_all_answer",
+        question="Does every ray of a large batch get its answer?",
+        run=_many_rays_all_answer,
+        needs=Feature.RAYS,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="rays_see_the_present_state",
+        question="Do rays meet bodies where the state says they are?",
+        run=_rays_see_the_present_state,
+        needs=Feature.RAYS | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="rays_ask_their_own_simulation",
+        question="With two simulations open, do rays meet the bodies of their own?",
+        run=_rays_ask_their_own_simulation,
+        needs=Feature.RAYS,
+        excusable=False,
+    ),
+)

@@ -1,0 +1,135 @@
+"""The negative controls of joints: what they hold, limits, springs and drives."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from harness.adapter import Feature
+from harness.conformance.faults.broken_scenes import every_joint, stiffer
+from harness.conformance.faults.broken_steps import CommandsFirstDriveOnly, DeafToUnknownJoints, joined
+from harness.conformance.faults.control import Control
+from harness.conformance.faults.plant import changed_scene, wrapped
+from harness.scene import Distance, Joint, Prismatic, Revolute
+
+__all__ = ["JOINT_CONTROLS"]
+
+_D = Feature.PRISMATIC | Feature.DRIVES
+
+
+def _without(part: str, **changed: float | None) -> Callable[[Any], Joint]:
+    """A change of joints: the named fields of their drive or spring are replaced."""
+
+    def change(joint: Any) -> Joint:
+        law = getattr(joint, part, None)
+        changed_joint: Joint = joint if law is None else replace(joint, **{part: replace(law, **changed)})
+        return changed_joint
+
+    return change
+
+
+JOINT_CONTROLS: tuple[Control, ...] = (
+    Control(
+        name="limits_dropped",
+        fault="joint limits are ignored",
+        plant=every_joint(lambda joint: replace(joint, limits=None)),
+        caught_by=("limits_hold",),
+        needs=Feature.REVOLUTE | Feature.LIMITS,
+    ),
+    Control(
+        name="spring_ten_percent_stiff",
+        fault="joint springs are 10 % too stiff",
+        plant=every_joint(stiffer),
+        caught_by=("spring_frequency",),
+        needs=Feature.PRISMATIC | Feature.SPRINGS,
+        applies_to_cases=("joint_spring",),
+    ),
+    Control(
+        name="joined_bodies_collide",
+        fault="bodies held by a joint collide all the same",
+        plant=changed_scene(lambda scene: replace(scene, joints=tuple(replace(joint, collide=True) for joint in scene.joints))),
+        caught_by=("joined_bodies_do_not_collide",),
+        needs=Feature.REVOLUTE | Feature.BOX,
+    ),
+    Control(
+        name="joined_bodies_never_collide",
+        fault="bodies held by a joint pass through each other although the joint lets them collide",
+        plant=changed_scene(
+            lambda scene: replace(scene, joints=tuple(replace(joint, collide=False) for joint in scene.joints))
+        ),
+        caught_by=("joined_bodies_collide_when_told",),
+        needs=Feature.REVOLUTE | Feature.BOX,
+    ),
+    Control(
+        name="target_velocity_dropped",
+        fault="the target velocity of a drive is lost",
+        plant=joined(_without("drive", target_velocity=0.0)),
+        caught_by=("target_velocity_acts",),
+        needs=_D,
+    ),
+    Control(
+        name="command_reaches_the_first_drive",
+        fault="a command reaches the first drive of the scene alone",
+        plant=wrapped(CommandsFirstDriveOnly),
+        caught_by=("command_reaches_every_drive",),
+        needs=_D,
+    ),
+    Control(
+        name="command_to_nobody",
+        fault="a command to a joint without a drive is ignored",
+        plant=wrapped(DeafToUnknownJoints),
+        caught_by=("bad_targets_are_refused",),
+        needs=_D,
+    ),
+    Control(
+        name="drive_without_limit",
+        fault="the force of a drive is not cut off",
+        plant=joined(_without("drive", limit=None)),
+        caught_by=("drive_force_is_limited",),
+        needs=_D,
+    ),
+    Control(
+        name="spring_rests_at_zero",
+        fault="the rest of a spring is lost",
+        plant=joined(_without("spring", rest=0.0)),
+        caught_by=("spring_frequency",),
+        needs=Feature.PRISMATIC | Feature.SPRINGS,
+    ),
+    Control(
+        name="spring_without_damper",
+        fault="the damper of a spring is lost",
+        plant=joined(_without("spring", damping=0.0)),
+        caught_by=("spring_frequency",),
+        needs=Feature.PRISMATIC | Feature.SPRINGS,
+    ),
+    Control(
+        name="coordinate_counted_from_zero",
+        fault="a joint's coordinate starts at 0, whatever its position",
+        plant=joined(lambda j: replace(j, position=0.0) if isinstance(j, Revolute | Prismatic) else j),
+        caught_by=("limits_hold", "drive_reaches_its_target"),
+        needs=_D | Feature.REVOLUTE | Feature.LIMITS,
+    ),
+    Control(
+        name="axis_reversed",
+        fault="joints turn and slide the other way",
+        plant=joined(
+            lambda j: (
+                replace(j, axis_W=(-j.axis_W[0], -j.axis_W[1], -j.axis_W[2])) if isinstance(j, Revolute | Prismatic) else j
+            )
+        ),
+        caught_by=("drive_reaches_its_target",),
+        needs=_D | Feature.REVOLUTE,
+    ),
+    Control(
+        name="rod_hung_elsewhere",
+        fault="a rod is hung from another place",
+        plant=changed_scene(
+            lambda scene: replace(
+                scene,
+                joints=tuple(replace(j, anchor_W=(0.1, 0.1, 0.1)) if isinstance(j, Distance) else j for j in scene.joints),
+            )
+        ),
+        caught_by=("distance_joint_keeps_its_length",),
+        needs=Feature.DISTANCE,
+    ),
+)
+"""Each on one engine that has what it needs."""

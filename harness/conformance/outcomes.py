@@ -1,0 +1,89 @@
+"""Putting the checks to an adapter: one outcome per track and check, whatever the adapter does."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+from harness.adapter import Adapter, SettingsError, Unsupported
+from harness.conformance.catalogue import CHECKS
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable
+from harness.conformance.checks.contract.features import refusal
+
+__all__ = ["Outcome", "gate", "run_check", "run_conformance"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """How one check went on one track of one engine.
+
+    Terms:
+        status: passed; failed; known (fails as declared in `known_failures`); improved (declared, but passes: the declaration
+        must go); not_applicable (the engine does not claim what the check needs, and refuses it; or it refuses this scene).
+        message: got against expected, or why.
+    """
+
+    engine: str
+    track: str
+    check: str
+    question: str
+    status: Literal["passed", "failed", "known", "improved", "not_applicable"]
+    message: str
+
+
+def _finding(adapter: Adapter, track: str, check: ConformanceCheck) -> Finding:
+    """The check's own verdict; every exception is a failure that names it."""
+    try:
+        settings = adapter.tracks[track]
+        missing = check.needs & ~adapter.features
+        if missing:
+            return refusal(adapter, settings, missing)
+        return check.run(adapter, settings)
+    except NotApplicable as reason:
+        return Finding("not_applicable", str(reason))
+    except Unsupported as error:
+        claimed = ", ".join(check.needs.names) or "nothing in particular"
+        return Finding("failed", f"Unsupported: {error}; the check needs {claimed}, which the engine claims")
+    except SettingsError as error:
+        return Finding("failed", f"SettingsError on the track's own settings: {error}")
+    except Exception as error:
+        return Finding("failed", f"{type(error).__name__}: {error}")
+
+
+def run_check(adapter: Adapter, track: str, check: ConformanceCheck) -> Outcome:
+    """One check on one track; declared failures are strict expectations."""
+    finding = _finding(adapter, track, check)
+    reason = adapter.known_failures.get(f"{track}/{check.name}")
+    status: Literal["passed", "failed", "known", "improved", "not_applicable"] = finding.status
+    message = finding.message
+    if reason is not None:
+        if not check.excusable:
+            status, message = "failed", f"declared as a known failure ({reason}), but this must hold on every track; {message}"
+        elif finding.status == "failed":
+            status, message = "known", f"{reason}; {message}"
+        elif finding.status == "passed":
+            status, message = (
+                "improved",
+                f"declared as a known failure ({reason}), but it passes: drop the declaration; {message}",
+            )
+        else:
+            status, message = "failed", f"declared as a known failure ({reason}), but it does not apply; {message}"
+    return Outcome(engine=adapter.name, track=track, check=check.name, question=check.question, status=status, message=message)
+
+
+def run_conformance(
+    adapter: Adapter, tracks: tuple[str, ...] = ("default", "tuned"), checks: Iterable[ConformanceCheck] = CHECKS
+) -> tuple[Outcome, ...]:
+    """All checks on the given tracks.
+
+    Raises:
+        Unavailable: where the engine is not installed, so that nothing could be asked.
+    """
+    adapter.version()
+    chosen = tuple(checks)
+    return tuple(run_check(adapter, track, check) for track in tracks for check in chosen)
+
+
+def gate(outcomes: Iterable[Outcome]) -> bool:
+    """May this adapter be scored? Every outcome is passed, not applicable, or failing as declared; and there is one at all."""
+    seen = tuple(outcomes)
+    return bool(seen) and all(one.status in {"passed", "known", "not_applicable"} for one in seen)

@@ -1,0 +1,158 @@
+"""What a step, a ray or a world costs: a price with what it buys, prices along a parameter, and how they grow."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from harness.statistics.order import FEWEST, fit_order
+from harness.statistics.ratio import Ratio
+
+__all__ = ["PENETRATION", "RESIDUAL", "Cost", "Exponent", "Sweep", "growth", "no_worse", "whole"]
+
+PENETRATION = ("overlap", "penetration")
+"""Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""
+RESIDUAL = ("rms_speed",)
+SMALLEST = {"penetration": 1e-6, "residual": 1e-5, "error": 1e-6}
+"""Below a micrometre, 10 micrometres a second, or a millionth of an error's unit, two answers count as equally good."""
+WHOLE = {"ray": ("cast", "rays"), "world-step": ("batch-step", "worlds")}
+"""Where the number of what is counted is swept, the price of all together, and the name of that number."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """A row: one engine under one group of settings in one scene.
+
+    Terms:
+        where: the parameters that tell the scene from the case's others. unit: what is counted. cpu, low, high [s] of one unit.
+        to_fastest: over the fastest setting of any engine whose checks hold. to_ours: over the fastest setting of our engine
+        that penetrates no more and moves no more (or, without contact, errs no more) than this row; ours names it.
+        penetration [m]; residual [m/s]: root mean square speed of the worst body when all should rest; error: the case's
+        headline metric. best: is this the engine's fastest setting whose checks hold?
+        clocks, workers: as in `harness.study.trial.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain
+        step of the same engine and setting, where something else was clocked. rate [1/s]: units that all processes get done in
+        a second of wall time; efficiency: that over `workers` times the rate of one process; where several stepped side by
+        side.
+    """
+
+    case: str
+    where: str
+    parameters: Mapping[str, Any]
+    engine: str
+    track: str
+    unit: str
+    cpu: float | None
+    low: float | None
+    high: float | None
+    to_fastest: Ratio | None
+    to_ours: Ratio | None
+    ours: str
+    penetration: float | None
+    residual: float | None
+    error: float | None
+    error_metric: str
+    best: bool
+    unstable: bool | None
+    status: str
+    reason: str
+    dt: float
+    trial: str
+    experiment: str = ""
+    clocks: str = "work"
+    workers: int = 1
+    units: int = 1
+    to_plain: Ratio | None = None
+    rate: float | None = None
+    efficiency: Ratio | None = None
+
+    @property
+    def beside(self) -> bool:
+        """Does it belong to a study of what stands beside the work?"""
+        return "clocked" in self.parameters or "workers" in self.parameters
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exponent:
+    """cost = C parameter^exponent above a floor, with its 95 % interval, between two values of the parameter."""
+
+    case: str
+    where: str
+    engine: str
+    track: str
+    unit: str
+    parameter: str
+    exponent: float
+    low: float
+    high: float
+    points: int
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """Rows of all engines that differ in one numeric parameter, by its size; where: what else tells them from the case.
+
+    Where the parameter decides how many rays or worlds there are, the rows show that number and the price of all of them.
+    """
+
+    case: str
+    where: str
+    unit: str
+    parameter: str
+    rows: tuple[Cost, ...]
+
+
+def growth(sweep: Sweep, rows: Sequence[Cost]) -> Exponent | None:
+    """The exponent of the price along a sweep for the rows of one engine; None below three values."""
+    points = [(float(row.parameters[sweep.parameter]), row.cpu) for row in rows if row.cpu is not None]
+    fit = fit_order([x for x, _ in points], [y for _, y in points])
+    if fit is None:
+        return None
+    return Exponent(
+        case=sweep.case,
+        where=sweep.where,
+        engine=rows[0].engine,
+        track=rows[0].track,
+        unit=sweep.unit,
+        parameter=sweep.parameter,
+        exponent=fit.order,
+        low=fit.low,
+        high=fit.high,
+        points=fit.used,
+        start=fit.fine,
+        end=fit.coarse,
+    )
+
+
+def whole(sweep: Sweep) -> Sweep:
+    """Prices of all rays or worlds together over their number, where that is what the parameter decides."""
+    if sweep.unit not in WHOLE or len({row.units for row in sweep.rows}) < FEWEST:
+        return sweep
+    unit, name = WHOLE[sweep.unit]
+    kept = [{n: v for n, v in row.parameters.items() if n != sweep.parameter} for row in sweep.rows]
+    rows = [
+        replace(
+            row,
+            unit=unit,
+            parameters=others | {name: row.units},
+            cpu=_times(row.cpu, row.units),
+            low=_times(row.low, row.units),
+            high=_times(row.high, row.units),
+        )
+        for row, others in zip(sweep.rows, kept, strict=True)
+    ]
+    return replace(sweep, unit=unit, parameter=name, rows=tuple(sorted(rows, key=lambda row: row.units)))
+
+
+def _times(value: float | None, count: int) -> float | None:
+    return None if value is None else value * count
+
+
+def no_worse(own: Cost, other: Cost) -> bool:
+    """Does one answer penetrate no more and move no more than another (or, where neither is known, err no more)?"""
+    names = [name for name in ("penetration", "residual") if getattr(other, name) is not None] or ["error"]
+    for name in names:
+        mine, theirs = getattr(own, name), getattr(other, name)
+        if mine is None or theirs is None or max(mine, SMALLEST[name]) > max(theirs, SMALLEST[name]):
+            return False
+    return True

@@ -1,0 +1,173 @@
+"""An experiment of a study: which cases, engines and settings it asks for, what it sweeps, limits and repeats."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar
+
+from pydantic import AfterValidator, Field, TypeAdapter
+from pydantic.dataclasses import dataclass as validated
+
+from harness.adapter import Settings
+from harness.case import Clocks
+from harness.intake.mendable import Mendable
+from harness.intake.safe_text import quoted
+from harness.intake.typed_fields import FieldError, filled
+from harness.scene.values import FROZEN, Name
+
+__all__ = ["Each", "Experiment", "FolderName", "Limit", "Some", "StudyError", "Track", "Variant", "experiment_from"]
+
+Track = Literal["default", "tuned"]
+Value: TypeAlias = bool | int | float | str
+T = TypeVar("T")
+
+
+def _distinct(values: tuple[T, ...]) -> tuple[T, ...]:
+    """Each once: what is listed twice would be run twice under one name."""
+    seen: set[T] = set()
+    for value in values:
+        if value in seen:
+            raise ValueError(f"{quoted(value)} stands twice, expected each once")
+        seen.add(value)
+    return values
+
+
+def _file_name(name: str) -> str:
+    """A name that a folder can have, and that leads nowhere else."""
+    if len(name) > 100 or name[0] in ".-~" or set(name) & set('/\\:*?"<>|'):
+        raise ValueError("the name of a study names its folder, expected up to 100 letters, digits, blanks, '-', '_' or '.'")
+    return name
+
+
+def _some(values: tuple[T, ...]) -> tuple[T, ...]:
+    if not values:
+        raise ValueError("the list is empty, expected at least one")
+    return values
+
+
+Each = AfterValidator(_distinct)
+Some = AfterValidator(_some)
+FolderName = Annotated[Name, AfterValidator(_file_name)]
+Pattern = Annotated[str, Field(min_length=1, max_length=200)]
+Step = Annotated[float, Field(ge=1e-12, le=1e3, allow_inf_nan=False)]
+"""A time step [s], within what `Settings` take."""
+
+
+class StudyError(Mendable, ValueError):
+    """A study file that breaks a rule; the message names file, element, value and expectation."""
+
+
+@validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Variant:
+    """A group of settings that users of an engine would try beside its tracks: what it says is laid over the track `on`.
+
+    Terms: the fields of `Settings`; None keeps the track's own. options: added to the track's, one by one.
+    """
+
+    on: Track = "tuned"
+    substeps: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    iterations: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    integrator: Name | None = None
+    solver: Name | None = None
+    tolerance: Annotated[float, Field(ge=0, lt=1)] | None = None
+    options: dict[Name, Value] = Field(default_factory=dict)
+    source: Annotated[str, Field(max_length=2000)] = ""
+
+    def over(self, tracks: Mapping[str, Settings]) -> Settings:
+        """The settings of this variant of an engine with these tracks."""
+        base = tracks[self.on]
+        names = ("substeps", "iterations", "integrator", "solver", "tolerance")
+        said = {name: value for name in names if (value := getattr(self, name)) is not None}
+        return replace(base, **said, options={**base.options, **self.options}, source=self.source or f"a variant of {self.on}")
+
+
+@validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Limit:
+    """A search for the value at which a case breaks; see `harness.search.first_break`.
+
+    Terms:
+        along: the parameter that is made harder: 'axis' for the case's own, 'dt' for the time step, or a parameter's name.
+        easy, extreme: where the search starts and ends, the axis's own unless said. scan: values from easy to extreme that are
+        tried one after the other before the first bracket is halved. within: the ratio of a bracket's ends at which it is close
+        enough; along an axis that starts at 0, one more than their distance over the extreme. members: starts of each value.
+        remedies: the tracks on which what is said to help is tried where a case breaks.
+        parts: of the time step, each a search of its own on 'tuned' in place of that track as it comes, so that all engines are
+        compared at equal sub-steps: an engine that takes sub-steps takes so many, another one steps of dt / parts.
+    """
+
+    along: Name = "axis"
+    easy: float | None = None
+    extreme: float | None = None
+    scan: int = Field(default=4, ge=2, le=1000)
+    within: float = Field(default=1.25, gt=1.0, le=100.0)
+    members: int = Field(default=16, ge=2, le=100_000)
+    remedies: Annotated[tuple[Track, ...], Each] = ()
+    parts: Annotated[tuple[Annotated[int, Field(ge=1, le=1000)], ...], Each] = ()
+
+
+@validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Experiment:
+    """A block of trials: every case that a pattern names, on every engine that a pattern names.
+
+    Terms:
+        without: patterns of cases that are left out all the same.
+        variants: patterns over '<engine>/<variant>' of the study's variants, run beside the tracks under their own names.
+        dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at
+        instead of its own, each a list; all combinations are run. timing: also clock it, by `samples` samples of
+        `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process: no less than
+        a process needs, no more than a machine has.
+        sweep: how many settings beyond these may be tried for each case on an engine, in search of its Pareto front (see
+        `harness.search.front`); then only what lies near the front is clocked.
+        clocks: what runs under the clock, each a trial of its own. workers: how many processes step the scene side by side,
+        each number a trial of its own.
+        effects: run each cell as it is, with every effect that the engine has, without each one that the scene calls for, and
+        at half and a quarter of the time step; see `harness.search.needless_effects`.
+        determinism: run each cell again, alone, beside others, restored, reordered, nudged by a bit and on more threads; see
+        `harness.findings.tables.determinism`.
+        limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
+    """
+
+    name: Name
+    cases: Annotated[tuple[Pattern, ...], Some, Each] = ("*",)
+    without: Annotated[tuple[Pattern, ...], Each] = ()
+    engines: Annotated[tuple[Pattern, ...], Some, Each] = ("*",)
+    tracks: Annotated[tuple[Track, ...], Each] = ("default", "tuned")
+    variants: Annotated[tuple[Pattern, ...], Each] = ()
+    dt: Literal["case", "ladder"] | Annotated[tuple[Step, ...], Some, Each] = "case"
+    parameters: dict[Name, Annotated[tuple[Value, ...], Some, Each]] = Field(default_factory=dict)
+    timing: bool = True
+    clocks: Annotated[tuple[Clocks, ...], Some, Each] = ("work",)
+    workers: Annotated[tuple[Annotated[int, Field(ge=1, le=1000)], ...], Some, Each] = (1,)
+    samples: int = Field(default=5, ge=1, le=10_000)
+    processes: int = Field(default=1, ge=1, le=100)
+    sample_seconds: Annotated[float, Field(ge=1e-6, le=3600)] = 0.05
+    deadline: Annotated[float, Field(ge=1e-3, le=1e7)] = 60.0
+    memory: Annotated[float, Field(ge=16, le=2**24)] = 4096.0
+    sweep: int = Field(default=0, ge=0, le=10_000)
+    limit: Limit | None = None
+    effects: bool = False
+    determinism: bool = False
+
+    def asks(self, case: str) -> bool:
+        """Is the case of that name among its own?"""
+        wanted, left = (any(fnmatchcase(case, pattern) for pattern in patterns) for patterns in (self.cases, self.without))
+        return wanted and not left
+
+    def __post_init__(self) -> None:
+        for track in () if self.limit is None else self.limit.remedies:
+            if track not in self.tracks:
+                raise ValueError(
+                    f"limit.remedies: '{track}', expected one of the experiment's tracks: {', '.join(self.tracks)}"
+                )
+        if self.limit is not None and self.limit.along == "dt" and set(self.limit.parts) - {1}:
+            raise ValueError(
+                f"limit.parts: {list(self.limit.parts)} along 'dt', expected none, or 1: the step itself is sought"
+            )
+
+
+def experiment_from(table: Any, source: str) -> Experiment:
+    """The experiment that a part of a study file says; `source` names the file. Raises: StudyError."""
+    try:
+        return filled(TypeAdapter(Experiment), table, source)
+    except FieldError as error:
+        raise StudyError(str(error)) from None

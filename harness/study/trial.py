@@ -1,0 +1,122 @@
+"""A trial: one case at one set of parameters, on one engine, under one group of settings, and what it is called."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from harness.adapter import Settings
+from harness.case import Case, Clocks
+from harness.case.alteration import AS_IT_IS, Alteration
+from harness.case.forces import wrench_after
+from harness.scene import Scene
+from harness.scene.file import dump_json
+from harness.store.record import digest
+from harness.study.experiment import Experiment, StudyError
+from harness.study.foreseen_cost import NoScene, scene_at
+from harness.trajectory import State
+
+__all__ = ["Trial", "question_of", "scene_of"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """One cell: a case at one set of parameters, on one engine, under one group of settings.
+
+    Terms:
+        question: the digest of what is asked. trial: its name, the digest of all that decides its answer.
+        clocks: what its timing run clocks, in `workers` processes side by side. round: of the search that proposed it, 0 for
+        what the study names itself. alteration: how its scene departs from the case's. members: starts of the scene, each in a
+        random phase, of which it says how many held; 1 for the scene as it is. remedy: what it tries to help with, where the
+        trial `remedied` broke. parts: that the time step of the search was taken in, 0 where that is left to its settings.
+        sources: digests of the texts that decide the answer, by what they are; see `harness.study.provenance`.
+    """
+
+    study: str
+    experiment: Experiment
+    case: str
+    parameters: Mapping[str, Any]
+    engine: str
+    engine_version: str
+    track: str
+    settings: Settings
+    seed: int
+    question: str = ""
+    trial: str = ""
+    clocks: Clocks = "work"
+    workers: int = 1
+    round: int = 0
+    alteration: Alteration = AS_IT_IS
+    members: int = 1
+    remedy: str = ""
+    remedied: str = ""
+    parts: int = 0
+    sources: Mapping[str, str] = field(default_factory=dict)
+
+    def scene(self, case: Case) -> Scene:
+        """What is put to the engine."""
+        return self.alteration.of(case.scene(**self.parameters))
+
+    def named(self) -> "Trial":
+        """The trial with its name: a digest of all that decides its answer, question, versions and sources included."""
+        asked = {
+            "study": self.study,
+            "experiment": self.experiment.name,
+            "case": self.case,
+            "parameters": dict(self.parameters),
+            "question": self.question,
+            "engine": self.engine,
+            "version": self.engine_version,
+            "track": self.track,
+            "settings": replace(self.settings, source="").plain(),
+            "seed": self.seed,
+        }
+        unusual = {
+            "clocks": (self.clocks, "work"),
+            "workers": (self.workers, 1),
+            "alteration": (self.alteration.plain(), AS_IT_IS.plain()),
+            "members": (self.members, 1),
+            "remedied": (self.remedied, ""),
+            "parts": (self.parts, 0),
+            "sources": (dict(self.sources), {}),
+        }
+        return replace(self, trial=digest(asked | {name: value for name, (value, plain) in unusual.items() if value != plain}))
+
+    def probing(self, case: Case, **changes: Any) -> "Trial":
+        """Another trial of a search, with other parameters, settings or alteration; its name follows from all of them."""
+        if "parameters" in changes:
+            parameters = changes["parameters"]
+            changes["question"] = question_of(case, parameters, scene_of(case, parameters))
+        return replace(self, **changes).named()
+
+
+def scene_of(case: Case, parameters: Mapping[str, Any]) -> Scene:
+    """The scene of a case. Raises: StudyError."""
+    try:
+        return scene_at(case, parameters)
+    except NoScene as error:
+        raise StudyError(str(error)) from error
+
+
+def question_of(case: Case, parameters: Mapping[str, Any], scene: Scene) -> str:
+    """A digest of what is asked: the scene, how long it runs, what is sampled, what acts on it, its retellings, its rays."""
+    scene_digest = hashlib.sha256(dump_json(scene).encode()).hexdigest()
+    asked = [scene_digest, case.duration, case.sample_interval, case.with_contacts]
+    if case.control is not None:
+        control = case.control(**parameters)
+        asked += [control.interval, hashlib.sha256(wrench_after(control, State.initial(scene))).hexdigest()]
+    if case.retellings is not None:
+        asked += [
+            [
+                retelling.name,
+                retelling.clock,
+                retelling.restored_at,
+                hashlib.sha256(dump_json(retelling.scene).encode()).hexdigest(),
+            ]
+            for retelling in case.retellings(**parameters)
+        ]
+    if case.rays is not None:
+        rays = case.rays(**parameters)
+        asked.append(hashlib.sha256(rays.origins.tobytes() + rays.directions.tobytes()).hexdigest())
+        asked.append(rays.max_range)
+    return digest(asked)

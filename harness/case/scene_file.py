@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from harness.case import Case, Check
+from harness.importers.companion import beside, load_companion
 from harness.metrics import divergence, energy
 from harness.scene import Scene
 from harness.scene.file import load
@@ -13,10 +14,13 @@ __all__ = ["own_case"]
 def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
     """The case that asks every engine to carry a scene file through `duration` [s]; its name is `prefix` and the path.
 
+    What the companion file beside it, `NAME.plumb.toml`, says of the duration goes before.
+
     Raises:
-        SceneError: where the file is no scene.
+        SceneError: where the file is no scene. RobotError: where its companion is none.
     """
     scene: Scene = load(path)
+    duration = load_companion(beside(path)).duration or duration
     return Case(
         name=f"{prefix}{path}",
         title=path.stem,

@@ -175,6 +175,7 @@ def _body(
         mass=mass,
         inertia=symmetric(tensor),
         collision=_placed(group.geometries, Pose(np.eye(3), -centre)),
+        visual=_placed((*group.geometries, *group.drawn), Pose(np.eye(3), -centre)) if group.drawn else None,
         material=material,
         p_WB=vector(com),
         q_WB=quaternion(X.R),

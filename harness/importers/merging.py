@@ -18,7 +18,7 @@ class Group:
 
     Terms:
         lead: the link that the others hang on; its frame G is the group's. parent: the lead of the group above, None for the
-        world. still: is it fixed to the world? solid: all mass, in G; None without any. geometries: each with its pose in G.
+        world. still: is it fixed to the world? solid: all mass, in G; None without any. geometries, drawn: each with its pose in G.
         members: pose in G of each link.
     """
 
@@ -27,6 +27,7 @@ class Group:
     still: bool
     solid: Solid | None
     geometries: tuple[Geometry, ...]
+    drawn: tuple[Geometry, ...]
     members: dict[str, Pose]
 
 
@@ -51,17 +52,20 @@ def grouped(robot: Robot) -> dict[str, Group]:
     for name, lead_link in leads.items():
         poses = members[name]
         solids = [moved(solid, X) for one, X in poses.items() if (solid := links[one].solid) is not None and solid.mass > 0]
-        shapes = tuple(
-            Geometry(geometry.shape, X @ geometry.X_LG, geometry.contact)
-            for one, X in poses.items()
-            for geometry in links[one].geometries
+        shapes, drawn = (
+            tuple(
+                Geometry(geometry.shape, X @ geometry.X_LG, geometry.contact)
+                for one, X in poses.items()
+                for geometry in getattr(links[one], kind)
+            )
+            for kind in ("geometries", "drawn")
         )
         still = not lead_link.coordinates
         for one in poses:
             solid = links[one].solid
             if solid is not None and solid.mass == 0 and not still:
                 raise RobotError(f"{links[one].where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0")
-        made[name] = Group(lead_link, above[name], still, together(solids) if solids else None, shapes, poses)
+        made[name] = Group(lead_link, above[name], still, together(solids) if solids else None, shapes, drawn, poses)
     return made
 
 

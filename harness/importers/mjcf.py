@@ -46,6 +46,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
     servos, more, needs = mjcf_actuators.read(model, start.ctrl)
     rows += more
     solids = mjcf_shapes.geometries(model, shapes, rows, needs)
+    drawn = mjcf_shapes.drawn(model, shapes)
     links = tuple(
         Link(
             name=names[k],
@@ -54,6 +55,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
             coordinates=_coordinates(model, k, start, servos, needs, source),
             solid=_solid(model, k),
             geometries=tuple(solids.get(k, ())),
+            drawn=tuple(drawn.get(k, ())),
             where=f"{source}: <body> {quoted(names[k], 80)}",
         )
         for k in range(len(names))

@@ -108,7 +108,7 @@ def _rows(model: Model, colliding: int, count: int) -> list[Fidelity]:
                 name="of no contact",
                 count=count - colliding,
                 outcome="left_out",
-                consequence="it touches nothing by its masks, and is drawn alone; its mass counts",
+                consequence="it touches nothing by its masks; its mass counts, and if it is no mesh it is drawn",
             )
         )
     if colliding:

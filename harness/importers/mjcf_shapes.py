@@ -12,7 +12,7 @@ from harness.importers.refusal import RobotError, listed
 from harness.importers.robot import Geometry, Need
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
 
-__all__ = ["geometries"]
+__all__ = ["drawn", "geometries"]
 
 
 def geometries(
@@ -65,6 +65,17 @@ def geometries(
         )
     if strange:
         needs.append(Need(kind="height_field", element="geom", names=tuple(strange)))
+    return made
+
+
+def drawn(model: Model, colliding: Mapping[int, str]) -> dict[int, list[Geometry]]:
+    """By body, the shapes that touch nothing and can be drawn."""
+    made: dict[int, list[Geometry]] = {}
+    for k in range(len(model.geom_type)):
+        word = model.word("Geom", int(model.geom_type[k]))
+        if k not in colliding and word in ("sphere", "capsule", "cylinder", "box", "ellipsoid"):
+            shape, _ = _shape(model, k, word, tuple(float(x) for x in model.geom_size[k]), model.name("geom", k))
+            made.setdefault(int(model.geom_bodyid[k]), []).append(Geometry(shape, pose(model.geom_pos[k], model.geom_quat[k])))
     return made
 
 

@@ -26,7 +26,7 @@ from harness.importers.wishes import Wishes
 from harness.importers.xml_text import elements
 from harness.intake.documents import named
 from harness.intake.safe_text import quoted, readable
-from harness.scene import EARTH_GRAVITY, Scene
+from harness.scene import EARTH_GRAVITY, WORLD, Scene
 
 __all__ = ["ENDINGS", "ROBOT_ENDINGS", "read"]
 
@@ -193,7 +193,7 @@ def _counted(robot: Robot, made: _Made) -> list[Fidelity]:
     joints = [c.name for link in robot.links for c in link.coordinates if c.kind != "free"]
     rows = []
     if len(links) > len(merged):
-        alone = [name for name in links if name not in set(merged)]
+        alone = [name for name in links if name not in set(merged) and (name != WORLD or made.groups[name].geometries)]
         rows.append(Fidelity(element="link", name=listed(alone), count=len(alone), outcome="exact", becomes="body"))
     if merged:
         rows.append(
@@ -207,7 +207,4 @@ def _counted(robot: Robot, made: _Made) -> list[Fidelity]:
         )
     if joints:
         rows.append(Fidelity(element="joint", name=listed(joints), count=len(joints), outcome="exact", becomes="joint"))
-    if robot.closures:
-        names = [one.name for one in robot.closures]
-        rows.append(Fidelity(element="connection", name=listed(names), count=len(names), outcome="exact", becomes="joint"))
     return rows

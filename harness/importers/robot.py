@@ -87,7 +87,7 @@ class Coordinate:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Link:
-    """One link. Terms: parent: None for the world. where: file and line."""
+    """One link. Terms: parent: None for the world. geometries: what touches; drawn: what is drawn besides. where: file and line."""
 
     name: str
     parent: str | None
@@ -95,6 +95,7 @@ class Link:
     coordinates: tuple[Coordinate, ...] = ()
     solid: Solid | None = None
     geometries: tuple[Geometry, ...] = ()
+    drawn: tuple[Geometry, ...] = ()
     where: str = ""
 
 

@@ -79,6 +79,7 @@ def _link(link: Link, units: Units) -> Link:
         solid=solid,
         coordinates=tuple(_coordinate(c, L, M) for c in link.coordinates),
         geometries=tuple(Geometry(_shape(g.shape, L), _pose(g.X_LG, L), g.contact) for g in link.geometries),
+        drawn=tuple(Geometry(_shape(g.shape, L), _pose(g.X_LG, L), g.contact) for g in link.drawn),
     )
 
 

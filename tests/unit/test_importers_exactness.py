@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.importers import Wishes
+from harness.importers.wishes import Wishes
 from harness.importers.companion import Companion, JointWish
 from harness.importers.reading import read
 from harness.study import plugins

@@ -65,7 +65,7 @@ def load_mesh(path: Path, scale: Array, where: str) -> Mesh:
     if said := too_many_faces(kind, raw):
         raise RobotError(f"{where}: {named(path)}: {said}")
     if kind == ".dae":
-        elements(raw.decode("utf-8", "replace"), named(path))
+        elements(raw.decode("utf-8", "replace"), f"{where}: {named(path)}")
 
     import trimesh
 

@@ -1,10 +1,11 @@
-"""Joint-space dynamics of a scene's tree, worked out from its bodies and joints alone: products of exponentials, in W at time 0.
+"""Joint-space dynamics of a scene's tree, from its bodies and joints alone: products of exponentials, in W at time 0.
 
 X_WB(q) = exp(S_1 (q_1 - q_1(0))) ... exp(S_n (q_n - q_n(0))) X_WB(0), S_i the line of joint i at time 0. Source: Murray, Li,
 Sastry, A Mathematical Introduction to Robotic Manipulation, section 3.2; accelerations by Newton and Euler in W.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -38,7 +39,7 @@ class JointSpace:
         assert body in ({WORLD, *static} if not self.floating else {self.floating})
         return found[::-1]
 
-    def at(self, q: np.ndarray, qd: np.ndarray, base: tuple[np.ndarray, np.ndarray] | None = None):
+    def at(self, q: np.ndarray, qd: np.ndarray, base: tuple[np.ndarray, np.ndarray] | None = None) -> Any:
         """Mass matrix (n, n), bias forces (n,) with gravity, and of each movable body its Jacobian (6, n) at its centre.
 
         Args: q, qd: the joints' coordinates, and rates of all; base: where the floating body's frame went, (R, p).

@@ -16,9 +16,8 @@ def urdf(*inside: str, base: str = "", arm: str = INERTIAL, joint: str = LIMIT, 
     """A base and an arm on a joint about y, with more elements behind them."""
     return (
         f'<robot name="r">\n<link name="base">{base}</link>\n<link name="arm">{arm}</link>\n'
-        f'<joint name="j" type="{kind}"><parent link="base"/><child link="arm"/><origin xyz="0 0 1"/><axis xyz="0 2 0"/>{joint}</joint>\n'
-        + "\n".join(inside)
-        + "</robot>"
+        f'<joint name="j" type="{kind}"><parent link="base"/><child link="arm"/><origin xyz="0 0 1"/>'
+        f'<axis xyz="0 2 0"/>{joint}</joint>\n' + "\n".join(inside) + "</robot>"
     )
 
 

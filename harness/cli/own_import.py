@@ -1,4 +1,4 @@
-"""What stands between a robot file and a run of it: the import, kept in the run folder, and what is refused before anything runs."""
+"""Between a robot file and a run of it: the import, kept in the run folder, and what is refused before anything runs."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,6 +50,7 @@ def refuse_two_frictions(scene: "Scene", adapters: "Mapping[str, Adapter]") -> N
     others = f", or --engine {having[0]} runs it on what has both" if having else ""
     stop(
         USAGE,
-        f"surface {'/'.join(law.between)}: static_friction {law.static_friction:g} above kinetic_friction {law.kinetic_friction:g}, "
-        f"which {', '.join(lacking)} cannot express; --one-friction takes the kinetic one for both{others}",
+        f"surface {'/'.join(law.between)}: static_friction {law.static_friction:g} above kinetic_friction "
+        f"{law.kinetic_friction:g}, which {', '.join(lacking)} cannot express; "
+        f"--one-friction takes the kinetic one for both{others}",
     )

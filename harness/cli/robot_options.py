@@ -10,7 +10,7 @@ from harness.importers.wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
 from harness.intake.documents import document
 
 if TYPE_CHECKING:
-    from harness.importers import Imported
+    from harness.importers.imported import Imported
 
 __all__ = ["ROBOT_ENDINGS", "imported_from", "is_scene", "robot_options", "wishes_of"]
 
@@ -20,9 +20,13 @@ _OPTIONS = (
     click.option(
         "--drop", "drop", multiple=True, type=click.Choice(sorted(DROPPABLE)), help="Leave out what a scene has no word for."
     ),
-    click.option("--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package://NAME lies; may be repeated."),
+    click.option(
+        "--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package://NAME lies; may be repeated."
+    ),
     click.option("--root", type=click.Choice(["fixed", "floating"]), help="How the robot's root is held."),
-    click.option("--scenario", type=click.Choice(SCENARIOS), help="What happens to the robot where its companion says nothing."),
+    click.option(
+        "--scenario", type=click.Choice(SCENARIOS), help="What happens to the robot where its companion says nothing."
+    ),
     click.option("--one-friction", is_flag=True, help="Take static friction to be the kinetic one."),
 )
 Command = TypeVar("Command", bound=Callable[..., Any])

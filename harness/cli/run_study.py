@@ -129,7 +129,7 @@ def run(
     resume: Literal["same", "merge"] | None,
     **robot: Any,
 ) -> None:
-    """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene or robot of your own."""
+    """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
     own = is_scene(study)
     if own:
         study = scene_to_run(study, out or Path("build") / "scene", robot)

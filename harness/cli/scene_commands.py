@@ -11,7 +11,7 @@ from harness.cli.options import json_rows, limited
 from harness.cli.robot_options import imported_from, robot_options
 
 if TYPE_CHECKING:
-    from harness.importers import Imported
+    from harness.importers.imported import Imported
     from harness.scene import Scene
 
 __all__ = ["scene"]
@@ -75,14 +75,21 @@ def show(file: Path, as_json: bool, **told: Any) -> None:
         print_json([*_bodies(imported.scene), *_joints(imported), *({"kind": "fidelity", **row} for row in rows)])
         return
     bodies, joints = _bodies(imported.scene), _joints(imported)
-    print_table("Bodies", ("name", "motion", "mass kg", "least, most inertia kg m2", "shapes", "material"), [_cells(b) for b in bodies])
+    print_table(
+        "Bodies", ("name", "motion", "mass kg", "least, most inertia kg m2", "shapes", "material"), [_cells(b) for b in bodies]
+    )
     if joints:
         print_table(
-            "Joints", ("name", "type", "parent", "child", "start", "range", "spring", "drive"), [_joint_cells(j) for j in joints]
+            "Joints",
+            ("name", "type", "parent", "child", "start", "range", "spring", "drive"),
+            [_joint_cells(j) for j in joints],
         )
     moving = [body for body in bodies if body["motion"] == "dynamic"]
     say(f"{len(moving)} bodies move, with {sum(body['mass'] for body in moving):.6g} kg in all; {len(joints)} joints")
-    say(f"gravity {', '.join(f'{g:g}' for g in imported.scene.gravity)} m/s2; effects: {', '.join(imported.scene.effects.names)}")
+    say(
+        f"gravity {', '.join(f'{g:g}' for g in imported.scene.gravity)} m/s2; "
+        f"effects: {', '.join(imported.scene.effects.names)}"
+    )
     if rows:
         print_table("What became of each element", BRIEF, [brief(row) for row in rows])
 
@@ -119,7 +126,13 @@ def _cells(body: dict[str, Any]) -> tuple[object, ...]:
 def _joints(imported: "Imported") -> list[dict[str, Any]]:
     found = []
     for joint in imported.scene.joints:
-        row: dict[str, Any] = {"kind": "joint", "name": joint.name, "type": joint.type, "parent": joint.parent, "child": joint.child}
+        row: dict[str, Any] = {
+            "kind": "joint",
+            "name": joint.name,
+            "type": joint.type,
+            "parent": joint.parent,
+            "child": joint.child,
+        }
         limits, spring, drive = (getattr(joint, name, None) for name in ("limits", "spring", "drive"))
         row["position"] = getattr(joint, "position", None)
         row |= {"lower": limits.lower, "upper": limits.upper} if limits else {"lower": None, "upper": None}
@@ -136,7 +149,11 @@ def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:
     bounded = row["lower"] is not None or row["upper"] is not None
     limits = f"{number(row['lower']) or '-inf'} .. {number(row['upper']) or 'inf'}" if bounded else ""
     spring = f"{row['spring_stiffness']:.3g}, {row['spring_damping']:.3g}" if "spring_stiffness" in row else ""
-    drive = f"{row['drive_stiffness']:.3g}, {row['drive_damping']:.3g} to {row['drive_target']:.3g}" if "drive_target" in row else ""
+    drive = (
+        f"{row['drive_stiffness']:.3g}, {row['drive_damping']:.3g} to {row['drive_target']:.3g}"
+        if "drive_target" in row
+        else ""
+    )
     return (row["name"], row["type"], row["parent"], row["child"], number(row["position"]), limits, spring, drive)
 
 

@@ -57,8 +57,8 @@ class JointWish:
     """One joint.
 
     Terms:
-        position, velocity: at the start [rad or m, per second]. target, target_velocity, stiffness, damping, limit: of its drive.
-        limits: the range in place of the file's; 'none' for an open one.
+        position, velocity: at the start [rad or m, per second]. target, target_velocity, stiffness, damping, limit: of its
+        drive. limits: the range in place of the file's; 'none' for an open one.
     """
 
     position: Finite | None = None
@@ -92,8 +92,8 @@ class Companion:
     """All that the file beside a robot says.
 
     Terms:
-        root: how the root is held. start: joints start at zero, or in the middle of their range. keyframe: the name of a pose of
-        the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do the robot's own links touch each
+        root: how the root is held. start: joints start at zero, or in the middle of their range. keyframe: the name of a pose
+        of the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do its own links touch each
         other? materials: by link, where it is not 'robot'. duration [s], look_at (links or joints), seed: of the run.
     """
 

@@ -21,8 +21,11 @@ STIFF_RATE = 480.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Massive:
-    """Something that moves. Terms: mass [kg], centre in W [m], inertia about it in W's axes [kg m2]; lines that move it; stated:
-    did the user put it there?"""
+    """Something that moves.
+
+    Terms:
+        mass [kg], centre in W [m], inertia about it in W's axes [kg m2]; lines that move it; stated: did the user put it there?
+    """
 
     mass: float
     centre_W: Array
@@ -141,7 +144,8 @@ def _stiff(scalars: Sequence[Coordinate], M: Array, places: Array) -> list[Fidel
             count=len(stiff),
             outcome="exact",
             becomes="damping",
-            consequence=f"an explicit integrator explodes or needs steps below 2 over the rate; the highest is that of '{worst}'",
+            consequence="an explicit integrator explodes or needs steps below 2 over the rate; the highest is that of "
+            f"'{worst}'",
             value=rates[worst],
             unit="1/s",
         )

@@ -1,4 +1,4 @@
-"""A settled robot as a scene: merged groups become bodies at their centres of mass, coordinates become joints, in W at time 0."""
+"""A settled robot as a scene: merged groups are bodies at their centres of mass, coordinates are joints, in W at time 0."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -134,8 +134,8 @@ def _between(line: Line, group: Group, massless: Massless | None, names: _Names)
     if massless is None:
         named = [each.name for each in group.lead.coordinates]
         raise RobotError(
-            f"{group.lead.where}: several joints {listed(named)} move one body, and a scene has one joint between two bodies and no "
-            "body without mass; [massless] mass = ... in the companion file puts bodies of that mass between them, "
+            f"{group.lead.where}: several joints {listed(named)} move one body, and a scene has one joint between two bodies "
+            "and no body without mass; [massless] mass = ... in the companion file puts bodies of that mass between them, "
             "and says what they change"
         )
     moment = _stated_inertia(massless)
@@ -151,16 +151,14 @@ def _between(line: Line, group: Group, massless: Massless | None, names: _Names)
     )
 
 
-def _body(
-    group: Group, X: Pose, at: Posed, material: str, massless: Massless | None, names: _Names
-) -> tuple[Body, bool]:
+def _body(group: Group, X: Pose, at: Posed, material: str, massless: Massless | None, names: _Names) -> tuple[Body, bool]:
     solid, stated = group.solid, False
     if solid is None:
         if massless is None:
             density = "; density = ... fills its shapes" if group.geometries else ""
             raise RobotError(
                 f"{group.lead.where}: link{'s' * (len(group.members) > 1)} {listed(list(group.members))} "
-                f"ha{'ve' if len(group.members) > 1 else 's'} no mass and hang{'s' * (len(group.members) == 1)} on a joint that moves; "
+                f"{'have no mass and hang' if len(group.members) > 1 else 'has no mass and hangs'} on a joint that moves; "
                 f"[massless] mass = ... in the companion file states one{density}"
             )
         mass, centre, tensor, stated = massless.mass, np.zeros(3), _stated_inertia(massless) * np.eye(3), True
@@ -220,14 +218,10 @@ def _drive(c: Coordinate) -> Drive | None:
     s = c.servo
     if s is None:
         return None
-    return Drive(
-        stiffness=s.stiffness, damping=s.damping, target=s.target, target_velocity=s.target_velocity, limit=s.limit
-    )
+    return Drive(stiffness=s.stiffness, damping=s.damping, target=s.target, target_velocity=s.target_velocity, limit=s.limit)
 
 
-def _closure(
-    one: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], held: Mapping[str, str], names: _Names
-) -> Joint:
+def _closure(one: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], held: Mapping[str, str], names: _Names) -> Joint:
     a, b = held[owner[one.link_A]], held[owner[one.link_B]]
     p_A, p_B = at.pose[one.link_A].of(one.anchor_A), at.pose[one.link_B].of(one.anchor_B)
     gap = float(np.linalg.norm(p_A - p_B))
@@ -235,11 +229,14 @@ def _closure(
     askew = float(np.linalg.norm(turned - np.eye(3))) / np.sqrt(2)
     if gap > LOOSE or askew > LOOSE:
         raise RobotError(
-            f"{robot.source}: connection {quoted(one.name, 80)}: its two sides lie {gap:.3g} m and {askew:.3g} rad apart at the start, expected at most "
+            f"{robot.source}: connection {quoted(one.name, 80)}: its two sides lie {gap:.3g} m and {askew:.3g} rad "
+            "apart at the start, expected at most "
             f"{LOOSE:g} m; start in a pose where the loop is closed ([joints.NAME] position = ..., or keyframe = ...)"
         )
     if a == b:
-        raise RobotError(f"{robot.source}: connection {quoted(one.name, 80)} joins {quoted(a, 80)} to itself, expected two bodies")
+        raise RobotError(
+            f"{robot.source}: connection {quoted(one.name, 80)} joins {quoted(a, 80)} to itself, expected two bodies"
+        )
     if b == WORLD:
         a, b = b, a
     name = names.fresh(one.name)

@@ -71,9 +71,7 @@ class _Held:
     excluded: "set[frozenset[str]]"
 
 
-def _paired(
-    robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str]], held: _Held, mixed: list[str]
-) -> Laws:
+def _paired(robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str]], held: _Held, mixed: list[str]) -> Laws:
     told = {law.pair: law for law in companion.surfaces}
     given = {law.pair: law for law in (robot.contacts.laws if robot.contacts else ())}
     surfaces, apart, assumed = [], [], []

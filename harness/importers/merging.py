@@ -18,7 +18,8 @@ class Group:
 
     Terms:
         lead: the link that the others hang on; its frame G is the group's. parent: the lead of the group above, None for the
-        world. still: is it fixed to the world? solid: all mass, in G; None without any. geometries, drawn: each with its pose in G.
+        world. still: is it fixed to the world? solid: all mass, in G; None without any. geometries, drawn: each with its pose
+        in G.
         members: pose in G of each link.
     """
 
@@ -64,7 +65,9 @@ def grouped(robot: Robot) -> dict[str, Group]:
         for one in poses:
             solid = links[one].solid
             if solid is not None and solid.mass == 0 and not still:
-                raise RobotError(f"{links[one].where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0")
+                raise RobotError(
+                    f"{links[one].where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0"
+                )
         made[name] = Group(lead_link, above[name], still, together(solids) if solids else None, shapes, drawn, poses)
     return made
 

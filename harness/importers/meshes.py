@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -70,7 +71,7 @@ def load_mesh(path: Path, scale: Array, where: str) -> Mesh:
     import trimesh
 
     try:
-        loaded = trimesh.load(BytesIO(raw), file_type=kind[1:], force="mesh", process=False, skip_materials=True)
+        loaded: Any = trimesh.load(BytesIO(raw), file_type=kind[1:], force="mesh", process=False, skip_materials=True)
         vertices = np.array(loaded.vertices, dtype=np.float64)
         faces = np.array(loaded.faces, dtype=np.int64)
     except Exception as error:  # a broken file may break the reader anywhere

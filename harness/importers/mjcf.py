@@ -1,7 +1,7 @@
 """MJCF: the model that MuJoCo's own compiler makes of it, so that defaults, classes, angles and inertias are the vendor's.
 
-What is compiled has joint coordinates that begin at `ref`, springs that act from `springref`, inertias from geoms where the file
-asks for them, and contacts by bit masks; all of that is read as it stands there.
+What is compiled has joint coordinates that begin at `ref`, springs that act from `springref`, inertias from geoms where the
+file asks for them, and contacts by bit masks; all of that is read as it stands there.
 """
 
 from pathlib import Path
@@ -60,7 +60,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
         )
         for k in range(len(names))
     )
-    closures = _closures(model, names, rows, needs, source)
+    closures = _closures(model, names, rows, needs)
     needs += _others(model, text)
     rows += _beside(model, text)
     free = any(c.kind == "free" for link in links for c in link.coordinates)
@@ -92,7 +92,9 @@ def _start(model: Model, keyframe: str | None, source: str) -> _Start:
         return _Start(model.qpos0, np.zeros(len(model.dof_damping)), np.zeros(model.key_ctrl.shape[1]))
     known = model.names["key"]
     if keyframe not in known:
-        raise RobotError(f"{source}: keyframe {quoted(keyframe, 80)} is not in the file, expected one of {listed(known, 8) or 'none'}")
+        raise RobotError(
+            f"{source}: keyframe {quoted(keyframe, 80)} is not in the file, expected one of {listed(known, 8) or 'none'}"
+        )
     k = known.index(keyframe)
     return _Start(model.key_qpos[k], model.key_qvel[k], model.key_ctrl[k])
 
@@ -112,12 +114,11 @@ def _check(model: Model, source: str) -> None:
             told = quoted(model.name(element, int(bad[0][0])), 80)
             raise RobotError(f"{source}: <{element}> {told}: {array.partition('_')[2]} is negative, expected 0 or more")
     for array in ("dof_damping", "dof_armature", "dof_frictionloss"):
-        bad = np.flatnonzero(model.arrays[array] < 0)
-        if len(bad):
-            joint = int(np.flatnonzero(model.jnt_dofadr <= bad[0])[-1])
-            word = array.partition("_")[2]
+        for dof in np.flatnonzero(model.arrays[array] < 0):
+            place = int(np.flatnonzero(model.jnt_dofadr <= dof)[-1])
+            value = float(model.arrays[array][dof])
             raise RobotError(
-                f"{source}: <joint> {quoted(model.name('joint', joint), 80)}: {word} is {model.arrays[array][bad[0]]:g}, "
+                f"{source}: <joint> {quoted(model.name('joint', place), 80)}: {array.partition('_')[2]} is {value:g}, "
                 "expected 0 or more"
             )
 
@@ -134,9 +135,7 @@ def _coordinates(
     model: Model, body: int, start: _Start, servos: "mjcf_actuators.Servos", needs: list[Need], source: str
 ) -> tuple[Coordinate, ...]:
     first = int(model.body_jntadr[body])
-    return tuple(
-        _coordinate(model, first + k, start, servos, needs, source) for k in range(int(model.body_jntnum[body]))
-    )
+    return tuple(_coordinate(model, first + k, start, servos, needs, source) for k in range(int(model.body_jntnum[body])))
 
 
 def _coordinate(
@@ -150,24 +149,25 @@ def _coordinate(
     damping = 0.0 if no_damper else float(model.dof_damping[here].max())
     stiffness = 0.0 if no_spring else float(np.max(model.jnt_stiffness[j]))
     limited = bool(model.jnt_limited[j]) and not no_limit
-    own = {
-        "armature": float(model.dof_armature[here].max()),
-        "friction_loss": 0.0 if model.flag("frictionloss") else float(model.dof_frictionloss[here].max()),
-    }
+    armature = float(model.dof_armature[here].max())
+    friction_loss = 0.0 if model.flag("frictionloss") else float(model.dof_frictionloss[here].max())
     if model.jnt_stiffnesspoly[j].any() or model.dof_dampingpoly[here].any() or model.jnt_springyield[j].any():
         needs.append(Need(kind="nonlinear", element="joint", names=(name,)))
     where = f"{source}: <joint> {quoted(name, 80)}"
     if kind in ("free", "ball"):
         if damping > 0 or stiffness > 0 or limited:
             words = [w for w, is_so in (("damping", damping > 0), ("stiffness", stiffness > 0), ("range", limited)) if is_so]
-            needs.append(Need(kind="ball_spring", element="joint", names=(name,), size=f"{' and '.join(words)} of a {kind} joint"))
+            needs.append(
+                Need(kind="ball_spring", element="joint", names=(name,), size=f"{' and '.join(words)} of a {kind} joint")
+            )
         return Coordinate(
             name=name,
             kind=kind,
             anchor=np.array(model.jnt_pos[j]),
             X_start=_displaced(model, j, kind, start.qpos[at : at + 7]),
             where=where,
-            **own,
+            armature=armature,
+            friction_loss=friction_loss,
         )
     axis = np.array(model.jnt_axis[j], dtype=np.float64)
     return Coordinate(
@@ -185,7 +185,8 @@ def _coordinate(
         velocity=float(start.qvel[dof]),
         servo=servos.get(j),
         where=where,
-        **own,
+        armature=armature,
+        friction_loss=friction_loss,
     )
 
 
@@ -198,7 +199,7 @@ def _displaced(model: Model, j: int, kind: Kind, qpos: Array) -> Pose:
     return reference.inverse() @ pose(qpos[:3], qpos[3:7])
 
 
-def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[Need], source: str) -> list[Closure]:
+def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[Need]) -> list[Closure]:
     """Connections and welds as joints; the others are needs."""
     found: list[Closure] = []
     if model.flag("equality"):
@@ -271,13 +272,21 @@ def _others(model: Model, text: Prepared) -> list[Need]:
 def _beside(model: Model, text: Prepared) -> list[Fidelity]:
     """Rows for what stands beside the motion."""
     rows = [
-        Fidelity(element=tag, name="", count=count, outcome="left_out", consequence="how it looks; the motion does not depend on it")
+        Fidelity(
+            element=tag, name="", count=count, outcome="left_out", consequence="how it looks; the motion does not depend on it"
+        )
         for tag, count in text.removed.items()
     ]
     for kind, count in (("sensor", model.nsensor), ("camera", model.ncam), ("light", model.nlight)):
         if count:
             rows.append(
-                Fidelity(element=kind, name="", count=int(count), outcome="left_out", consequence="it measures or shows, and moves nothing")
+                Fidelity(
+                    element=kind,
+                    name="",
+                    count=int(count),
+                    outcome="left_out",
+                    consequence="it measures or shows, and moves nothing",
+                )
             )
     passive = [model.name("tendon", k) for k in range(len(model.tendon_limited)) if not model.tendon_limited[k]]
     if passive:
@@ -311,7 +320,8 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
                 count=len(soft),
                 outcome="approximated",
                 becomes="limits as each engine makes them",
-                consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; margins are left out",
+                consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
+                "margins are left out",
             )
         )
     rows.append(
@@ -319,7 +329,8 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
             element="option",
             name="",
             outcome="left_out",
-            consequence="time step, integrator and solver are settings of a run and no part of a scene; the file's time step is",
+            consequence="time step, integrator and solver are settings of a run and no part of a scene; "
+            "the file's time step is",
             value=float(model.opt_timestep),
             unit="s",
         )

@@ -50,7 +50,11 @@ def compiled() -> dict[str, Any]:
     names = {
         kind: [
             mujoco.mj_id2name(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), k) or ""
-            for k in range(getattr(model, {"joint": "njnt", "camera": "ncam", "equality": "neq", "actuator": "nactuator"}.get(kind, f"n{kind}")))
+            for k in range(
+                getattr(
+                    model, {"joint": "njnt", "camera": "ncam", "equality": "neq", "actuator": "nactuator"}.get(kind, f"n{kind}")
+                )
+            )
         ]
         for kind in NAMED
     }
@@ -61,11 +65,20 @@ def compiled() -> dict[str, Any]:
             if member.startswith(f"mj{prefix}_")
         }
         for kind, prefix in (
-            ("Joint", "JNT"), ("Geom", "GEOM"), ("Eq", "EQ"), ("Trn", "TRN"), ("Gain", "GAIN"), ("Bias", "BIAS"),
-            ("Dyn", "DYN"), ("DisableBit", "DSBL"), ("Obj", "OBJ"),
-        )  # fmt: skip
+            ("Joint", "JNT"),
+            ("Geom", "GEOM"),
+            ("Eq", "EQ"),
+            ("Trn", "TRN"),
+            ("Gain", "GAIN"),
+            ("Bias", "BIAS"),
+            ("Dyn", "DYN"),
+            ("DisableBit", "DSBL"),
+            ("Obj", "OBJ"),
+        )
     }
-    kept["words"] = np.frombuffer(json.dumps({"names": names, "enums": enums, "version": mujoco.__version__}).encode(), np.uint8)
+    kept["words"] = np.frombuffer(
+        json.dumps({"names": names, "enums": enums, "version": mujoco.__version__}).encode(), np.uint8
+    )
     return kept
 
 

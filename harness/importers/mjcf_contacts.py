@@ -32,7 +32,7 @@ class _Sort:
 
 
 def read(model: Model, names: list[str]) -> tuple[dict[int, str], Contacts, list[Fidelity]]:
-    """The contact key of each geom that can touch, the laws between keys, and what is said of contacts. Args: names of bodies."""
+    """The contact key of each geom that can touch, the laws between keys, what is said of contacts. Args: names of bodies."""
     count = len(model.geom_type)
     if model.flag("contact") or model.flag("constraint"):
         row = Fidelity(element="geom", name="", count=count, outcome="exact", consequence="the file switches contacts off")

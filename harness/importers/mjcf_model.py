@@ -27,7 +27,7 @@ _LINE = re.compile(r",? line (\d{1,9})")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """A compiled model. Terms: arrays: by MuJoCo's names. names: by kind, of each element, '' for none. enums: by kind and word."""
+    """A compiled model. Terms: arrays: by MuJoCo's names. names: by kind, of each element, or ''. enums: by kind, word."""
 
     arrays: dict[str, Any]
     names: dict[str, list[str]]
@@ -44,7 +44,7 @@ class Model:
         """The compiler's word for a number, like 'hinge' for a joint's type."""
         return next((word for word, number in self.enums[kind].items() if number == value), str(value))
 
-    def name(self, kind: str, place: int) -> str:
+    def name(self, kind: str, place: "int | np.integer[Any]") -> str:
         """The name of an element, made up of its kind and place where the file gives none."""
         return self.names[kind][place] or f"{kind}_{place}"
 

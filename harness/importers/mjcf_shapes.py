@@ -1,4 +1,4 @@
-"""MJCF's geoms as shapes: primitives as they are, meshes as the convex hulls that MuJoCo itself collides, ellipsoids as polyhedra."""
+"""MJCF's geoms as shapes: primitives as they are, meshes as the convex hulls that MuJoCo collides, ellipsoids as polyhedra."""
 
 from collections.abc import Mapping
 
@@ -15,10 +15,8 @@ from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphe
 __all__ = ["drawn", "geometries"]
 
 
-def geometries(
-    model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]
-) -> dict[int, list[Geometry]]:
-    """The shapes by body. Args: keys: the contact key of each geom that collides; rows, needs: what is said is added to them."""
+def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:
+    """The shapes by body. Args: keys: the contact key of each geom that collides; rows, needs: are added to."""
     made: dict[int, list[Geometry]] = {}
     exact, hulls, rounds, strange = 0, [], {}, []
     for k, key in keys.items():

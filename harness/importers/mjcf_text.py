@@ -3,12 +3,12 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from harness.importers.files import Folders, content, text_of
 from harness.importers.meshes import too_many_faces
 from harness.importers.refusal import RobotError
+from harness.importers.wishes import Drop
 from harness.importers.xml_text import Element, elements
 from harness.intake.allowance import beyond
 from harness.intake.documents import named
@@ -25,7 +25,6 @@ _REMOVED = {
     "visual": "the look of the viewer",
     "statistic": "the view of the viewer",
 }
-_MACROS = ("composite", "flexcomp", "flex", "attach", "model", "plugin", "extension", "replicate")
 _STRANGE = re.compile(r"[+-]?(?:nan|inf|infinity)", re.IGNORECASE)
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,8}")
 
@@ -39,7 +38,7 @@ class Prepared:
     assets: dict[str, bytes] = field(default_factory=dict)
     lines: list[str] = field(default_factory=list)
     removed: dict[str, int] = field(default_factory=dict)
-    strange: dict[str, list[str]] = field(default_factory=dict)
+    strange: dict[Drop, list[str]] = field(default_factory=dict)
 
 
 def prepared(root: Element, folders: Folders) -> Prepared:
@@ -132,8 +131,15 @@ def _write(
 
 def _taken_out(element: Element, made: Prepared) -> bool:
     """Is it one of those that a scene has no word for, and that would run code or make thousands of bodies?"""
-    kind = {"composite": "flex", "flexcomp": "flex", "flex": "flex", "deformable": "flex", "plugin": "plugin", "extension": "plugin"}
-    if element.tag in ("attach", "model") and "file" in element.attributes | {} or element.tag == "attach":
+    kind: dict[str, Drop] = {
+        "composite": "flex",
+        "flexcomp": "flex",
+        "flex": "flex",
+        "deformable": "flex",
+        "plugin": "plugin",
+        "extension": "plugin",
+    }
+    if element.tag == "attach" or (element.tag == "model" and "file" in element.attributes):
         raise element.refuse("a model in a model is not read; expected one model, put together beforehand")
     if element.tag in kind and (element.tag not in ("deformable", "extension") or element.children):
         made.strange.setdefault(kind[element.tag], []).append(element.attributes.get("name") or f"line {element.line}")

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.importers.companion import Companion
+from harness.importers.fidelity import Fidelity
 from harness.importers.imported import Imported
 from harness.importers.materials import one_friction
 from harness.importers.refusal import RobotError
@@ -28,7 +29,7 @@ def read(path: Path, wishes: Wishes, companion: Companion) -> Imported:
             )
     if wishes.drop or wishes.packages or wishes.root or wishes.scenario:
         raise RobotError(f"{named(path)}: --drop, --package, --root and --scenario are for robot files; a scene says it itself")
-    rows = []
+    rows: list[Fidelity] = []
     if wishes.one_friction or companion.one_friction:
         surfaces, rows = one_friction(scene.surfaces)
         scene = replace(scene, surfaces=surfaces)

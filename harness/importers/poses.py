@@ -56,7 +56,7 @@ def pose(p: "Vector3 | Array", q: "Quaternion | Array" = (1.0, 0.0, 0.0, 0.0)) -
 def quaternion(R: Array) -> Quaternion:
     """The quaternion (w, x, y, z) of a rotation, with w >= 0.
 
-    Source: Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1 (1978) 223: the largest component is divided by.
+    Source: Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1 (1978) 223: the largest component divides.
     """
     t = float(np.trace(R))
     squares = np.array([t, R[0, 0], R[1, 1], R[2, 2]])

@@ -66,8 +66,8 @@ def _inside(path: Path, companion: Companion) -> dict[str, Path]:
         root = (path.parent / folder).resolve()
         if not root.is_relative_to(path.parent.resolve()) or not root.is_dir():
             raise RobotError(
-                f"{named(beside(path))}: packages > {quoted(name, 80)} is {quoted(folder)}, expected a folder beside the robot; "
-                "--package NAME=DIR may name any"
+                f"{named(beside(path))}: packages > {quoted(name, 80)} is {quoted(folder)}, expected a folder beside "
+                "the robot; --package NAME=DIR may name any"
             )
         roots[name] = root
     return roots

@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.importers.fidelity import Fidelity
 from harness.importers.poses import IDENTITY, Array, Pose
+from harness.importers.wishes import Drop
 from harness.scene import Matrix3, Shape, Surface, Vector3
 
 __all__ = ["Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "symmetric"]
@@ -24,7 +25,7 @@ Kind = Literal["revolute", "prismatic", "ball", "free"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
-    """Mass [kg], centre of mass in the link [m] and inertia about it in the link's axes [kg m2]; None where no tensor is given."""
+    """Mass [kg], centre of mass in the link [m] and inertia about it in the link's axes [kg m2]; None where none is given."""
 
     mass: float
     centre: Array
@@ -58,9 +59,9 @@ class Coordinate:
     Terms:
         anchor [m], axis: in the link, at the reference. lower, upper [rad or m]; None is open. stiffness, damping, rest: of a
         passive spring. armature [kg m2 or kg]; friction_loss [N m or N]; effort [N m or N]; speed [rad/s or m/s]: its bound.
-        velocity: at the start. position: at the start, None for the reference. needs_range: the format asks for a range, and the
-        file gives none or half of one. X_start: the pose of a free link in its parent at the start, and of a ball's turn, None
-        for the reference. where: file and line.
+        velocity: at the start. position: at the start, None for the reference. needs_range: the format asks for a range, and
+        the file gives none or half of one. X_start: the pose of a free link in its parent at the start, and of a ball's turn;
+        None for the reference. where: file and line.
     """
 
     name: str
@@ -87,7 +88,7 @@ class Coordinate:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Link:
-    """One link. Terms: parent: None for the world. geometries: what touches; drawn: what is drawn besides. where: file and line."""
+    """One link. Terms: parent: None for the world. geometries: what touches; drawn: what is drawn too. where: in the file."""
 
     name: str
     parent: str | None
@@ -128,9 +129,9 @@ class Contacts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Need:
-    """Elements that change the motion and have no word in a scene. Terms: kind: one of DROPPABLE; size: the largest, in words."""
+    """Elements that change the motion and have no word in a scene. Terms: kind: one of DROPPABLE; size: of the largest."""
 
-    kind: str
+    kind: Drop
     element: str
     names: tuple[str, ...]
     size: str = ""
@@ -143,7 +144,8 @@ class Robot:
     Terms:
         links: parents before children. root: how the root is held, None where the format does not say. gravity [m/s2]: None
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
-        does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on? rows: what was settled while it was read.
+        does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
+        rows: what was settled while it was read.
         needs: what has to be dropped by the user.
     """
 

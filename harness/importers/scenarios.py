@@ -12,7 +12,20 @@ from harness.importers.fidelity import Fidelity
 from harness.importers.refusal import RobotError
 from harness.importers.robot import Coordinate, Robot, Servo
 from harness.importers.wishes import Scenario, Wishes
-from harness.scene import Body, Box, Capsule, ConvexHull, Cylinder, PlacedShape, Scene, Sphere, TriangleMesh, Vector3
+from harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Distance,
+    Fixed,
+    PlacedShape,
+    Scene,
+    Sphere,
+    TriangleMesh,
+    Vector3,
+)
 from harness.scene.rotation import multiply, rotate, rotation_matrix
 
 __all__ = ["CLEARANCE", "HOLD_RATE", "SWING", "held_by_drives", "lifted", "rooted_for", "swung", "unpowered"]
@@ -35,7 +48,9 @@ def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wi
     if told is None:
         return replace(companion, root=wanted), wishes  # type: ignore[arg-type]
     if told != wanted and scenario != "hold":
-        raise RobotError(f"{robot.source}: scenario {scenario} needs a {wanted} root, and it is {told}; expected the other, or another scenario")
+        raise RobotError(
+            f"{robot.source}: scenario {scenario} needs a {wanted} root, and it is {told}; expected another scenario"
+        )
     return companion, wishes
 
 
@@ -80,9 +95,7 @@ def held_by_drives(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list
         given.append(c.name)
         gain = own[c.name] * HOLD_RATE**2
         target = c.reference if c.position is None else c.position
-        return replace(
-            c, servo=Servo(stiffness=gain, damping=2 * own[c.name] * HOLD_RATE, target=target, limit=c.effort)
-        )
+        return replace(c, servo=Servo(stiffness=gain, damping=2 * own[c.name] * HOLD_RATE, target=target, limit=c.effort))
 
     made = _each(robot, hold)
     row = Fidelity(
@@ -116,7 +129,7 @@ def lifted(scene: Scene, ground: str, source: str) -> Scene:
 
     bodies = tuple(replace(body, p_WB=up(body.p_WB)) if body.movable else body for body in scene.bodies)
     joints = tuple(
-        replace(joint, anchor_W=up(joint.anchor_W)) if hasattr(joint, "anchor_W") else joint for joint in scene.joints
+        joint if isinstance(joint, Fixed | Distance) else replace(joint, anchor_W=up(joint.anchor_W)) for joint in scene.joints
     )
     return replace(scene, bodies=bodies, joints=joints)
 

@@ -1,4 +1,4 @@
-"""A robot and what its user says of it, made one: root, start, ranges, drives; what is neither expressed nor dropped is refused."""
+"""A robot and what its user says of it: root, start, ranges, drives; what is neither expressed nor dropped is refused."""
 
 import difflib
 from collections.abc import Iterable
@@ -8,12 +8,10 @@ from harness.importers.companion import Companion, JointWish
 from harness.importers.fidelity import Fidelity
 from harness.importers.refusal import RobotError, listed
 from harness.importers.robot import Coordinate, Link, Need, Robot, Servo
-from harness.importers.wishes import DROPPABLE, Wishes
+from harness.importers.wishes import DROPPABLE, Drop, Wishes
 from harness.intake.safe_text import quoted
 
 __all__ = ["rooted", "settled", "undropped", "valid_name"]
-
-
 
 
 def valid_name(given: Iterable[str], valid: Iterable[str], what: str, source: str) -> None:
@@ -33,8 +31,8 @@ def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> Robot:
     root = wishes.root or companion.root or robot.root
     if root is None:
         raise RobotError(
-            f"{robot.source}: a file of this kind does not say how its root {quoted(robot.links[0].name, 80)} is held, and an arm "
-            'looks like a quadruped; --root fixed or --root floating says it, or root = "fixed" in the companion file'
+            f"{robot.source}: a file of this kind does not say how its root {quoted(robot.links[0].name, 80)} is held, and an "
+            'arm looks like a quadruped; --root fixed or --root floating says it, or root = "fixed" in the companion file'
         )
     if robot.root is not None and root != robot.root:
         raise RobotError(f"{robot.source}: root is {root!r}, but the file says {robot.root!r}; expected no other")
@@ -50,8 +48,8 @@ def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
     open_needs = [need for need in needs if need.kind not in dropped]
     if open_needs:
         lines = [
-            f"{robot.source}: {need.element} {listed(need.names)}: {need.kind.replace('_', ' ')}{' ' * bool(need.size)}{need.size}: "
-            f"a scene has no word for {DROPPABLE[need.kind]}; --drop {need.kind} leaves it out, and says so"  # type: ignore[index]
+            f"{robot.source}: {need.element} {listed(need.names)}: {_said(need)}: a scene has no word for "
+            f"{DROPPABLE[need.kind]}; --drop {need.kind} leaves it out, and says so"
             for need in open_needs
         ]
         raise RobotError("\n".join(lines))
@@ -68,10 +66,15 @@ def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
     ]
 
 
+def _said(need: Need) -> str:
+    return f"{need.kind} {need.size}".replace("_", " ").strip()
+
+
 def _of_coordinates(robot: Robot) -> list[Need]:
     needs = []
     coordinates = [c for link in robot.links for c in link.coordinates]
-    for kind, unit in (("armature", "kg m2 or kg"), ("friction_loss", "N m or N")):
+    kinds: tuple[tuple[Drop, str], ...] = (("armature", "kg m2 or kg"), ("friction_loss", "N m or N"))
+    for kind, unit in kinds:
         having = [c for c in coordinates if getattr(c, kind) > 0]
         if having:
             most = max(getattr(c, kind) for c in having)
@@ -92,9 +95,7 @@ def settled(robot: Robot, companion: Companion) -> tuple[Robot, list[Fidelity]]:
         replace(
             link,
             coordinates=tuple(_coordinate(c, companion, rows) for c in link.coordinates),
-            geometries=tuple(
-                replace(g, contact=companion.materials.get(link.name, g.contact)) for g in link.geometries
-            ),
+            geometries=tuple(replace(g, contact=companion.materials.get(link.name, g.contact)) for g in link.geometries),
         )
         for link in robot.links
     )
@@ -163,9 +164,7 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion) -> Servo | None
         return None
     target = wish.target if wish.target is not None else (base.target if c.servo is not None else c.position or 0.0)
     limit = wish.limit or base.limit or c.effort
-    return Servo(
-        stiffness=stiffness, damping=damping, target=target, target_velocity=wish.target_velocity, limit=limit
-    )
+    return Servo(stiffness=stiffness, damping=damping, target=target, target_velocity=wish.target_velocity, limit=limit)
 
 
 def _bounds(links: tuple[Link, ...]) -> list[Fidelity]:

@@ -63,9 +63,7 @@ def of_mesh(mesh: Mesh) -> Solid:
     corners = np.stack([a - centre, b - centre, c - centre], axis=1)
     six = np.einsum("ni,ni->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     total = corners.sum(axis=1)
-    second = (
-        np.einsum("n,nki,nkj->ij", six, corners, corners) + np.einsum("n,ni,nj->ij", six, total, total)
-    ) / 120
+    second = (np.einsum("n,nki,nkj->ij", six, corners, corners) + np.einsum("n,ni,nj->ij", six, total, total)) / 120
     # The tetrahedra from the centre do not close on the volume's sign alone: theirs sum up to the same volume.
     return Solid(volume, centre, np.trace(second) * np.eye(3) - second)
 

@@ -27,8 +27,8 @@ def suspected(robot: Robot, units: Units | None) -> list[Fidelity]:
             name="",
             outcome="exact",
             becomes="read in m/s2",
-            consequence="the file probably counts in another unit of length: [units] length = 0.01, mass = 0.001 for centimetres and "
-            "grams; its gravity is",
+            consequence="the file probably counts in another unit of length: [units] length = 0.01, mass = 0.001 for centi"
+            "metres and grams; its gravity is",
             value=strength,
             unit="m/s2",
         )
@@ -42,7 +42,9 @@ def scaled(robot: Robot, units: Units) -> Robot:
         robot,
         links=tuple(_link(link, units) for link in robot.links),
         closures=tuple(_closure(one, length) for one in robot.closures),
-        gravity=None if robot.gravity is None else (robot.gravity[0] * length, robot.gravity[1] * length, robot.gravity[2] * length),
+        gravity=None
+        if robot.gravity is None
+        else (robot.gravity[0] * length, robot.gravity[1] * length, robot.gravity[2] * length),
         contacts=None
         if robot.contacts is None
         else replace(

@@ -38,9 +38,7 @@ def read(path: Path, folders: Folders, density: float | None = None) -> Robot:
     links = {link.name: link for link in parsed.links}
     joints = {joint.child: joint for joint in parsed.joints}
     lines = {(tag, one.attributes["name"]): one for tag in ("link", "joint") for one in checked.all(tag)}
-    made = {
-        name: _link(links[name], joints.get(name), lines, shapes) for name in _from_the_root(links, joints)
-    }
+    made = {name: _link(links[name], joints.get(name), lines, shapes) for name in _from_the_root(links, joints)}
     needs, rows = _needs(parsed.joints, lines), [*shapes.rows(), *_rows(parsed.joints, foreign)]
     root_name = next(iter(made))
     return Robot(
@@ -218,4 +216,3 @@ def _rows(joints: list[Any], foreign: dict[str, int]) -> list[Fidelity]:
             )
         )
     return rows
-

@@ -188,7 +188,9 @@ def _check_dialect(element: Element) -> None:
     if element.tag == "joint_properties":
         for name in element.attributes:
             if any(numbers(element, name) or ()):
-                raise element.refuse(f"{name} is {quoted(element.attributes[name])} in a dialect's element; URDF says it in <dynamics>")
+                raise element.refuse(
+                    f"{name} is {quoted(element.attributes[name])} in a dialect's element; URDF says it in <dynamics>"
+                )
 
 
 def _check_attributes(element: Element) -> None:
@@ -274,11 +276,10 @@ def _check_reached(root: str, joints: list[Element], names: dict[str, Element]) 
         below.setdefault(parent.attributes["link"], []).append(child.attributes["link"])
     reached, waiting = {root}, [root]
     while waiting:
-        for child in below.get(waiting.pop(), ()):
-            if child not in reached:
-                reached.add(child)
-                waiting.append(child)
+        for name in below.get(waiting.pop(), ()):
+            if name not in reached:
+                reached.add(name)
+                waiting.append(name)
     lost = [name for name in names if name not in reached]
     if lost:
         raise names[lost[0]].refuse(f"hangs in a circle of joints with {len(lost) - 1} other links; expected a tree")
-

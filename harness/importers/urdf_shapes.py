@@ -1,4 +1,4 @@
-"""The shapes of URDF's links: primitives as they are, meshes as their convex hulls, and mass from them where it is not given."""
+"""The shapes of URDF's links: primitives as they are, meshes as convex hulls, and mass from them where none is given."""
 
 from typing import Any
 
@@ -93,7 +93,9 @@ class Shapes:
         solids = self._solids.get(link, [])
         whole = together(solids) if solids else None
         if whole is None or whole.mass <= 0 or whole.inertia is None:
-            raise element.refuse(f"<inertial> has a mass of {mass:g} kg and no <inertia>, and there is no shape to spread it over")
+            raise element.refuse(
+                f"<inertial> has a mass of {mass:g} kg and no <inertia>, and there is no shape to spread it over"
+            )
         self._spread.append(link)
         return Solid(mass, whole.centre if centre is None else centre, whole.inertia * (mass / whole.mass))
 

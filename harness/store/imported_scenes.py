@@ -1,4 +1,4 @@
-"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by what they say."""
+"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content."""
 
 import hashlib
 import json
@@ -75,4 +75,3 @@ def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
                 yield path, "it has no checksum"
         except Damaged as error:
             yield path, str(error)
-

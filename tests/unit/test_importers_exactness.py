@@ -1,14 +1,17 @@
 """Joint trees read from URDF and MJCF have the masses, mass matrices and accelerations that independent libraries find."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.importers.wishes import Wishes
+from harness.adapter import Settings
 from harness.importers.companion import Companion, JointWish
 from harness.importers.reading import read
+from harness.importers.wishes import Wishes
+from harness.scene import Scene
 from harness.study import plugins
 from tests.joint_space import JointSpace
 
@@ -22,7 +25,7 @@ def numbers(values: np.ndarray) -> str:
 
 
 def random_tree(seed: int, root: str = "base") -> str:
-    """A URDF of twelve links on hinges, slides and fixed joints, with turned inertials, turned joints and axes of any length."""
+    """A URDF of twelve links on hinges, slides and fixed joints, with turned inertials and joints and axes of any length."""
     rng = np.random.default_rng(seed)
 
     def inertial() -> str:
@@ -30,9 +33,9 @@ def random_tree(seed: int, root: str = "base") -> str:
         a, b, c = np.array(rng.uniform(0.01, 0.05, 3))
         moments = mass * np.array([b * b + c * c, a * a + c * c, a * a + b * b])
         R = Rotation.random(random_state=rng).as_matrix()
-        I = R @ np.diag(moments) @ R.T
-        six = f'ixx="{I[0, 0]!r}" ixy="{I[0, 1]!r}" ixz="{I[0, 2]!r}" iyy="{I[1, 1]!r}" iyz="{I[1, 2]!r}" izz="{I[2, 2]!r}"'
-        six = six.replace("np.float64(", "").replace(")", "")
+        tensor = R @ np.diag(moments) @ R.T
+        places = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+        six = " ".join(f'{name}="{float(tensor[place])!r}"' for name, place in places.items())
         where = f'<origin xyz="{numbers(rng.normal(0, 0.1, 3))}" rpy="{numbers(rng.uniform(-3, 3, 3))}"/>'
         return f'<inertial>{where}<mass value="{float(mass)!r}"/><inertia {six}/></inertial>'
 
@@ -53,13 +56,13 @@ def random_tree(seed: int, root: str = "base") -> str:
     return text + "</robot>"
 
 
-def pinned(path: Path, floating: bool):
+def pinned(path: Path, floating: bool) -> Any:
     pin = pytest.importorskip("pinocchio", reason="the package pin holds Pinocchio")
     model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer()) if floating else pin.buildModelFromUrdf(str(path))
     return pin, model, model.createData()
 
 
-def configuration(model, base: np.ndarray, values: dict[str, float]) -> np.ndarray:
+def configuration(model: Any, base: np.ndarray, values: dict[str, float]) -> np.ndarray:
     q = np.zeros(model.nq)
     if model.names[1] == "root_joint":
         q[:7] = base
@@ -125,7 +128,7 @@ def test_a_whole_robot_has_pinocchios_mass_centre_and_inertia(tmp_path: Path) ->
 
 MJCF = """
 <mujoco><compiler angle="degree" eulerseq="zyx" inertiafromgeom="auto"/><option gravity="0.5 -1 -9"/>
-<default><geom density="700"/><default class="thin"><geom size=".03 .1" type="capsule"/><joint axis="0 2 1" damping="0"/></default>
+<default><geom density="700"/><default class="thin"><geom size=".03 .1" type="capsule"/><joint axis="0 2 1"/></default>
 </default>
 <worldbody><body name="a" pos=".1 .2 .3" euler="20 -40 60">
  <joint name="a1" axis="1 1 0" pos=".05 0 .02" ref="30"/><geom type="box" size=".1 .05 .2" pos="0 .1 0" euler="0 0 45"/>
@@ -161,7 +164,7 @@ def test_an_mjcf_tree_has_mujocos_mass_matrix_and_accelerations(tmp_path: Path) 
         assert np.abs(np.linalg.solve(M, -h) - data.qacc[order]).max() <= EXACT * np.abs(data.qacc).max()
 
 
-def at_a_state(path: Path, rng: np.random.Generator):
+def at_a_state(path: Path, rng: np.random.Generator) -> tuple[Scene, np.ndarray, np.ndarray]:
     """The scene of a fixed tree at a random state, and its coordinates there."""
     joints = [j.name for j in read(path, Wishes(root="fixed")).scene.joints]
     q, qd = rng.uniform(-2, 2, len(joints)), rng.normal(0, 1, len(joints))
@@ -169,7 +172,7 @@ def at_a_state(path: Path, rng: np.random.Generator):
     return read(path, companion=Companion(root="fixed", joints=wishes)).scene, q, qd
 
 
-def first_accelerations(engine: str, scene, settings) -> np.ndarray:
+def first_accelerations(engine: str, scene: Scene, settings: Settings) -> np.ndarray:
     """Angular and linear accelerations at the start (n, 6), from the velocities after one step of each of several lengths.
 
     (v(h) - v(0))/h = a + h a'/2 + ...: a polynomial through the values at h, h/2, ..., h/16 at 0 leaves an error of h^5.

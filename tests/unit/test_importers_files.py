@@ -29,8 +29,10 @@ def stl(corners: np.ndarray = CORNERS) -> str:
 
 
 def obj() -> str:
-    return "mtllib /etc/hostname\n" + "".join(f"v {a} {b} {c}\n" for a, b, c in CORNERS) + "".join(
-        f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES
+    return (
+        "mtllib /etc/hostname\n"
+        + "".join(f"v {a} {b} {c}\n" for a, b, c in CORNERS)
+        + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES)
     )
 
 
@@ -40,7 +42,8 @@ def dae() -> str:
     return (
         '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
         '<asset><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>'
-        f'<source id="s"><float_array id="a" count="12">{numbers}</float_array><technique_common><accessor source="#a" count="4" '
+        f'<source id="s"><float_array id="a" count="12">{numbers}</float_array><technique_common><accessor source="#a" '
+        'count="4" '
         'stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>'
         '</technique_common></source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices>'
         f'<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles></mesh></geometry>'
@@ -83,15 +86,17 @@ def test_a_mesh_is_scaled_and_mirrored_with_its_faces_outwards(tmp_path: Path) -
 
 
 def test_a_closed_mesh_has_the_volume_centre_and_inertia_of_its_solid(tmp_path: Path) -> None:
-    (tmp_path / "t.stl").write_text(stl(CORNERS + [5, 0, 0]))
+    (tmp_path / "t.stl").write_text(stl(CORNERS + np.array([5, 0, 0])))
     solid = of_mesh(load_mesh(tmp_path / "t.stl", np.ones(3), "here"))
     # Of a right tetrahedron with legs a, b, c: second moments a^2/10 V about its corner, products ab/20 V.
     a, b, c = 1.0, 2.0, 3.0
-    second = np.array([[a * a / 10, a * b / 20, a * c / 20], [a * b / 20, b * b / 10, b * c / 20], [a * c / 20, b * c / 20, c * c / 10]])
+    second = np.array(
+        [[a * a / 10, a * b / 20, a * c / 20], [a * b / 20, b * b / 10, b * c / 20], [a * c / 20, b * c / 20, c * c / 10]]
+    )
     d = np.array([a, b, c]) / 4
     second -= np.outer(d, d)
     assert solid.mass == pytest.approx(1)
-    assert solid.centre == pytest.approx(d + [5, 0, 0])
+    assert solid.centre == pytest.approx(d + np.array([5, 0, 0]))
     assert solid.inertia == pytest.approx(np.trace(second) * np.eye(3) - second)
 
 
@@ -120,8 +125,17 @@ def test_a_missing_mesh_costs_contacts_and_nothing_else(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "reference",
-    ["/etc/hostname", "../../etc/hostname", "file:///etc/hostname", "http://host/t.stl", "package://p/../../t.stl", "link.stl", "", "a\x01"],
-)  # fmt: skip
+    [
+        "/etc/hostname",
+        "../../etc/hostname",
+        "file:///etc/hostname",
+        "http://host/t.stl",
+        "package://p/../../t.stl",
+        "link.stl",
+        "",
+        "a\x01",
+    ],
+)
 def test_no_reference_leads_out_of_the_folder(tmp_path: Path, reference: str) -> None:
     home = tmp_path / "home"
     (home / "p").mkdir(parents=True)
@@ -172,8 +186,16 @@ def test_xml_with_entities_or_beyond_a_limit_is_refused(tmp_path: Path, text: st
 
 
 def test_limits_are_named_and_can_be_raised(tmp_path: Path) -> None:
-    many = urdf(*(f'<link name="l{k}"/><joint name="k{k}" type="fixed"><parent link="arm"/><child link="l{k}"/></joint>' for k in range(20)))
-    with allowing(["bodies=10"], "here"), pytest.raises(RobotError, match="22 bodies, expected at most 10; --limit bodies=VALUE"):
+    many = urdf(
+        *(
+            f'<link name="l{k}"/><joint name="k{k}" type="fixed"><parent link="arm"/><child link="l{k}"/></joint>'
+            for k in range(20)
+        )
+    )
+    with (
+        allowing(["bodies=10"], "here"),
+        pytest.raises(RobotError, match="22 bodies, expected at most 10; --limit bodies=VALUE"),
+    ):
         imported(tmp_path, many)
     with allowing(["parts=20"], "here"), pytest.raises(RobotError, match="--limit parts=VALUE"):
         imported(tmp_path, many)

@@ -1,4 +1,4 @@
-"""What an MJCF says, as MuJoCo's own compiler understands it: what is carried over, said, or refused with the words that mend it."""
+"""What an MJCF says, as MuJoCo's own compiler understands it: what is carried over, what is said, what is refused by name."""
 
 from pathlib import Path
 
@@ -24,7 +24,10 @@ def law(scene: Scene, a: str, b: str) -> Surface:
 
 
 def test_several_joints_of_one_body_are_a_chain_with_stated_masses_or_refused_by_name(tmp_path: Path) -> None:
-    text = mjcf(f'<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide"/><joint name="turn" axis="0 1 0" pos="0 0 .2"/>{BALL}')
+    text = mjcf(
+        f'<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide"/>'
+        f'<joint name="turn" axis="0 1 0" pos="0 0 .2"/>{BALL}'
+    )
     with pytest.raises(RobotError, match=r"<body> 'arm': several joints 'x', 'z', 'turn' move one body.*\[massless\]"):
         imported(tmp_path, text)
     got = imported(tmp_path, text, Companion(massless=Massless(mass=1e-9)))
@@ -38,7 +41,7 @@ def test_several_joints_of_one_body_are_a_chain_with_stated_masses_or_refused_by
 
 
 def test_armature_is_refused_or_dropped_with_the_factor_by_which_joints_turn_more_readily(tmp_path: Path) -> None:
-    text = mjcf(f'<joint name="j" axis="0 1 0" armature="0.5"/><geom size=".1" mass="1"/>')
+    text = mjcf('<joint name="j" axis="0 1 0" armature="0.5"/><geom size=".1" mass="1"/>')
     with pytest.raises(RobotError, match=r"joint 'j': armature of up to 0.5 kg m2 or kg: .*--drop armature leaves it out"):
         imported(tmp_path, text)
     got = imported(tmp_path, text, drop=frozenset(("armature",)))
@@ -58,7 +61,9 @@ def test_the_order_of_euler_angles_is_the_files(tmp_path: Path) -> None:
     from scipy.spatial.transform import Rotation
 
     for order in ("xyz", "ZYX"):
-        got = imported(tmp_path, mjcf(f'<joint/>{BALL}', f'<compiler eulerseq="{order}"/>').replace("pos=", 'euler="20 30 40" pos='))
+        got = imported(
+            tmp_path, mjcf(f"<joint/>{BALL}", f'<compiler eulerseq="{order}"/>').replace("pos=", 'euler="20 30 40" pos=')
+        )
         # Lower case turns about axes that move along, upper case about fixed ones: the other way round in SciPy.
         truth = Rotation.from_euler(order.swapcase(), [20, 30, 40], degrees=True)
         q = got.scene.body("arm").q_WB
@@ -83,7 +88,7 @@ def test_nested_defaults_and_child_classes_are_resolved_to_the_last(tmp_path: Pa
         '<default><joint damping="1"/><default class="a"><joint damping="2" stiffness="5"/>'
         '<default class="b"><joint stiffness="9"/></default></default></default>'
     )
-    got = imported(tmp_path, mjcf(f'<joint/>{BALL}', beside).replace('name="arm"', 'name="arm" childclass="b"'))
+    got = imported(tmp_path, mjcf(f"<joint/>{BALL}", beside).replace('name="arm"', 'name="arm" childclass="b"'))
     assert joint(got).spring is not None
     assert (joint(got).spring.stiffness, joint(got).spring.damping) == (9, 2)  # type: ignore[union-attr]
 
@@ -161,7 +166,11 @@ def test_bit_masks_exclusions_and_friction_per_geom_are_split_into_materials(tmp
 
 
 def test_shapes_of_one_body_that_rub_differently_are_said(tmp_path: Path) -> None:
-    text = mjcf('<freejoint/><geom size=".1" friction=".9"/><geom size=".1" pos="1 0 0" friction=".1"/>', "", '<geom type="plane" size="1 1 1" friction=".05"/>')
+    text = mjcf(
+        '<freejoint/><geom size=".1" friction=".9"/><geom size=".1" pos="1 0 0" friction=".1"/>',
+        "",
+        '<geom type="plane" size="1 1 1" friction=".05"/>',
+    )
     got = imported(tmp_path, text)
     assert row(got, "contact").value == pytest.approx(0.8)
     assert law(got.scene, "arm", "world_2").kinetic_friction == 0.9
@@ -184,7 +193,7 @@ def test_an_ellipsoid_becomes_a_polyhedron_that_lies_inside_by_what_is_said(tmp_
 
 def test_a_servo_becomes_a_drive_and_a_motor_without_a_command_does_nothing(tmp_path: Path) -> None:
     body = f'<joint name="j" axis="0 1 0"/>{BALL}'
-    servo = '<actuator><position joint="j" kp="10" kv="2" gear="3" ctrlrange=".5 1" ctrllimited="true" forcerange="-4 4"/></actuator>'
+    servo = '<actuator><position joint="j" kp="10" kv="2" gear="3" ctrlrange=".5 1" forcerange="-4 4"/></actuator>'
     drive = joint(imported(tmp_path, mjcf(body, servo))).drive
     # Torque 3 (10 u - 10 3 q - 2 3 q'), u held at .5 by its range.
     assert drive is not None
@@ -193,7 +202,7 @@ def test_a_servo_becomes_a_drive_and_a_motor_without_a_command_does_nothing(tmp_
     assert joint(motor).drive is None
     assert row(motor, "actuator").outcome == "left_out"
     muscle = mjcf(body, '<actuator><muscle name="m" joint="j" lengthrange="0 1"/></actuator>')
-    with pytest.raises(RobotError, match="actuator 'm'.*--drop actuator"):
+    with pytest.raises(RobotError, match=r"actuator 'm'.*--drop actuator"):
         imported(tmp_path, muscle)
     assert joint(imported(tmp_path, muscle, drop=frozenset(("actuator",)))).drive is None
 
@@ -211,7 +220,10 @@ def test_a_servo_has_the_torque_that_mujoco_gives_it(tmp_path: Path) -> None:
     assert data.qfrc_actuator[0] == pytest.approx(drive.stiffness * (drive.target - 0.7) + drive.damping * 0.4, rel=1e-12)
 
 
-LOOP = mjcf(f'<joint name="p" axis="0 1 0"/>{BALL}</body><body name="b" pos="1 0 1"><joint name="q" axis="0 1 0"/>{BALL}', "<equality>{}</equality>")
+LOOP = mjcf(
+    f'<joint name="p" axis="0 1 0"/>{BALL}</body><body name="b" pos="1 0 1"><joint name="q" axis="0 1 0"/>{BALL}',
+    "<equality>{}</equality>",
+)
 
 
 def test_a_loop_is_closed_by_a_connection_or_a_weld(tmp_path: Path) -> None:
@@ -223,7 +235,7 @@ def test_a_loop_is_closed_by_a_connection_or_a_weld(tmp_path: Path) -> None:
     with pytest.raises(RobotError, match=r"connection 'c': its two sides lie 0\.\d+ m"):
         imported(tmp_path, LOOP.format('<connect name="c" body1="arm" body2="b" anchor=".5 0 0"/>'), open_pose)
     coupled = LOOP.format('<joint name="e" joint1="p" joint2="q"/>')
-    with pytest.raises(RobotError, match="equality 'e': equality of kind joint.*--drop equality"):
+    with pytest.raises(RobotError, match=r"equality 'e': equality of kind joint.*--drop equality"):
         imported(tmp_path, coupled)
     assert len(imported(tmp_path, coupled, drop=frozenset(("equality",))).scene.joints) == 2
 
@@ -232,7 +244,7 @@ def test_a_tendon_counts_only_where_it_pulls(tmp_path: Path) -> None:
     body = f'<joint name="j"/>{BALL}'
     tendon = '<tendon><fixed name="t" stiffness="{}"><joint joint="j" coef="1"/></fixed></tendon>'
     assert row(imported(tmp_path, mjcf(body, tendon.format(0))), "tendon").outcome == "left_out"
-    with pytest.raises(RobotError, match="tendon 't': tendon: .*--drop tendon"):
+    with pytest.raises(RobotError, match=r"tendon 't': tendon: .*--drop tendon"):
         imported(tmp_path, mjcf(body, tendon.format(3)))
 
 
@@ -262,7 +274,7 @@ def test_a_height_field_that_is_touched_is_refused_or_dropped(tmp_path: Path) ->
 
 def test_gravity_compensation_is_refused_or_dropped(tmp_path: Path) -> None:
     text = mjcf(f"<joint/>{BALL}").replace('name="arm"', 'name="arm" gravcomp="1"')
-    with pytest.raises(RobotError, match="body 'arm': gravity compensation.*--drop gravity_compensation"):
+    with pytest.raises(RobotError, match=r"body 'arm': gravity compensation.*--drop gravity_compensation"):
         imported(tmp_path, text)
 
 
@@ -273,7 +285,7 @@ def test_gravity_compensation_is_refused_or_dropped(tmp_path: Path) -> None:
         (f'<joint name="j" damping="-1"/>{BALL}', "<joint> 'j': damping is -1, expected 0 or more"),
         (f'<joint name="j" armature="-1"/>{BALL}', "armature is -1|armature"),
         (f'<joint name="j" stiffness="-1"/>{BALL}', "stiffness is negative"),
-        (f'<joint/><geom size=".1" friction="-1 0 0"/>', "friction is negative|friction"),
+        ('<joint/><geom size=".1" friction="-1 0 0"/>', "friction is negative|friction"),
         (f'<joint name="j"/><joint name="j"/>{BALL}', "repeated name 'j'"),
         ("<joint/>", "mass and inertia of moving bodies must be larger"),
         (f'<joint axis="0 0 0"/>{BALL}', "axis|zero"),
@@ -292,7 +304,7 @@ def test_bodies_and_joints_without_names_get_some_and_world_is_taken(tmp_path: P
 
 
 def test_a_keyframe_is_where_it_starts(tmp_path: Path) -> None:
-    text = mjcf(f'<freejoint/>{BALL}', '<keyframe><key name="up" qpos="1 2 3 0 1 0 0"/></keyframe>')
+    text = mjcf(f"<freejoint/>{BALL}", '<keyframe><key name="up" qpos="1 2 3 0 1 0 0"/></keyframe>')
     body: Body = imported(tmp_path, text, Companion(keyframe="up")).scene.body("arm")
     assert (body.p_WB, body.q_WB) == ((1, 2, 3), (0, 1, 0, 0))
     with pytest.raises(RobotError, match="keyframe 'down' is not in the file, expected one of 'up'"):

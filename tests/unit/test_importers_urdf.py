@@ -62,21 +62,24 @@ def test_what_is_fixed_together_is_one_body_with_the_rotation_of_the_fixed_joint
     part = (
         '<link name="part"><inertial><origin xyz="0.1 0 0" rpy="0 0 0.4"/><mass value="1"/>'
         '<inertia ixx="0.001" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.0105"/></inertial></link>'
-        '<joint name="bolt" type="fixed"><parent link="arm"/><child link="part"/><origin xyz="0 0.2 0" rpy="0.3 -0.5 0.9"/></joint>'
+        '<joint name="bolt" type="fixed"><parent link="arm"/><child link="part"/>'
+        '<origin xyz="0 0.2 0" rpy="0.3 -0.5 0.9"/></joint>'
     )
     got = imported(tmp_path, urdf(part))
     (body,) = (b for b in got.scene.bodies if b.movable)
     X = Rotation.from_euler("xyz", [0.3, -0.5, 0.9])
-    place = X.apply([0.1, 0, 0]) + [0, 0.2, 0]
+    place = X.apply([0.1, 0, 0]) + np.array([0, 0.2, 0])
     centre = place / 3
     assert body.mass == 3
-    assert np.array(body.p_WB) == pytest.approx(centre + [0, 0, 1], abs=1e-15)
+    assert np.array(body.p_WB) == pytest.approx(centre + np.array([0, 0, 1]), abs=1e-15)
 
     def about(mass: float, d: np.ndarray) -> np.ndarray:
         return mass * (d @ d * np.eye(3) - np.outer(d, d))
 
     R = (X * Rotation.from_euler("z", 0.4)).as_matrix()
-    tensor = np.diag([0.02, 0.03, 0.04]) + about(2, centre) + R @ np.diag([0.001, 0.01, 0.0105]) @ R.T + about(1, place - centre)
+    tensor = (
+        np.diag([0.02, 0.03, 0.04]) + about(2, centre) + R @ np.diag([0.001, 0.01, 0.0105]) @ R.T + about(1, place - centre)
+    )
     assert np.array(body.inertia) == pytest.approx(tensor, abs=1e-15)
     assert got.links["part"] == "arm"
 
@@ -86,15 +89,20 @@ def test_an_impossible_tensor_is_refused_only_once_all_that_is_fixed_together_is
     with pytest.raises(RobotError, match=r"line 3: <link> 'arm': link 'arm' has principal moments .*triangle inequality"):
         imported(tmp_path, urdf(arm=impossible))
     heavy = (
-        '<link name="heavy"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+        '<link name="heavy"><inertial><mass value="1"/>'
+        '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
         '<joint name="f" type="fixed"><parent link="arm"/><child link="heavy"/></joint>'
     )
     assert imported(tmp_path, urdf(heavy, arm=impossible)).scene.body("arm").mass == 3
 
 
 def test_a_link_without_mass_between_joints_is_refused_or_weighs_what_the_user_states(tmp_path: Path) -> None:
-    hand = f'<link name="hand">{INERTIAL}</link><joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
-    with pytest.raises(RobotError, match=r"line 3: <link> 'arm': link 'arm' has no mass and hangs on a joint that moves; \[massless\]"):
+    hand = (
+        f'<link name="hand">{INERTIAL}</link><joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
+    )
+    with pytest.raises(
+        RobotError, match=r"line 3: <link> 'arm': link 'arm' has no mass and hangs on a joint that moves; \[massless\]"
+    ):
         imported(tmp_path, urdf(hand, arm=""))
     got = imported(tmp_path, urdf(hand, arm=""), Companion(massless=Massless(mass=0.01)))
     assert got.scene.body("arm").mass == 0.01
@@ -138,7 +146,8 @@ def test_efforts_and_speeds_without_a_word_in_the_scene_are_said(tmp_path: Path)
 
 
 def test_a_mimic_joint_never_becomes_a_free_one_unannounced(tmp_path: Path) -> None:
-    second = f'<link name="b">{INERTIAL}</link><joint name="k" type="continuous"><parent link="arm"/><child link="b"/><mimic joint="j"/></joint>'
+    second = f'<link name="b">{INERTIAL}</link><joint name="k" type="continuous">'
+    second += '<parent link="arm"/><child link="b"/><mimic joint="j"/></joint>'
     with pytest.raises(RobotError, match=r"joint 'k': mimic .*--drop mimic"):
         imported(tmp_path, urdf(second))
     got = imported(tmp_path, urdf(second), drop=frozenset(("mimic",)))
@@ -157,15 +166,19 @@ def test_dry_friction_is_refused_or_dropped_with_its_size(tmp_path: Path) -> Non
 
 
 def test_stiff_damping_on_a_tiny_link_is_said_with_its_rate(tmp_path: Path) -> None:
-    tiny = INERTIAL.replace('"2"', '"1e-9"').replace('"0.02"', '"2e-15"').replace('"0.03"', '"3e-15"').replace('"0.04"', '"4e-15"')
+    tiny = (
+        INERTIAL.replace('"2"', '"1e-9"').replace('"0.02"', '"2e-15"').replace('"0.03"', '"3e-15"').replace('"0.04"', '"4e-15"')
+    )
     got = imported(tmp_path, urdf(arm=tiny, joint=f'{LIMIT}<dynamics damping="1e-6"/>'))
     assert row(got, "damping").value == pytest.approx(1e-6 / 3e-15, rel=1e-6)
-    assert not any(one.element == "damping" for one in imported(tmp_path, urdf(joint=f'{LIMIT}<dynamics damping="1"/>')).fidelity)
+    assert not any(
+        one.element == "damping" for one in imported(tmp_path, urdf(joint=f'{LIMIT}<dynamics damping="1"/>')).fidelity
+    )
 
 
 def test_mass_of_shapes_is_filled_in_only_with_a_density_and_never_a_unit_tensor(tmp_path: Path) -> None:
     shape = '<collision><origin xyz="0 0 0.5"/><geometry><box size="1 2 3"/></geometry></collision>'
-    with pytest.raises(RobotError, match="density = .* fills its shapes"):
+    with pytest.raises(RobotError, match=r"density = .* fills its shapes"):
         imported(tmp_path, urdf(arm=shape))
     got = imported(tmp_path, urdf(arm=shape), Companion(density=100))
     body = got.scene.body("arm")
@@ -188,7 +201,7 @@ def test_mass_zero_with_a_tensor_is_refused_where_it_moves_and_told_nowhere_else
 
 
 def test_a_planar_joint_is_two_slides_and_a_hinge_with_stated_masses(tmp_path: Path) -> None:
-    with pytest.raises(RobotError, match="several joints 'j.x', 'j.y', 'j.angle' move one body"):
+    with pytest.raises(RobotError, match=r"several joints 'j\.x', 'j\.y', 'j\.angle' move one body"):
         imported(tmp_path, urdf(kind="planar", joint=""))
     scene = imported(tmp_path, urdf(kind="planar", joint=""), Companion(massless=Massless(mass=1e-6))).scene
     x, y, turn = scene.joints
@@ -204,14 +217,26 @@ def test_a_planar_joint_is_two_slides_and_a_hinge_with_stated_masses(tmp_path: P
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (urdf(joint='<limit lower="1" upper="-1" effort="1" velocity="1"/>'), "line 4: <limit>: lower is 1 and upper -1, expected lower <= upper"),
+        (
+            urdf(joint='<limit lower="1" upper="-1" effort="1" velocity="1"/>'),
+            "line 4: <limit>: lower is 1 and upper -1, expected lower <= upper",
+        ),
         (urdf(joint=f'{LIMIT}<dynamics damping="-1"/>'), "<dynamics>: damping is '-1', expected 0 or more"),
         (urdf('<link name="lost"/>'), "2 links hang on no joint: 'base' (line 2), 'lost' (line 5); expected one root"),
         (urdf('<link name="arm"/>'), "line 5: <link> 'arm': name stands in line 3 too"),
-        (urdf('<joint name="j" type="fixed"><parent link="arm"/><child link="base"/></joint>'), "<joint> 'j': name stands in line 4 too"),
+        (
+            urdf('<joint name="j" type="fixed"><parent link="arm"/><child link="base"/></joint>'),
+            "<joint> 'j': name stands in line 4 too",
+        ),
         (urdf('<joint name="k" type="fixed"><parent link="arm"/><child link="base"/></joint>'), "go round in a circle"),
-        (urdf('<joint name="k" type="fixed"><parent link="base"/><child link="arm"/></joint>'), "already hangs on joint 'j' (line 4)"),
-        (urdf('<joint name="k" type="fixed"><parent link="base"/><child link="gone"/></joint>'), "child is 'gone', expected the name"),
+        (
+            urdf('<joint name="k" type="fixed"><parent link="base"/><child link="arm"/></joint>'),
+            "already hangs on joint 'j' (line 4)",
+        ),
+        (
+            urdf('<joint name="k" type="fixed"><parent link="base"/><child link="gone"/></joint>'),
+            "child is 'gone', expected the name",
+        ),
         (urdf(kind="wobbly"), "type is 'wobbly', expected one of revolute"),
         (urdf(arm=INERTIAL.replace('"2"', '"nan"')), "<mass>: value is 'nan', expected finite number"),
         (urdf(arm=INERTIAL.replace('"2"', '"1e999"')), "<mass>: value is '1e999', expected finite number"),
@@ -219,17 +244,28 @@ def test_a_planar_joint_is_two_slides_and_a_hinge_with_stated_masses(tmp_path: P
         (urdf(arm=INERTIAL.replace('"2"', '"-2"')), "<mass>: value is '-2', expected 0 or more"),
         (urdf().replace('xyz="0 2 0"', 'xyz="0 0 0"'), "<axis>: xyz is '0 0 0', expected a direction"),
         (urdf().replace('xyz="0 0 1"', 'xyz="0 0"'), "<origin>: xyz is '0 0', expected 3 numbers"),
-        (urdf(arm="<inertail/>"), "<inertail>: is unknown in <link>, expected one of inertial, visual, collision; did you mean <inertial>?"),
-        (urdf(joint=f'{LIMIT}<dynamics dampin="1"/>'), "attribute 'dampin' is unknown, expected damping, friction; did you mean damping?"),
+        (
+            urdf(arm="<inertail/>"),
+            "<inertail>: is unknown in <link>, expected one of inertial, visual, collision; did you mean <inertial>?",
+        ),
+        (
+            urdf(joint=f'{LIMIT}<dynamics dampin="1"/>'),
+            "attribute 'dampin' is unknown, expected damping, friction; did you mean damping?",
+        ),
         (urdf(joint=f"{LIMIT}{LIMIT}"), "<limit>: stands twice"),
         (urdf(arm="<xacro:box/>"), "a macro that was not expanded; run xacro first"),
         (urdf(arm='<collision><geometry><box size="1 0 1"/></geometry></collision>'), "size is '1 0 1', expected above 0"),
         (urdf(joint='<joint_properties damping="3"/>'), "damping is '3' in a dialect's element"),
         ("<robot name='r'></robot>", "has no <link>"),
         ("<robot name='r'><link", "no well-formed XML"),
-        (urdf(arm=INERTIAL, base="").replace('name="arm"', 'name="a&#10;b"', 1).replace('child link="arm"', 'child link="a&#10;b"'), "180 printable characters"),
+        (
+            urdf(arm=INERTIAL, base="")
+            .replace('name="arm"', 'name="a&#10;b"', 1)
+            .replace('child link="arm"', 'child link="a&#10;b"'),
+            "180 printable characters",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_parsers_accept_and_no_robot_has_is_refused_by_line(tmp_path: Path, text: str, said: str) -> None:
     with pytest.raises(RobotError) as refused:
         imported(tmp_path, text)

@@ -89,7 +89,7 @@ def _paired(robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str
             spread = max(spread, most.kinetic_friction - min(law.kinetic_friction for law in found))
             surfaces.append(replace(most, between=(a, b)))
         elif ground in (a, b) or (robot.contacts is None and companion.self_collision):
-            if a == b:
+            if a == b == ground:
                 continue
             surfaces.append(Surface(between=(a, b), static_friction=ASSUMED_FRICTION, kinetic_friction=ASSUMED_FRICTION))
             assumed.append(f"{a}/{b}")

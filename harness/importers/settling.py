@@ -87,7 +87,7 @@ def settled(robot: Robot, companion: Companion) -> tuple[Robot, list[Fidelity]]:
     """The robot with the companion's start, ranges and drives in its coordinates. Raises: RobotError."""
     scalars = [c.name for link in robot.links for c in link.coordinates if c.kind in ("revolute", "prismatic")]
     valid_name(companion.joints, scalars, "joint", robot.source)
-    known = {link.name for link in robot.links}
+    known = [link.name for link in robot.links]
     valid_name(companion.materials, known, "material of a link", robot.source)
     valid_name(companion.look_at, [*known, *scalars], "look_at", robot.source)
     rows: list[Fidelity] = []

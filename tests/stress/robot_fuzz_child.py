@@ -26,7 +26,7 @@ from harness.intake.mendable import Mendable
 from tests.stress.mutator import mutant
 
 DEADLINE = 20
-"""Seconds after which a mutant counts as a hang."""
+"""Seconds of processor time after which a mutant counts as a hang."""
 OUTSIDE = ("/etc", "/root", "/home", "/usr/share", "/var")
 OURS = re.compile(r"asset\d+\.[a-z]+")
 
@@ -80,7 +80,7 @@ def compile_here(text: Prepared, file: str) -> mjcf_model.Model:
 def _one(path: Path) -> str:
     """What became of a file: 'read', 'refused', or what is wrong with how it ended."""
     wishes = Wishes(root=None if path.suffix == ".xml" else "floating", drop=frozenset(DROPPABLE))
-    signal.alarm(DEADLINE)
+    signal.setitimer(signal.ITIMER_PROF, DEADLINE)
     try:
         read(path, wishes, Companion(massless=Massless(mass=1e-3)))
     except Mendable as error:
@@ -92,14 +92,14 @@ def _one(path: Path) -> str:
     except BaseException as error:
         return f"{type(error).__name__}: {error} ({traceback.extract_tb(error.__traceback__)[-1].filename})"[:500]
     finally:
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
     return "read"
 
 
 def _all(sound: Path, first: int, count: int, note: Path) -> dict[str, Any]:
     opened = _Opened()
     sys.addaudithook(opened)
-    signal.signal(signal.SIGALRM, _stop)
+    signal.signal(signal.SIGPROF, _stop)
     from harness.importers import mjcf
 
     mjcf.compile_apart = compile_here

@@ -29,7 +29,7 @@ def read_mutants(sound: Path, count: int, note: Path) -> dict[str, Any]:
     seed = 0
     while seed < count:
         # A crash costs the figures of its own batch alone.
-        batch = min(250, count - seed)
+        batch = min(500, count - seed)
         command = [sys.executable, "-m", "tests.stress.robot_fuzz_child", str(sound), str(seed), str(batch), str(note)]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=3600, check=False)
         if done.returncode < 0 or done.returncode > 1:

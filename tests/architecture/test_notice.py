@@ -16,7 +16,7 @@ MARKS = {"TEST_OPERATION_FAILED": "fast-json-patch", "Invalid SemVer": "semver"}
 """What stands in the bundle of libraries that are put together before they get there, without a name."""
 OLD_RUN = "tests/stress/schema_1/"
 """A run folder of this program, as an earlier version of it wrote it."""
-PICTURES = {"docs/report.png"}
+PICTURES = {"docs/report.png", "examples/meshes/forearm.stl"}
 """Our own."""
 
 

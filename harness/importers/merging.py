@@ -52,7 +52,7 @@ def grouped(robot: Robot) -> dict[str, Group]:
     made: dict[str, Group] = {}
     for name, lead_link in leads.items():
         poses = members[name]
-        solids = [moved(solid, X) for one, X in poses.items() if (solid := links[one].solid) is not None and solid.mass > 0]
+        solids = [moved(solid, X) for one, X in poses.items() if (solid := links[one].solid) is not None]
         shapes, drawn = (
             tuple(
                 Geometry(geometry.shape, X @ geometry.X_LG, geometry.contact)
@@ -62,12 +62,8 @@ def grouped(robot: Robot) -> dict[str, Group]:
             for kind in ("geometries", "drawn")
         )
         still = not lead_link.coordinates
-        for one in poses:
-            solid = links[one].solid
-            if solid is not None and solid.mass == 0 and not still:
-                raise RobotError(
-                    f"{links[one].where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0"
-                )
+        if solids and not still and sum(solid.mass for solid in solids) <= 0:
+            raise RobotError(f"{lead_link.where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0")
         made[name] = Group(lead_link, above[name], still, together(solids) if solids else None, shapes, drawn, poses)
     return made
 

@@ -37,7 +37,7 @@ def moved(solid: Solid, X: Pose) -> Solid:
 
 
 def together(solids: list[Solid]) -> Solid:
-    """Several solids with tensors, in one frame, as one."""
+    """Several solids with tensors, in one frame, as one; a tensor without a mass is added as it is."""
     mass = math.fsum(solid.mass for solid in solids)
     if mass <= 0:
         return Solid(0.0, np.zeros(3), np.zeros((3, 3)))

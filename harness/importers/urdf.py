@@ -114,8 +114,9 @@ def _solid(link: Any, element: Element, shapes: urdf_shapes.Shapes) -> Solid | N
         return shapes.filled(link.name)
     X = _pose(given.origin)
     if mass == 0:
-        # What hangs on the world may say so: only where it moves is it refused, once it is known what it is fixed to.
-        return None if given.inertia is None or not given.inertia.any() else Solid(0.0, X.p, given.inertia)
+        # A tensor without a mass counts once it is known what it is fixed to: alone it is refused, if it moves.
+        none = given.inertia is None or not given.inertia.any()
+        return None if none else Solid(0.0, X.p, X.R @ given.inertia @ X.R.T)
     if given.inertia is None:
         return shapes.spread(link.name, mass, X.p if given.origin is not None else None, element)
     return Solid(mass, X.p, X.R @ given.inertia @ X.R.T)

@@ -113,7 +113,8 @@ def test_static_friction_above_kinetic_friction_is_found_before_anything_runs(tm
     path = tmp_path / "robot.urdf"
     path.write_text(urdf(base=SHAPED, arm=SHAPED))
     (tmp_path / "robot.plumb.toml").write_text(
-        'root = "floating"\n[ground]\n[[surfaces]]\nbetween = ["robot", "ground"]\nstatic_friction = 0.9\nkinetic_friction = 0.6\n'
+        'root = "floating"\n[ground]\n[[surfaces]]\nbetween = ["robot", "ground"]\n'
+        "static_friction = 0.9\nkinetic_friction = 0.6\n"
     )
     out = tmp_path / "out"
     done = command("run", path, "--out", out)

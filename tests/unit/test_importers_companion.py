@@ -47,7 +47,9 @@ def test_without_a_companion_there_is_an_empty_one(tmp_path: Path) -> None:
 
 def test_a_companion_is_found_beside_its_robot_and_says_what_the_run_is(tmp_path: Path) -> None:
     (tmp_path / "robot.urdf").write_text(urdf())
-    (tmp_path / "robot.plumb.toml").write_text('root = "fixed"\nduration = 1.5\nlook_at = ["arm"]\nseed = 7\ngravity = [0.0, 0.0, -1.6]')
+    (tmp_path / "robot.plumb.toml").write_text(
+        'root = "fixed"\nduration = 1.5\nlook_at = ["arm"]\nseed = 7\ngravity = [0.0, 0.0, -1.6]'
+    )
     got = read(tmp_path / "robot.urdf")
     assert (got.duration, got.look_at, got.seed, got.scene.gravity) == (1.5, ("arm",), 7, (0, 0, -1.6))
 
@@ -71,7 +73,8 @@ def test_friction_is_per_pair_of_materials_or_assumed_and_said(tmp_path: Path) -
 
 
 def test_a_robot_touches_itself_where_the_user_says_so(tmp_path: Path) -> None:
-    third = f'<link name="hand">{SHAPED}</link><joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
+    joint = '<joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
+    third = f'<link name="hand">{SHAPED}</link>{joint}'
     scene = imported(tmp_path, urdf(third, base=SHAPED, arm=SHAPED), Companion(root="fixed", self_collision=True)).scene
     assert scene.collides(scene.body("base"), scene.body("hand"))
     assert not scene.collides(scene.body("arm"), scene.body("hand"))

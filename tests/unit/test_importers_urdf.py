@@ -198,6 +198,10 @@ def test_mass_zero_with_a_tensor_is_refused_where_it_moves_and_told_nowhere_else
     with pytest.raises(RobotError, match="mass 0 and an inertia that is not 0"):
         imported(tmp_path, urdf(arm=nothing))
     assert imported(tmp_path, urdf(base=nothing)).scene.body("arm").mass == 2
+    frame = f'<link name="f">{nothing}</link><joint name="m" type="fixed"><parent link="arm"/><child link="f"/></joint>'
+    body = imported(tmp_path, urdf(frame)).scene.body("arm")
+    assert body.mass == 2
+    assert np.diag(body.inertia) == pytest.approx([0.04, 0.06, 0.08])
 
 
 def test_a_planar_joint_is_two_slides_and_a_hinge_with_stated_masses(tmp_path: Path) -> None:

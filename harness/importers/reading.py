@@ -1,6 +1,5 @@
 """From a file of any format to a scene: format by its ending, companion beside it, then merged, posed, joined and told."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +25,7 @@ from harness.importers.wishes import Wishes
 from harness.importers.xml_text import elements
 from harness.intake.documents import named
 from harness.intake.safe_text import quoted, readable
-from harness.scene import EARTH_GRAVITY, WORLD, Scene
+from harness.scene import EARTH_GRAVITY, WORLD, Scene, Surface
 
 __all__ = ["ENDINGS", "ROBOT_ENDINGS", "read"]
 
@@ -160,7 +159,7 @@ def _base(base: Base | None) -> tuple[Pose, Twist]:
     return X, Twist(w, np.array(base.velocity) - np.cross(w, p))
 
 
-def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: Sequence[object]) -> Scene:
+def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surface, ...]) -> Scene:
     gravity = companion.gravity or robot.gravity or EARTH_GRAVITY
     if not made.tree.bodies:
         raise RobotError(
@@ -171,7 +170,7 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: Sequence[o
         return Scene(
             bodies=made.tree.bodies,
             joints=made.tree.joints,
-            surfaces=tuple(surfaces),  # type: ignore[arg-type]
+            surfaces=surfaces,
             gravity=gravity,
             apart=_apart(made),
         )

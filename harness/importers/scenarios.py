@@ -1,7 +1,7 @@
 """Scenarios for any robot: what happens to it where nothing but its file is given."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -59,11 +59,8 @@ def unpowered(robot: Robot) -> Robot:
     return _each(robot, lambda c: replace(c, servo=None))
 
 
-def _each(robot: Robot, change: "object") -> Robot:
-    links = tuple(
-        replace(link, coordinates=tuple(change(c) for c in link.coordinates))  # type: ignore[operator]
-        for link in robot.links
-    )
+def _each(robot: Robot, change: Callable[[Coordinate], Coordinate]) -> Robot:
+    links = tuple(replace(link, coordinates=tuple(change(c) for c in link.coordinates)) for link in robot.links)
     return replace(robot, links=links)
 
 

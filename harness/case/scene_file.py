@@ -8,6 +8,7 @@ They stay defined where no two runs can be compared any more.
 from pathlib import Path
 
 from harness.case import Case, Check
+from harness.importers.companion import beside, load_companion
 from harness.metrics import contact_residuals, divergence, energy, joint_gap, limits, momentum, penetration
 from harness.scene import Effect, Scene
 from harness.scene.file import load
@@ -38,10 +39,13 @@ def title_of(path: Path) -> str:
 def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
     """The case that asks every engine to carry a scene file through `duration` [s]; its name is `prefix` and the path.
 
+    What the companion file beside it, `NAME.plumb.toml`, says of the duration goes before.
+
     Raises:
-        SceneError: where the file is no scene.
+        SceneError: where the file is no scene. RobotError: where its companion is none.
     """
     scene: Scene = load(path)
+    duration = load_companion(beside(path)).duration or duration
     return Case(
         name=f"{prefix}{path}",
         title=title_of(path),

@@ -6,6 +6,7 @@ from harness.cli.guard import Guarded
 from harness.cli.installed import cases, check, engines
 from harness.cli.run_folder import report, reproduce, serve, show, verify, view
 from harness.cli.run_study import run
+from harness.cli.scene_commands import scene
 
 __all__ = ["main"]
 
@@ -16,7 +17,7 @@ def main() -> None:
     """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
 
 
-for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce):
+for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, scene):
     main.add_command(command)
 
 

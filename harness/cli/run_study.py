@@ -3,7 +3,7 @@
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -11,8 +11,9 @@ from harness.cli.gate import failures
 from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from harness.cli.installed import left_out
 from harness.cli.options import limited
+from harness.cli.own_import import refuse_two_frictions, scene_to_run
 from harness.cli.own_scene import closing_count, closing_words
-from harness.intake.documents import document
+from harness.cli.robot_options import is_scene, robot_options
 from harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
@@ -31,15 +32,6 @@ def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str
     if not 1 <= index <= count:
         raise click.BadParameter(f"{quoted(text)}, expected i/n with 1 <= i <= n, like 2/4")
     return index, count
-
-
-def _is_scene(name: str) -> bool:
-    """Is it a scene file? What cannot be read is refused before anything is imported for it. Raises: InputError."""
-    path = Path(name)
-    if path.suffix not in {".json", ".toml"}:
-        return False
-    content = document(path)
-    return path.suffix == ".json" or "bodies" in content
 
 
 def _once(name: str, given: "Sequence[str]") -> None:
@@ -123,6 +115,7 @@ class _Resumable(click.Command):
 @click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
 @click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
 @click.option(_MERGE, "resume", flag_value="merge", hidden=True)
+@robot_options
 @limited
 def run(
     study: str,
@@ -132,9 +125,14 @@ def run(
     workers: int,
     shard: tuple[int, int],
     resume: Literal["same", "merge"] | None,
+    **robot: Any,
 ) -> None:
-    """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, or a scene file of your own."""
-    own = _is_scene(study)
+    """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
+    own = is_scene(study)
+    if own:
+        study = scene_to_run(study, out or Path("build") / "scene", robot)
+    elif any(robot.values()):
+        raise click.BadParameter("is for scene and robot files alone", param_hint="--drop, --package, --root, --scenario")
     _once("--engine", engine_names)
 
     from harness.run.campaign import carry_out
@@ -146,6 +144,8 @@ def run(
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
     adapters = {name: plugins.adapter(name) for name in engine_names} if engine_names else plugins.adapters()
+    if own:
+        refuse_two_frictions(next(iter(chosen.values())).scene(), adapters)
     folder = out or Path("build") / plan.name
     try:
         how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None

@@ -14,6 +14,8 @@ from harness.findings.summary import summaries
 from harness.run.resume import merged
 from harness.store import disk
 from harness.store.arrays import read_arrays
+from harness.store.imported_scenes import FOLDER as SCENES
+from harness.store.imported_scenes import unsound
 from harness.store.journal import DamagedFile, StoreError, Written, read_written
 from harness.store.machine_fingerprint import circumstances
 from harness.store.seal import Damaged, check_seal
@@ -60,6 +62,7 @@ def problems(folder: Path) -> Iterator[Problem]:
     yield from _tables(store.folder, written)
     yield from _trajectories(store.folder, written)
     yield from _truths(store.folder)
+    yield from _imports(store.folder)
     yield from _summaries(store, written)
     yield from _strangers(store.folder, written)
 
@@ -160,6 +163,11 @@ def _truths(folder: Path) -> Iterator[Problem]:
             yield Problem(path, str(error), "--resume removes it, and it is made again when it is wanted")
 
 
+def _imports(folder: Path) -> Iterator[Problem]:
+    for path, what in unsound(folder):
+        yield Problem(path, what, "run the robot's file again into this folder with --resume")
+
+
 def _summaries(store: Store, written: Written) -> Iterator[Problem]:
     if not written.sessions:
         return
@@ -177,7 +185,7 @@ def _summaries(store: Store, written: Written) -> Iterator[Problem]:
 
 def _strangers(folder: Path, written: Written) -> Iterator[Problem]:
     known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in TABLES)}
-    known |= {*_SHOWN, "trajectories", "truths", "logs"}
+    known |= {*_SHOWN, SCENES, "trajectories", "truths", "logs"}
     trials = {*written.records, *written.lost, *(trial for session in written.sessions for trial in session["trials"])}
     logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
     drafts = (folder / "recordings").glob(".*")

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
+from harness.importers.companion import beside
 from harness.study import plugins, sources
 
 __all__ = ["files_of", "sources_of", "what_changed"]
@@ -45,7 +46,9 @@ def _case_digest(name: str) -> str:
     module_digest = sources.digest_of(_modules("cases", name))
     if not name.startswith(plugins.SCENE_PREFIX):
         return module_digest
-    return hashlib.sha256(module_digest.encode() + Path(name.removeprefix(plugins.SCENE_PREFIX)).read_bytes()).hexdigest()[:16]
+    scene = Path(name.removeprefix(plugins.SCENE_PREFIX))
+    files = [path.read_bytes() for path in (scene, beside(scene)) if path.is_file()]
+    return hashlib.sha256(b"".join([module_digest.encode(), *files])).hexdigest()[:16]
 
 
 @cache

@@ -1,0 +1,70 @@
+"""Options that every command which reads a robot takes, and the import that they ask for."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from harness.importers.wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
+from harness.intake.documents import document
+
+if TYPE_CHECKING:
+    from harness.importers.imported import Imported
+
+__all__ = ["ROBOT_ENDINGS", "imported_from", "is_scene", "robot_options", "wishes_of"]
+
+ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
+"""Endings of robot files; what they hold is found out by reading them."""
+_OPTIONS = (
+    click.option(
+        "--drop", "drop", multiple=True, type=click.Choice(sorted(DROPPABLE)), help="Leave out what a scene has no word for."
+    ),
+    click.option(
+        "--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package://NAME lies; may be repeated."
+    ),
+    click.option("--root", type=click.Choice(["fixed", "floating"]), help="How the robot's root is held."),
+    click.option(
+        "--scenario", type=click.Choice(SCENARIOS), help="What happens to the robot where its companion says nothing."
+    ),
+    click.option("--one-friction", is_flag=True, help="Take static friction to be the kinetic one."),
+)
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def robot_options(command: Command) -> Command:
+    """The command with --drop, --package, --root, --scenario and --one-friction."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def wishes_of(told: dict[str, Any]) -> Wishes:
+    """What these options wish. Raises: RobotError."""
+    return Wishes(
+        drop=frozenset(told["drop"]),
+        packages=package_roots(tuple(told["packages"])),
+        root=told["root"],
+        scenario=told["scenario"],
+        one_friction=told["one_friction"],
+    )
+
+
+def is_scene(name: str) -> bool:
+    """Is it a scene or robot file? What cannot be read is refused before anything is imported for it. Raises: InputError."""
+    path = Path(name)
+    if path.suffix.lower() in ROBOT_ENDINGS:
+        return True
+    if path.suffix not in {".json", ".toml"}:
+        return False
+    told = document(path)
+    return path.suffix == ".json" or "bodies" in told
+
+
+def imported_from(path: Path, told: dict[str, Any]) -> "Imported":
+    """The import of a file under these options. Raises: RobotError, SceneError."""
+    wishes = wishes_of(told)
+
+    from harness.importers.reading import read
+
+    return read(path, wishes)

@@ -1,0 +1,202 @@
+"""The commands on scene files of one's own: what is in one, what would be refused, our own words for it, a template."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from harness.cli.guard import say
+from harness.cli.listing import print_json, print_table
+from harness.cli.options import json_rows, limited
+from harness.cli.robot_options import imported_from, robot_options
+
+if TYPE_CHECKING:
+    from harness.importers.imported import Imported
+    from harness.scene import Scene
+
+__all__ = ["scene"]
+
+_file = click.argument("file", type=click.Path(path_type=Path))
+
+
+@click.group()
+def scene() -> None:
+    """Look at scene and robot files: TOML, JSON, URDF, MJCF."""
+
+
+@scene.command()
+@_file
+@robot_options
+@limited
+@json_rows
+def check(file: Path, as_json: bool, **told: Any) -> None:
+    """Say what would be refused of FILE, or that nothing is, and which engines cannot express the scene."""
+    from harness.study import plugins
+
+    imported = imported_from(file, told)
+    rows = [
+        {"engine": name, "verdict": verdict, "reason": reason}
+        for name, (verdict, reason) in (
+            (name, _expressed(plugins.adapter(name), imported.scene)) for name in plugins.names("adapters")
+        )
+    ]
+    if as_json:
+        print_json(rows)
+        return
+    say(f"{imported.source}: a scene of {len(imported.scene.bodies)} bodies and {len(imported.scene.joints)} joints")
+    print_table("Engines", ("engine", "verdict", "reason"), [tuple(row.values()) for row in rows])
+
+
+def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
+    """Can an engine build a scene? With the reason where it cannot."""
+    from harness.adapter import Unavailable, Unsupported
+
+    try:
+        adapter.build(scene, adapter.tracks["tuned"]).close()
+    except Unavailable as error:
+        return "unavailable", str(error)
+    except Unsupported as error:
+        return "cannot", str(error)
+    return "can", ""
+
+
+@scene.command()
+@_file
+@robot_options
+@limited
+@json_rows
+def show(file: Path, as_json: bool, **told: Any) -> None:
+    """List the bodies, joints and totals of FILE, and what became of each element."""
+    from harness.importers.fidelity import BRIEF, brief, plain
+
+    imported = imported_from(file, told)
+    rows = [plain(row) for row in imported.fidelity]
+    if as_json:
+        print_json([*_bodies(imported.scene), *_joints(imported), *({"kind": "fidelity", **row} for row in rows)])
+        return
+    bodies, joints = _bodies(imported.scene), _joints(imported)
+    print_table(
+        "Bodies", ("name", "motion", "mass kg", "least, most inertia kg m2", "shapes", "material"), [_cells(b) for b in bodies]
+    )
+    if joints:
+        print_table(
+            "Joints",
+            ("name", "type", "parent", "child", "start", "range", "spring", "drive"),
+            [_joint_cells(j) for j in joints],
+        )
+    moving = [body for body in bodies if body["motion"] == "dynamic"]
+    say(f"{len(moving)} bodies move, with {sum(body['mass'] for body in moving):.6g} kg in all; {len(joints)} joints")
+    say(
+        f"gravity {', '.join(f'{g:g}' for g in imported.scene.gravity)} m/s2; "
+        f"effects: {', '.join(imported.scene.effects.names)}"
+    )
+    if rows:
+        print_table("What became of each element", BRIEF, [brief(row) for row in rows])
+
+
+def _bodies(scene: "Scene") -> list[dict[str, Any]]:
+    import numpy as np
+
+    found = []
+    for body in scene.bodies:
+        moments = np.linalg.eigvalsh(np.array(body.inertia))
+        shapes = ", ".join(dict.fromkeys(placed.shape.type for placed in body.collision))
+        found.append(
+            {
+                "kind": "body",
+                "name": body.name,
+                "motion": body.motion,
+                "mass": body.mass,
+                "least_inertia": float(moments[0]),
+                "most_inertia": float(moments[2]),
+                "shapes": shapes,
+                "material": body.material,
+                "p_WB": list(body.p_WB),
+            }
+        )
+    return found
+
+
+def _cells(body: dict[str, Any]) -> tuple[object, ...]:
+    inertia = f"{body['least_inertia']:.3g}, {body['most_inertia']:.3g}"
+    moves = body["motion"] == "dynamic"
+    return (body["name"], body["motion"], f"{body['mass']:.4g}" * moves, inertia * moves, body["shapes"], body["material"])
+
+
+def _joints(imported: "Imported") -> list[dict[str, Any]]:
+    found = []
+    for joint in imported.scene.joints:
+        row: dict[str, Any] = {
+            "kind": "joint",
+            "name": joint.name,
+            "type": joint.type,
+            "parent": joint.parent,
+            "child": joint.child,
+        }
+        limits, spring, drive = (getattr(joint, name, None) for name in ("limits", "spring", "drive"))
+        row["position"] = getattr(joint, "position", None)
+        row |= {"lower": limits.lower, "upper": limits.upper} if limits else {"lower": None, "upper": None}
+        row |= {f"spring_{name}": getattr(spring, name) for name in ("stiffness", "damping", "rest")} if spring else {}
+        row |= {f"drive_{name}": getattr(drive, name) for name in ("stiffness", "damping", "target", "limit")} if drive else {}
+        found.append(row)
+    return found
+
+
+def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:
+    def number(value: float | None) -> str:
+        return "" if value is None else f"{value:.4g}"
+
+    bounded = row["lower"] is not None or row["upper"] is not None
+    limits = f"{number(row['lower']) or '-inf'} .. {number(row['upper']) or 'inf'}" if bounded else ""
+    spring = f"{row['spring_stiffness']:.3g}, {row['spring_damping']:.3g}" if "spring_stiffness" in row else ""
+    drive = (
+        f"{row['drive_stiffness']:.3g}, {row['drive_damping']:.3g} to {row['drive_target']:.3g}"
+        if "drive_target" in row
+        else ""
+    )
+    return (row["name"], row["type"], row["parent"], row["child"], number(row["position"]), limits, spring, drive)
+
+
+@scene.command()
+@_file
+@robot_options
+@limited
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write it there instead; ending .toml or .json.")
+def convert(file: Path, out: Path | None, **told: Any) -> None:
+    """Write FILE as our own TOML."""
+    from harness.scene.file import dump_json, dump_toml
+
+    if out is not None and out.suffix not in (".toml", ".json"):
+        raise click.BadParameter(f"'{out.suffix}', expected .toml or .json", param_hint="--out")
+    imported = imported_from(file, told)
+    if out is None:
+        click.echo(dump_toml(imported.scene), nl=False)
+        return
+    out.write_text((dump_json if out.suffix == ".json" else dump_toml)(imported.scene), encoding="utf-8")
+    say(str(out), err=True)
+
+
+@scene.command()
+def schema() -> None:
+    """Print the JSON schema of scene files."""
+    import json
+
+    from harness.scene.file import schema as of_scenes
+
+    click.echo(json.dumps(of_scenes(), indent=1))
+
+
+@scene.command()
+@_file
+def new(file: Path) -> None:
+    """Write a commented template to FILE, which is not there yet."""
+    from harness.importers.template import TEMPLATE
+
+    if file.suffix != ".toml":
+        raise click.BadParameter(f"'{file.suffix}', expected the ending .toml", param_hint="FILE")
+    try:
+        with file.open("x", encoding="utf-8") as out:
+            out.write(TEMPLATE)
+    except FileExistsError:
+        raise click.BadParameter(f"'{file}' is there already; expected a new name", param_hint="FILE") from None
+    say(f"{file}; plumbline run {file} puts it to every engine", err=True)

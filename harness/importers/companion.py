@@ -1,0 +1,169 @@
+"""What a robot file does not say: the small `robot.plumb.toml` beside it, read as scene files are."""
+
+import difflib
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, TypeAdapter
+from pydantic.dataclasses import dataclass
+
+from harness.importers.refusal import RobotError
+from harness.importers.wishes import Drop, Root
+from harness.intake.documents import InputError, document, named
+from harness.intake.safe_text import quoted
+from harness.intake.typed_fields import FieldError, filled
+from harness.scene import Quaternion, Surface, Vector3
+from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
+
+__all__ = ["Base", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
+
+ENDING = ".plumb.toml"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Base:
+    """The root's pose and velocity at the start, in W. Terms: rpy [rad]: roll, pitch, yaw about fixed axes, in place of q."""
+
+    position: Vector3 = (0.0, 0.0, 0.0)
+    orientation: Quaternion | None = None
+    rpy: Vector3 | None = None
+    velocity: Vector3 = (0.0, 0.0, 0.0)
+    angular_velocity: Vector3 = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if self.orientation is not None and self.rpy is not None:
+            raise ValueError("base: orientation and rpy are both given, expected one of them")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Ground:
+    """A plane that the robot can stand on, solid below z = height [m]."""
+
+    height: Finite = 0.0
+    material: Name = "ground"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Drives:
+    """Gains of the drives of all joints [N m/rad or N/m, and per second], but where a joint has its own."""
+
+    stiffness: NonNegative = 0.0
+    damping: NonNegative = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class JointWish:
+    """One joint.
+
+    Terms:
+        position, velocity: at the start [rad or m, per second]. target, target_velocity, stiffness, damping, limit: of its
+        drive. limits: the range in place of the file's; 'none' for an open one.
+    """
+
+    position: Finite | None = None
+    velocity: Finite = 0.0
+    target: Finite | None = None
+    target_velocity: Finite = 0.0
+    stiffness: NonNegative | None = None
+    damping: NonNegative | None = None
+    limit: Positive | None = None
+    limits: tuple[Finite, Finite] | Literal["none"] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Massless:
+    """What a link between two joints weighs that the file gives no mass: a ball of this mass [kg] and radius [m]."""
+
+    mass: Positive
+    radius: Positive = 0.01
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Units:
+    """What the file's unit of length is in metres and its unit of mass in kilograms."""
+
+    length: Positive = 1.0
+    mass: Positive = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Companion:
+    """All that the file beside a robot says.
+
+    Terms:
+        root: how the root is held. start: joints start at zero, or in the middle of their range. keyframe: the name of a pose
+        of the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do its own links touch each
+        other? materials: by link, where it is not 'robot'. duration [s], look_at (links or joints), seed: of the run.
+    """
+
+    root: Root | None = None
+    start: Literal["zero", "middle"] = "zero"
+    keyframe: Name | None = None
+    base: Base | None = None
+    gravity: Vector3 | None = None
+    ground: Ground | None = None
+    surfaces: tuple[Surface, ...] = ()
+    materials: dict[Name, Name] = Field(default_factory=dict)
+    self_collision: bool = False
+    drives: Drives | None = None
+    joints: dict[Name, JointWish] = Field(default_factory=dict)
+    density: Positive | None = None
+    massless: Massless | None = None
+    units: Units | None = None
+    drop: tuple[Drop, ...] = ()
+    packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
+    one_friction: bool = False
+    duration: Positive | None = None
+    look_at: tuple[Name, ...] = ()
+    seed: Annotated[int, Field(ge=0, lt=2**32)] | None = None
+
+
+_ADAPTER: TypeAdapter[Companion] = TypeAdapter(Companion)
+_TABLES: dict[str, Any] = {"base": Base, "ground": Ground, "drives": Drives, "massless": Massless, "units": Units}
+
+
+def beside(path: Path) -> Path:
+    """Where the companion of a file lies, whether it is there or not: arm.urdf has arm.plumb.toml."""
+    return path.with_name(path.name.removesuffix(path.suffix) + ENDING)
+
+
+def _misspelt(told: Any, form: Any, within: str) -> str:
+    """The first key that a table does not have, with those that it has; '' where there is none."""
+    assert is_dataclass(form)
+    valid = [field.name for field in fields(form)]
+    for key in told:
+        if key not in valid:
+            near = difflib.get_close_matches(str(key), valid, 1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            return f"{within}{quoted(key, 80)} is unknown, expected one of {', '.join(valid)}{hint}"
+    return ""
+
+
+def load_companion(path: Path) -> Companion:
+    """The companion file at a path; an empty one where there is no such file.
+
+    Raises:
+        RobotError: naming the file, the key with the valid ones, the value and what was expected.
+    """
+    if not path.exists() and not path.is_symlink():
+        return Companion()
+    where = named(path)
+    try:
+        told = document(path)
+    except InputError as error:
+        raise RobotError(str(error)) from None
+    said = _misspelt(told, Companion, "")
+    for key, form in _TABLES.items():
+        if not said and isinstance(told.get(key), dict):
+            said = _misspelt(told[key], form, f"{key} > ")
+    joints = told.get("joints")
+    for name, wish in joints.items() if isinstance(joints, dict) else ():
+        if not said and isinstance(wish, dict):
+            said = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
+    if said:
+        raise RobotError(f"{where}: {said}")
+    try:
+        return filled(_ADAPTER, told, where)
+    except FieldError as error:
+        raise RobotError(str(error)) from None

@@ -1,0 +1,173 @@
+"""What an omission changes, as numbers: inertias of a robot's coordinates at the start against what is left out or put in."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.importers.fidelity import Fidelity
+from harness.importers.kinematics import Line, mass_matrix
+from harness.importers.poses import Array
+from harness.importers.refusal import listed
+from harness.importers.robot import Coordinate
+
+__all__ = ["Massive", "STIFF_RATE", "consequences"]
+
+MOST = 4_000_000
+"""Coordinates times coordinates times bodies up to which inertias are worked out."""
+STIFF_RATE = 480.0
+"""Rates [1/s] of a joint's damper above which an explicit step of 1/240 s is unstable: a factor of 1 - rate/240 below -1."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Massive:
+    """Something that moves.
+
+    Terms:
+        mass [kg], centre in W [m], inertia about it in W's axes [kg m2]; lines that move it; stated: did the user put it there?
+    """
+
+    mass: float
+    centre_W: Array
+    inertia_W: Array
+    lines: tuple[Line, ...]
+    stated: bool = False
+
+
+def _columns(lines: Sequence[Line]) -> dict[str, list[tuple[Array, Array]]]:
+    """Per coordinate its unit motions (w, v at W's origin): one, three of a ball, six of a free one."""
+    found = {}
+    for line in lines:
+        c = line.coordinate
+        if c.kind in ("ball", "free"):
+            turns = [(axis, np.cross(line.anchor_W, axis)) for axis in np.eye(3)]
+            ways = [(np.zeros(3), axis) for axis in np.eye(3)] if c.kind == "free" else []
+            found[c.name] = [*turns, *ways]
+        else:
+            found[c.name] = [(line.unit.w, line.unit.v)]
+    return found
+
+
+def inertias(bodies: Sequence[Massive]) -> tuple[list[Coordinate], Array, Array]:
+    """The coordinates with one value each, the mass matrix of all coordinates, and the places of those in it."""
+    lines = {line.coordinate.name: line for body in bodies for line in body.lines}
+    motions = _columns(list(lines.values()))
+    places: dict[str, int] = {}
+    count = 0
+    for name, columns in motions.items():
+        places[name] = count
+        count += len(columns)
+    if count * count * len(bodies) > MOST:
+        return [], np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
+    jacobians = []
+    for body in bodies:
+        J = np.zeros((6, count))
+        for line in body.lines:
+            for k, (w, v) in enumerate(motions[line.coordinate.name]):
+                J[:3, places[line.coordinate.name] + k] = w
+                J[3:, places[line.coordinate.name] + k] = v + np.cross(w, body.centre_W)
+        jacobians.append(J)
+    scalars = [line.coordinate for line in lines.values() if line.coordinate.kind in ("revolute", "prismatic")]
+    M = mass_matrix(jacobians, [(body.mass, body.centre_W, body.inertia_W) for body in bodies])
+    return scalars, M, np.array([places[c.name] for c in scalars], dtype=np.int64)
+
+
+def consequences(bodies: Sequence[Massive], dropped: frozenset[str]) -> list[Fidelity]:
+    """Rows for armature, dry friction, stiff dampers and stated masses, each with its number."""
+    scalars, M, places = inertias(bodies)
+    held = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
+    rows = []
+    if "armature" in dropped:
+        rows += _armature(scalars, held)
+    if "friction_loss" in dropped:
+        rows += _dry(scalars)
+    rows += _stiff(scalars, M, places)
+    if any(body.stated for body in bodies):
+        rows += _stated(bodies, held)
+    return rows
+
+
+def _armature(scalars: Sequence[Coordinate], held: Mapping[str, float]) -> list[Fidelity]:
+    having = [c for c in scalars if c.armature > 0]
+    if not having:
+        return []
+    worst = max(having, key=lambda c: c.armature / held[c.name])
+    return [
+        Fidelity(
+            element="armature",
+            name=listed([c.name for c in having]),
+            count=len(having),
+            outcome="left_out",
+            consequence=f"joints turn more readily than with their rotors; the inertia about '{worst.name}', the others held, "
+            "should be greater by a factor of",
+            value=1 + worst.armature / held[worst.name],
+            unit="1",
+        )
+    ]
+
+
+def _dry(scalars: Sequence[Coordinate]) -> list[Fidelity]:
+    having = [c for c in scalars if c.friction_loss > 0]
+    if not having:
+        return []
+    most = max(having, key=lambda c: c.friction_loss)
+    return [
+        Fidelity(
+            element="friction loss",
+            name=listed([c.name for c in having]),
+            count=len(having),
+            outcome="left_out",
+            consequence=f"joints move where dry friction would hold or brake them; the largest is that of '{most.name}'",
+            value=most.friction_loss,
+            unit="N m" if most.kind == "revolute" else "N",
+        )
+    ]
+
+
+def _stiff(scalars: Sequence[Coordinate], M: Array, places: Array) -> list[Fidelity]:
+    damped = [(c, int(k)) for c, k in zip(scalars, places, strict=True) if c.damping > 0]
+    if not damped:
+        return []
+    try:
+        inverse = np.linalg.inv(M)
+    except np.linalg.LinAlgError:
+        return []
+    rates = {c.name: c.damping * float(inverse[k, k]) for c, k in damped}
+    stiff = [name for name, rate in rates.items() if not rate <= STIFF_RATE]
+    if not stiff:
+        return []
+    worst = max(stiff, key=lambda name: rates[name])
+    return [
+        Fidelity(
+            element="damping",
+            name=listed(stiff),
+            count=len(stiff),
+            outcome="exact",
+            becomes="damping",
+            consequence="an explicit integrator explodes or needs steps below 2 over the rate; the highest is that of "
+            f"'{worst}'",
+            value=rates[worst],
+            unit="1/s",
+        )
+    ]
+
+
+def _stated(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
+    scalars, M, places = inertias([body for body in bodies if not body.stated])
+    bare = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
+    shares = {name: value / bare[name] - 1 if bare.get(name, 0) > 0 else float("inf") for name, value in held.items()}
+    worst = max(shares, key=lambda name: shares[name], default="")
+    stated = [body for body in bodies if body.stated]
+    value = shares.get(worst)
+    return [
+        Fidelity(
+            element="link without mass",
+            name="",
+            count=len(stated),
+            outcome="approximated",
+            becomes=f"a ball of {stated[0].mass:g} kg, as the companion file states",
+            consequence=f"inertia that the robot does not have; about '{worst}', the others held, its share is",
+            value=None if value is None or value == float("inf") else value,
+            unit="1",
+        )
+    ]

@@ -1,0 +1,45 @@
+"""What became of each element of a robot file: one typed row, and no sentence that anybody reads back."""
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+__all__ = ["BRIEF", "COLUMNS", "Fidelity", "Outcome", "brief", "plain"]
+
+Outcome = Literal["exact", "approximated", "left_out"]
+"""Carried over as it is; as something else, with an error; not at all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fidelity:
+    """One element of a file, or all of a kind that share a fate.
+
+    Terms:
+        element: its kind in the format's own word. name: whose, several joined. count: how many. becomes: what it is in the
+        scene, '' for nothing. consequence: what that may change, in words. value [unit]: the size of that, where it can be
+        worked out.
+    """
+
+    element: str
+    name: str
+    outcome: Outcome
+    becomes: str = ""
+    consequence: str = ""
+    value: float | None = None
+    unit: str = ""
+    count: int = 1
+
+
+COLUMNS = ("element", "name", "count", "outcome", "becomes", "consequence", "value", "unit")
+BRIEF = ("element", "name", "outcome", "becomes", "consequence")
+
+
+def plain(row: Fidelity) -> dict[str, Any]:
+    """The row as a flat dictionary with the keys COLUMNS."""
+    fields = asdict(row)
+    return {name: fields[name] for name in COLUMNS}
+
+
+def brief(row: dict[str, Any]) -> list[object]:
+    """The cells of a plain row that a terminal has room for, the number behind its consequence."""
+    value = "" if row["value"] is None else f" ({row['value']:.3g}{'' if row['unit'] == '1' else ' ' + row['unit']})"
+    return [row["element"], row["name"], row["outcome"].replace("_", " "), row["becomes"], f"{row['consequence']}{value}"]

@@ -1,0 +1,87 @@
+"""Which files a robot file may lead to: those in its own folder and under the roots that the user names, links resolved."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from harness.importers.refusal import RobotError
+from harness.intake.allowance import beyond
+from harness.intake.documents import InputError, named, regular
+from harness.intake.safe_text import quoted
+
+__all__ = ["Folders", "content", "text_of"]
+
+_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(?!\\)(.*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Folders:
+    """Where references may lead. Terms: home: the folder of the file. packages: by name."""
+
+    home: Path
+    packages: Mapping[str, Path]
+
+    def found(self, reference: str, where: str, base: Path | None = None) -> Path | None:
+        """The file that a reference names, relative ones from `base` (the home unless said); None where there is none.
+
+        Raises: RobotError, where it leads outside or is no reference to a file.
+        """
+        if not reference or len(reference) > 1000 or not reference.isprintable():
+            raise RobotError(f"{where} is {quoted(reference)}, expected the path of a file")
+        scheme = _SCHEME.fullmatch(reference)
+        if scheme is None:
+            path = (base or self.home) / reference
+        elif scheme[1] in ("package", "model"):
+            name, _, rest = scheme[2].lstrip("/").partition("/")
+            if name not in self.packages:
+                return None
+            path = self.packages[name] / rest
+        else:
+            raise RobotError(f"{where} is {quoted(reference)}: only paths and package://NAME/PATH are followed")
+        try:
+            target = path.resolve()
+        except (OSError, RuntimeError, ValueError):
+            raise RobotError(f"{where} is {quoted(reference)}, expected a path that leads somewhere") from None
+        roots = [self.home.resolve(), *(root.resolve() for root in self.packages.values())]
+        if not any(target.is_relative_to(root) for root in roots):
+            raise RobotError(
+                f"{where} is {quoted(reference)}, which leads out of {named(self.home)} and of every package; "
+                "--package NAME=DIR adds a folder that files may lie in"
+            )
+        return target if target.exists() else None
+
+    def missing(self, reference: str) -> str:
+        """Why a reference has led to nothing, with the words that mend it."""
+        scheme = _SCHEME.fullmatch(reference)
+        if scheme is not None:
+            name = scheme[2].lstrip("/").partition("/")[0]
+            if name not in self.packages:
+                return f"package {quoted(name, 80)} is not known; --package {quoted(name, 80)[1:-1]}=DIR says where it lies"
+        return "there is no such file"
+
+
+def content(path: Path, where: str) -> bytes:
+    """The bytes of a regular file of at most the allowed number. Raises: RobotError."""
+    try:
+        regular(path)
+        size = path.stat().st_size
+        if said := beyond("bytes", size):
+            raise RobotError(f"{where}: {named(path)}: {said}")
+        return path.read_bytes()
+    except InputError as error:
+        raise RobotError(f"{where}: {error}") from None
+    except OSError as error:
+        raise RobotError(f"{where}: {named(path)}: not readable: {error.strerror}; expected a file") from None
+
+
+def text_of(path: Path, where: str) -> str:
+    """The text of a regular file in UTF-8. Raises: RobotError."""
+    raw = content(path, where)
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise RobotError(
+            f"{named(path)}: line {line}: byte 0x{raw[error.start]:02x} is no UTF-8; expected a text in UTF-8"
+        ) from None

@@ -1,0 +1,249 @@
+"""A settled robot as a scene: merged groups are bodies at their centres of mass, coordinates are joints, in W at time 0."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.importers.companion import Companion, Massless
+from harness.importers.consequences import Massive
+from harness.importers.kinematics import Line, Posed
+from harness.importers.materials import Laws
+from harness.importers.merging import Group, check_inertia
+from harness.importers.poses import Pose, pose, quaternion, vector
+from harness.importers.refusal import RobotError, listed
+from harness.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
+from harness.intake.safe_text import quoted
+from harness.scene import WORLD, Ball, Body, Drive, Fixed, Joint, Limits, PlacedShape, Plane, Prismatic, Revolute, Spring
+
+__all__ = ["Tree", "tree_of"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tree:
+    """Terms: bodies, joints: of the scene. massive: what moves, for the mass matrix. body: by lead, the body's name, WORLD for
+    what is fixed and has no shape."""
+
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...]
+    massive: tuple[Massive, ...]
+    body: Mapping[str, str]
+
+
+class _Names:
+    """Names that are taken."""
+
+    def __init__(self) -> None:
+        self._taken = {WORLD}
+
+    def fresh(self, name: str) -> str:
+        """The name, or the first of name_2, name_3 that is free. Raises: RobotError, where none is one of a scene."""
+        if not name or len(name) > 180 or not name.isprintable() or name != name.strip():
+            raise RobotError(f"name {quoted(name)}: expected 1 to 180 printable characters without blanks at its ends")
+        made, count = name, 2
+        while made in self._taken:
+            made, count = f"{name}_{count}", count + 1
+        self._taken.add(made)
+        return made
+
+
+def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, companion: Companion) -> Tree:
+    """Bodies and joints of all groups. Raises: RobotError, naming what no body can be."""
+    bodies: list[Body] = []
+    joints: list[Joint] = []
+    massive: list[Massive] = []
+    held: dict[str, str] = {}
+    above: dict[str, tuple[Line, ...]] = {}
+    body_names, joint_names = _Names(), _Names()
+    for lead, group in groups.items():
+        X = at.pose[lead]
+        if group.still:
+            made = _still(group, X, laws, body_names)
+            bodies += made
+            held[lead] = made[0].name if made and robot.filter_world else WORLD
+            above[lead] = ()
+            continue
+        lines = at.lines[lead]
+        before = () if group.parent is None else above[group.parent]
+        free = any(line.coordinate.kind == "free" for line in lines)
+        above[lead] = lines if free else (*before, *lines)
+        parent = WORLD if group.parent is None else held[group.parent]
+        for k, line in enumerate(lines[:-1]):
+            extra = _between(line, group, companion.massless, body_names)
+            bodies.append(extra)
+            massive.append(_massive(extra, (*before, *lines[: k + 1]), stated=True))
+            joints.append(_joint(line, parent, extra.name, joint_names, robot))
+            parent = extra.name
+        body, stated = _body(group, X, at, laws.material[lead], companion.massless, body_names)
+        bodies.append(body)
+        massive.append(_massive(body, above[lead], stated))
+        held[lead] = body.name
+        if not free:
+            joints.append(_joint(lines[-1], parent, body.name, joint_names, robot))
+    owner = {link: lead for lead, group in groups.items() for link in group.members}
+    joints += [_closure(one, robot, at, owner, held, joint_names) for one in robot.closures]
+    if companion.ground is not None:
+        bodies.append(_ground(companion, body_names))
+    return Tree(tuple(bodies), tuple(joints), tuple(massive), held)
+
+
+def _ground(companion: Companion, names: _Names) -> Body:
+    assert companion.ground is not None
+    return Body(
+        name=names.fresh("ground"),
+        motion="static",
+        material=companion.ground.material,
+        collision=(PlacedShape(shape=Plane()),),
+        p_WB=(0.0, 0.0, companion.ground.height),
+    )
+
+
+def _placed(geometries: tuple[Geometry, ...], X_BG: Pose) -> tuple[PlacedShape, ...]:
+    placed = []
+    for geometry in geometries:
+        X = X_BG @ geometry.X_LG
+        placed.append(PlacedShape(shape=geometry.shape, p_BS=vector(X.p), q_BS=quaternion(X.R)))
+    return tuple(placed)
+
+
+def _still(group: Group, X: Pose, laws: Laws, names: _Names) -> list[Body]:
+    """Static bodies of a group's shapes, one for each contact key."""
+    made = []
+    for key in sorted({geometry.contact for geometry in group.geometries}):
+        shapes = tuple(geometry for geometry in group.geometries if geometry.contact == key)
+        made.append(
+            Body(
+                name=names.fresh(group.lead.name),
+                motion="static",
+                material=laws.still[key],
+                collision=_placed(shapes, Pose(np.eye(3), np.zeros(3))),
+                p_WB=vector(X.p),
+                q_WB=quaternion(X.R),
+            )
+        )
+    return made
+
+
+def _stated_inertia(massless: Massless) -> float:
+    return 0.4 * massless.mass * massless.radius**2
+
+
+def _between(line: Line, group: Group, massless: Massless | None, names: _Names) -> Body:
+    """What stands between two coordinates of one link. Raises: RobotError, where the user states no mass for it."""
+    c = line.coordinate
+    if massless is None:
+        named = [each.name for each in group.lead.coordinates]
+        raise RobotError(
+            f"{group.lead.where}: several joints {listed(named)} move one body, and a scene has one joint between two bodies "
+            "and no body without mass; [massless] mass = ... in the companion file puts bodies of that mass between them, "
+            "and says what they change"
+        )
+    moment = _stated_inertia(massless)
+    anchor = line.after.of(c.anchor)
+    return Body(
+        name=names.fresh(f"{group.lead.name}.{c.name}"[:170]),
+        mass=massless.mass,
+        inertia=symmetric(moment * np.eye(3)),
+        p_WB=vector(anchor),
+        q_WB=quaternion(line.after.R),
+        v_WB=vector(line.twist.at(anchor)),
+        w_WB=vector(line.twist.w),
+    )
+
+
+def _body(group: Group, X: Pose, at: Posed, material: str, massless: Massless | None, names: _Names) -> tuple[Body, bool]:
+    solid, stated = group.solid, False
+    if solid is None:
+        if massless is None:
+            density = "; density = ... fills its shapes" if group.geometries else ""
+            raise RobotError(
+                f"{group.lead.where}: link{'s' * (len(group.members) > 1)} {listed(list(group.members))} "
+                f"{'have no mass and hang' if len(group.members) > 1 else 'has no mass and hangs'} on a joint that moves; "
+                f"[massless] mass = ... in the companion file states one{density}"
+            )
+        mass, centre, tensor, stated = massless.mass, np.zeros(3), _stated_inertia(massless) * np.eye(3), True
+    else:
+        assert solid.inertia is not None
+        mass, centre, tensor = solid.mass, solid.centre, solid.inertia
+        check_inertia(group, tensor)
+    com = X.of(centre)
+    twist = at.twist[group.lead.name]
+    body = Body(
+        name=names.fresh(group.lead.name),
+        mass=mass,
+        inertia=symmetric(tensor),
+        collision=_placed(group.geometries, Pose(np.eye(3), -centre)),
+        visual=_placed((*group.geometries, *group.drawn), Pose(np.eye(3), -centre)) if group.drawn else None,
+        material=material,
+        p_WB=vector(com),
+        q_WB=quaternion(X.R),
+        v_WB=vector(twist.at(com)),
+        w_WB=vector(twist.w),
+    )
+    return body, stated
+
+
+def _massive(body: Body, lines: tuple[Line, ...], stated: bool) -> Massive:
+    R = pose(body.p_WB, body.q_WB).R
+    return Massive(body.mass, np.array(body.p_WB), R @ np.array(body.inertia) @ R.T, lines, stated)
+
+
+def _joint(line: Line, parent: str, child: str, names: _Names, robot: Robot) -> Joint:
+    c = line.coordinate
+    name, anchor = names.fresh(c.name), vector(line.anchor_W)
+    if c.kind == "ball":
+        return Ball(name=name, parent=parent, child=child, anchor_W=anchor, collide=robot.collide)
+    kind = Revolute if c.kind == "revolute" else Prismatic
+    return kind(
+        name=name,
+        parent=parent,
+        child=child,
+        anchor_W=anchor,
+        axis_W=vector(line.axis_W),
+        position=c.reference if c.position is None else c.position,
+        limits=None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper),
+        spring=_spring(c),
+        drive=_drive(c),
+        collide=robot.collide,
+    )
+
+
+def _spring(c: Coordinate) -> Spring | None:
+    if c.stiffness == 0 and c.damping == 0:
+        return None
+    return Spring(stiffness=c.stiffness, damping=c.damping, rest=c.rest if c.stiffness else 0.0)
+
+
+def _drive(c: Coordinate) -> Drive | None:
+    s = c.servo
+    if s is None:
+        return None
+    return Drive(stiffness=s.stiffness, damping=s.damping, target=s.target, target_velocity=s.target_velocity, limit=s.limit)
+
+
+def _closure(one: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], held: Mapping[str, str], names: _Names) -> Joint:
+    a, b = held[owner[one.link_A]], held[owner[one.link_B]]
+    p_A, p_B = at.pose[one.link_A].of(one.anchor_A), at.pose[one.link_B].of(one.anchor_B)
+    gap = float(np.linalg.norm(p_A - p_B))
+    turned = np.eye(3) if one.R_AB is None else at.pose[one.link_A].R @ one.R_AB @ at.pose[one.link_B].R.T
+    askew = float(np.linalg.norm(turned - np.eye(3))) / np.sqrt(2)
+    if gap > LOOSE or askew > LOOSE:
+        raise RobotError(
+            f"{robot.source}: connection {quoted(one.name, 80)}: its two sides lie {gap:.3g} m and {askew:.3g} rad "
+            "apart at the start, expected at most "
+            f"{LOOSE:g} m; start in a pose where the loop is closed ([joints.NAME] position = ..., or keyframe = ...)"
+        )
+    if a == b:
+        raise RobotError(
+            f"{robot.source}: connection {quoted(one.name, 80)} joins {quoted(a, 80)} to itself, expected two bodies"
+        )
+    if b == WORLD:
+        a, b = b, a
+    name = names.fresh(one.name)
+    if one.kind == "fixed":
+        return Fixed(name=name, parent=a, child=b, collide=True)
+    return Ball(name=name, parent=a, child=b, anchor_W=vector((p_A + p_B) / 2), collide=True)
+
+
+LOOSE = 1e-5
+"""How far apart the two points of a closed loop may lie at the start [m]: rounding of a file's six digits."""

@@ -1,0 +1,338 @@
+"""MJCF: the model that MuJoCo's own compiler makes of it, so that defaults, classes, angles and inertias are the vendor's.
+
+What is compiled has joint coordinates that begin at `ref`, springs that act from `springref`, inertias from geoms where the
+file asks for them, and contacts by bit masks; all of that is read as it stands there.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from harness.importers import mjcf_actuators, mjcf_contacts, mjcf_shapes
+from harness.importers.fidelity import Fidelity
+from harness.importers.files import Folders
+from harness.importers.mjcf_model import Model, compile_apart
+from harness.importers.mjcf_text import Prepared, prepared
+from harness.importers.poses import Array, Pose, matrix, pose
+from harness.importers.refusal import RobotError, listed
+from harness.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid
+from harness.importers.xml_text import Element
+from harness.intake.documents import named
+from harness.intake.safe_text import quoted, readable
+
+__all__ = ["read", "robot_of"]
+
+_KINDS: dict[str, Kind] = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "free"}
+
+
+def read(path: Path, root: Element, folders: Folders, keyframe: str | None = None) -> Robot:
+    """The robot of an MJCF file whose text is read. Args: keyframe: the pose of the start. Raises: RobotError."""
+    text = prepared(root, folders)
+    model = compile_apart(text, named(path))
+    name = readable(root.attributes.get("model", ""), 100) or path.stem
+    return robot_of(model, text, name, named(path), keyframe)
+
+
+def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str | None = None) -> Robot:
+    """The robot of a compiled model. Raises: RobotError."""
+    _check(model, source)
+    start = _start(model, keyframe, source)
+    names = [model.name("body", k) for k in range(len(model.body_parentid))]
+    names[0] = "world"
+    for k, own in enumerate(names[1:], 1):
+        if own == "world":
+            names[k] = f"body_{k}"
+    shapes, contacts, rows = mjcf_contacts.read(model, names)
+    servos, more, needs = mjcf_actuators.read(model, start.ctrl)
+    rows += more
+    solids = mjcf_shapes.geometries(model, shapes, rows, needs)
+    drawn = mjcf_shapes.drawn(model, shapes)
+    links = tuple(
+        Link(
+            name=names[k],
+            parent=None if k == 0 else names[int(model.body_parentid[k])],
+            X_PL=pose(model.body_pos[k], model.body_quat[k]),
+            coordinates=_coordinates(model, k, start, servos, needs, source),
+            solid=_solid(model, k),
+            geometries=tuple(solids.get(k, ())),
+            drawn=tuple(drawn.get(k, ())),
+            where=f"{source}: <body> {quoted(names[k], 80)}",
+        )
+        for k in range(len(names))
+    )
+    closures = _closures(model, names, rows, needs)
+    needs += _others(model, text)
+    rows += _beside(model, text)
+    free = any(c.kind == "free" for link in links for c in link.coordinates)
+    gravity = (0.0, 0.0, 0.0) if model.flag("gravity") else tuple(float(g) for g in model.opt_gravity)
+    return Robot(
+        name=name,
+        links=links,
+        closures=tuple(closures),
+        root="floating" if free else "fixed",
+        gravity=(gravity[0], gravity[1], gravity[2]),
+        contacts=contacts,
+        filter_world=False,
+        collide=model.flag("filterparent"),
+        rows=tuple(rows),
+        needs=tuple(needs),
+        source=source,
+    )
+
+
+class _Start:
+    """Terms: qpos, qvel, ctrl of the start."""
+
+    def __init__(self, qpos: Array, qvel: Array, ctrl: Array) -> None:
+        self.qpos, self.qvel, self.ctrl = qpos, qvel, ctrl
+
+
+def _start(model: Model, keyframe: str | None, source: str) -> _Start:
+    if keyframe is None:
+        return _Start(model.qpos0, np.zeros(len(model.dof_damping)), np.zeros(model.key_ctrl.shape[1]))
+    known = model.names["key"]
+    if keyframe not in known:
+        raise RobotError(
+            f"{source}: keyframe {quoted(keyframe, 80)} is not in the file, expected one of {listed(known, 8) or 'none'}"
+        )
+    k = known.index(keyframe)
+    return _Start(model.key_qpos[k], model.key_qvel[k], model.key_ctrl[k])
+
+
+def _check(model: Model, source: str) -> None:
+    """What MuJoCo's compiler takes and no robot has. Raises: RobotError."""
+    for name, values in model.arrays.items():
+        if values.dtype.kind == "f" and not np.isfinite(values).all():
+            raise RobotError(f"{source}: compiled {name} is not finite, expected finite numbers")
+    for k, (low, high) in enumerate(model.jnt_range):
+        if model.jnt_limited[k] and low > high:
+            joint = quoted(model.name("joint", k), 80)
+            raise RobotError(f"{source}: <joint> {joint}: range is {low:g} to {high:g}, expected lower <= upper")
+    for array, element in (("jnt_stiffness", "joint"), ("geom_friction", "geom"), ("body_mass", "body")):
+        bad = np.argwhere(model.arrays[array] < 0)
+        if len(bad):
+            told = quoted(model.name(element, int(bad[0][0])), 80)
+            raise RobotError(f"{source}: <{element}> {told}: {array.partition('_')[2]} is negative, expected 0 or more")
+    for array in ("dof_damping", "dof_armature", "dof_frictionloss"):
+        for dof in np.flatnonzero(model.arrays[array] < 0):
+            place = int(np.flatnonzero(model.jnt_dofadr <= dof)[-1])
+            value = float(model.arrays[array][dof])
+            raise RobotError(
+                f"{source}: <joint> {quoted(model.name('joint', place), 80)}: {array.partition('_')[2]} is {value:g}, "
+                "expected 0 or more"
+            )
+
+
+def _solid(model: Model, k: int) -> Solid | None:
+    mass = float(model.body_mass[k])
+    if mass <= 0:
+        return None
+    R = matrix(model.body_iquat[k])
+    return Solid(mass, np.array(model.body_ipos[k]), R @ np.diag(model.body_inertia[k]) @ R.T)
+
+
+def _coordinates(
+    model: Model, body: int, start: _Start, servos: "mjcf_actuators.Servos", needs: list[Need], source: str
+) -> tuple[Coordinate, ...]:
+    first = int(model.body_jntadr[body])
+    return tuple(_coordinate(model, first + k, start, servos, needs, source) for k in range(int(model.body_jntnum[body])))
+
+
+def _coordinate(
+    model: Model, j: int, start: _Start, servos: "mjcf_actuators.Servos", needs: list[Need], source: str
+) -> Coordinate:
+    kind = _KINDS[model.word("Joint", int(model.jnt_type[j]))]
+    name, dof, at = model.name("joint", j), int(model.jnt_dofadr[j]), int(model.jnt_qposadr[j])
+    width = {"free": 6, "ball": 3}.get(kind, 1)
+    here = slice(dof, dof + width)
+    no_spring, no_damper, no_limit = model.flag("spring"), model.flag("damper"), model.flag("limit")
+    damping = 0.0 if no_damper else float(model.dof_damping[here].max())
+    stiffness = 0.0 if no_spring else float(np.max(model.jnt_stiffness[j]))
+    limited = bool(model.jnt_limited[j]) and not no_limit
+    armature = float(model.dof_armature[here].max())
+    friction_loss = 0.0 if model.flag("frictionloss") else float(model.dof_frictionloss[here].max())
+    if model.jnt_stiffnesspoly[j].any() or model.dof_dampingpoly[here].any() or model.jnt_springyield[j].any():
+        needs.append(Need(kind="nonlinear", element="joint", names=(name,)))
+    where = f"{source}: <joint> {quoted(name, 80)}"
+    if kind in ("free", "ball"):
+        if damping > 0 or stiffness > 0 or limited:
+            words = [w for w, is_so in (("damping", damping > 0), ("stiffness", stiffness > 0), ("range", limited)) if is_so]
+            needs.append(
+                Need(kind="ball_spring", element="joint", names=(name,), size=f"{' and '.join(words)} of a {kind} joint")
+            )
+        return Coordinate(
+            name=name,
+            kind=kind,
+            anchor=np.array(model.jnt_pos[j]),
+            X_start=_displaced(model, j, kind, start.qpos[at : at + 7]),
+            where=where,
+            armature=armature,
+            friction_loss=friction_loss,
+        )
+    axis = np.array(model.jnt_axis[j], dtype=np.float64)
+    return Coordinate(
+        name=name,
+        kind=kind,
+        axis=axis / np.linalg.norm(axis),
+        anchor=np.array(model.jnt_pos[j]),
+        reference=float(model.qpos0[at]),
+        lower=float(model.jnt_range[j, 0]) if limited else None,
+        upper=float(model.jnt_range[j, 1]) if limited else None,
+        stiffness=stiffness,
+        damping=damping,
+        rest=float(model.qpos_spring[at]),
+        position=float(start.qpos[at]),
+        velocity=float(start.qvel[dof]),
+        servo=servos.get(j),
+        where=where,
+        armature=armature,
+        friction_loss=friction_loss,
+    )
+
+
+def _displaced(model: Model, j: int, kind: Kind, qpos: Array) -> Pose:
+    """Where a ball or free joint starts, in the frame of its reference."""
+    if kind == "ball":
+        return pose((0.0, 0.0, 0.0), qpos[:4])
+    body = int(np.flatnonzero(model.body_jntadr == j)[0])
+    reference = pose(model.body_pos[body], model.body_quat[body])
+    return reference.inverse() @ pose(qpos[:3], qpos[3:7])
+
+
+def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[Need]) -> list[Closure]:
+    """Connections and welds as joints; the others are needs."""
+    found: list[Closure] = []
+    if model.flag("equality"):
+        return found
+    for k, raw in enumerate(model.eq_type):
+        word, name = model.word("Eq", int(raw)), model.name("equality", k)
+        if not model.eq_active0[k]:
+            rows.append(Fidelity(element="equality", name=name, outcome="left_out", consequence="the file starts without it"))
+            continue
+        if word not in ("connect", "weld"):
+            needs.append(Need(kind="equality", element="equality", names=(name,), size=f"of kind {word}"))
+            continue
+        a, b, data = int(model.eq_obj1id[k]), int(model.eq_obj2id[k]), model.eq_data[k]
+        if model.word("Obj", int(model.eq_objtype[k])) == "site":
+            p_A, p_B = model.site_pos[a], model.site_pos[b]
+            a, b = int(model.site_bodyid[a]), int(model.site_bodyid[b])
+            if word == "weld":
+                needs.append(Need(kind="equality", element="equality", names=(name,), size="a weld of two sites"))
+                continue
+        else:
+            p_A, p_B = (data[:3], data[3:6]) if word == "connect" else (data[3:6], data[:3])
+        found.append(
+            Closure(
+                name=name,
+                kind="ball" if word == "connect" else "fixed",
+                link_A=names[a],
+                link_B=names[b],
+                anchor_A=np.array(p_A, dtype=np.float64),
+                anchor_B=np.array(p_B, dtype=np.float64),
+                R_AB=matrix(data[6:10]) if word == "weld" else None,
+            )
+        )
+    if found:
+        rows.append(
+            Fidelity(
+                element="equality",
+                name=listed([one.name for one in found]),
+                count=len(found),
+                outcome="approximated",
+                becomes="joints as each engine makes them",
+                consequence="softness of the file's own solref and solimp is not carried over",
+            )
+        )
+    return found
+
+
+def _others(model: Model, text: Prepared) -> list[Need]:
+    needs = [Need(kind=kind, element=kind, names=tuple(names)) for kind, names in text.strange.items()]
+    active = [
+        model.name("tendon", k)
+        for k in range(len(model.tendon_limited))
+        if any(np.any(model.arrays[f"tendon_{word}"][k] != 0) for word in ("stiffness", "damping", "frictionloss", "armature"))
+        or model.tendon_limited[k]
+    ]
+    if active:
+        needs.append(Need(kind="tendon", element="tendon", names=tuple(active)))
+    lifted = [model.name("body", k) for k in np.flatnonzero(model.body_gravcomp)]
+    if lifted:
+        needs.append(Need(kind="gravity_compensation", element="body", names=tuple(lifted)))
+    if model.opt_density > 0 or model.opt_viscosity > 0:
+        size = f"of density {float(model.opt_density):g} kg/m3 and viscosity {float(model.opt_viscosity):g} Pa s"
+        needs.append(Need(kind="fluid", element="option", names=("medium",), size=size))
+    sticky = [model.name("geom", k) for k in np.flatnonzero(model.geom_adhesion)]
+    sticky += [model.name("geom", k) for k in np.flatnonzero(model.geom_surfacevel.any(axis=1))]
+    if sticky:
+        needs.append(Need(kind="adhesion", element="geom", names=tuple(sticky)))
+    return needs
+
+
+def _beside(model: Model, text: Prepared) -> list[Fidelity]:
+    """Rows for what stands beside the motion."""
+    rows = [
+        Fidelity(
+            element=tag, name="", count=count, outcome="left_out", consequence="how it looks; the motion does not depend on it"
+        )
+        for tag, count in text.removed.items()
+    ]
+    for kind, count in (("sensor", model.nsensor), ("camera", model.ncam), ("light", model.nlight)):
+        if count:
+            rows.append(
+                Fidelity(
+                    element=kind,
+                    name="",
+                    count=int(count),
+                    outcome="left_out",
+                    consequence="it measures or shows, and moves nothing",
+                )
+            )
+    passive = [model.name("tendon", k) for k in range(len(model.tendon_limited)) if not model.tendon_limited[k]]
+    if passive:
+        rows.append(
+            Fidelity(
+                element="tendon",
+                name=listed(passive),
+                count=len(passive),
+                outcome="left_out",
+                consequence="it has no force of its own where it has no spring, damper, friction or limit",
+            )
+        )
+    held = [model.name("body", k) for k in np.flatnonzero(model.body_mocapid >= 0)]
+    if held:
+        rows.append(
+            Fidelity(
+                element="mocap body",
+                name=listed(held),
+                count=len(held),
+                outcome="approximated",
+                becomes="a static body",
+                consequence="nothing moves it from outside",
+            )
+        )
+    soft = [model.name("joint", k) for k in range(len(model.jnt_limited)) if model.jnt_limited[k]]
+    if soft and not model.flag("limit"):
+        rows.append(
+            Fidelity(
+                element="range",
+                name=listed(soft),
+                count=len(soft),
+                outcome="approximated",
+                becomes="limits as each engine makes them",
+                consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
+                "margins are left out",
+            )
+        )
+    rows.append(
+        Fidelity(
+            element="option",
+            name="",
+            outcome="left_out",
+            consequence="time step, integrator and solver are settings of a run and no part of a scene; "
+            "the file's time step is",
+            value=float(model.opt_timestep),
+            unit="s",
+        )
+    )
+    return rows

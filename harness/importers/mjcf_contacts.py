@@ -1,0 +1,136 @@
+"""MJCF's contact filtering by bit masks, and friction per geom, as laws per pair of contact keys.
+
+Two geoms touch where the type of one and the affinity of the other share a bit. Their friction is the larger one, number by
+number, or that of the geom of higher priority; whether they slide, twist and roll follows the larger dimension likewise.
+Source: MuJoCo, "Computation", collision detection; "Modeling", contact parameters.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from harness.importers.fidelity import Fidelity
+from harness.importers.mjcf_model import Model
+from harness.importers.refusal import listed
+from harness.importers.robot import Contacts
+from harness.scene import Surface
+
+__all__ = ["read"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Sort:
+    """What tells geoms apart for contacts. Terms: alone: the geom's own place, where a <pair> names it; -1 elsewhere."""
+
+    contype: int
+    conaffinity: int
+    condim: int
+    priority: int
+    friction: tuple[float, float, float]
+    alone: int
+
+
+def read(model: Model, names: list[str]) -> tuple[dict[int, str], Contacts, list[Fidelity]]:
+    """The contact key of each geom that can touch, the laws between keys, what is said of contacts. Args: names of bodies."""
+    count = len(model.geom_type)
+    if model.flag("contact") or model.flag("constraint"):
+        row = Fidelity(element="geom", name="", count=count, outcome="exact", consequence="the file switches contacts off")
+        return {}, Contacts(), [row] if count else []
+    paired = {int(k) for k in (*model.pair_geom1, *model.pair_geom2)}
+    sorts: dict[int, _Sort] = {}
+    for k in range(count):
+        if model.geom_contype[k] or model.geom_conaffinity[k] or k in paired:
+            sorts[k] = _Sort(
+                int(model.geom_contype[k]),
+                int(model.geom_conaffinity[k]),
+                int(model.geom_condim[k]),
+                int(model.geom_priority[k]),
+                (float(model.geom_friction[k][0]), float(model.geom_friction[k][1]), float(model.geom_friction[k][2])),
+                k if k in paired else -1,
+            )
+    keys = {sort: ("robot" if place == 0 else f"robot_{place + 1}") for place, sort in enumerate(dict.fromkeys(sorts.values()))}
+    laws = {frozenset((keys[a], keys[b])): law for a, b in combinations_with_replacement(keys, 2) if (law := _law(a, b, keys))}
+    laws |= _pairs(model, sorts, keys)
+    rows = _rows(model, len(sorts), count)
+    excluded = []
+    for signature in model.exclude_signature:
+        a, b = int(signature) >> 16, int(signature) & 0xFFFF
+        excluded.append((names[a], names[b]))
+    return {k: keys[sort] for k, sort in sorts.items()}, Contacts(laws=tuple(laws.values()), excluded=tuple(excluded)), rows
+
+
+def _law(a: _Sort, b: _Sort, keys: dict[_Sort, str]) -> Surface | None:
+    if not (a.contype & b.conaffinity or b.contype & a.conaffinity):
+        return None
+    if a.priority != b.priority:
+        chosen = a if a.priority > b.priority else b
+        friction, dimension = chosen.friction, chosen.condim
+    else:
+        friction = (
+            max(a.friction[0], b.friction[0]),
+            max(a.friction[1], b.friction[1]),
+            max(a.friction[2], b.friction[2]),
+        )
+        dimension = max(a.condim, b.condim)
+    return _surface((keys[a], keys[b]), friction, dimension)
+
+
+def _surface(between: tuple[str, str], friction: tuple[float, float, float], dimension: int) -> Surface:
+    slide, twist, roll = friction
+    slides = slide if dimension >= 3 else 0.0
+    return Surface(
+        between=between,
+        static_friction=slides,
+        kinetic_friction=slides,
+        torsional_friction=twist if dimension >= 4 else 0.0,
+        rolling_friction=roll if dimension >= 6 else 0.0,
+    )
+
+
+def _pairs(model: Model, sorts: dict[int, _Sort], keys: dict[_Sort, str]) -> dict[frozenset[str], Surface]:
+    """The laws of <pair>, which hold whatever the masks say."""
+    found = {}
+    for k in range(len(model.pair_geom1)):
+        a, b = keys[sorts[int(model.pair_geom1[k])]], keys[sorts[int(model.pair_geom2[k])]]
+        mu = model.pair_friction[k]
+        friction = (float(mu[0]), float(mu[2]), float(mu[3]))
+        found[frozenset((a, b))] = _surface((a, b), friction, int(model.pair_dim[k]))
+    return found
+
+
+def _rows(model: Model, colliding: int, count: int) -> list[Fidelity]:
+    rows = []
+    if count > colliding:
+        rows.append(
+            Fidelity(
+                element="geom",
+                name="of no contact",
+                count=count - colliding,
+                outcome="left_out",
+                consequence="it touches nothing by its masks; its mass counts, and if it is no mesh it is drawn",
+            )
+        )
+    if colliding:
+        rows.append(
+            Fidelity(
+                element="solref, solimp",
+                name="",
+                outcome="left_out",
+                consequence="how soft a contact is and how fast it rebounds is each engine's own",
+            )
+        )
+    away = [model.name("geom", k) for k in np.flatnonzero((model.geom_margin != 0) | (model.geom_gap != 0))]
+    if away:
+        rows.append(
+            Fidelity(
+                element="margin, gap",
+                name=listed(away),
+                count=len(away),
+                outcome="left_out",
+                consequence="contacts begin at the surface; the file's begin away from it by up to",
+                value=float(np.abs(model.geom_margin).max()),
+                unit="m",
+            )
+        )
+    return rows

@@ -1,0 +1,103 @@
+"""A compiled MJCF model as arrays with names: the compiler run in a process of its own, and what it says told by line."""
+
+import io
+import json
+import re
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from harness.importers import mjcf_compiler
+from harness.importers.mjcf_text import Prepared
+from harness.importers.refusal import RobotError
+from harness.intake.safe_text import one_line, readable
+
+__all__ = ["DEADLINE", "Model", "compile_apart", "model_of"]
+
+DEADLINE = 60.0
+"""Seconds that the compiler may take, its start included."""
+_LINE = re.compile(r",? line (\d{1,9})")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """A compiled model. Terms: arrays: by MuJoCo's names. names: by kind, of each element, or ''. enums: by kind, word."""
+
+    arrays: dict[str, Any]
+    names: dict[str, list[str]]
+    enums: dict[str, dict[str, int]]
+    version: str
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self.arrays[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def word(self, kind: str, value: int) -> str:
+        """The compiler's word for a number, like 'hinge' for a joint's type."""
+        return next((word for word, number in self.enums[kind].items() if number == value), str(value))
+
+    def name(self, kind: str, place: "int | np.integer[Any]") -> str:
+        """The name of an element, made up of its kind and place where the file gives none."""
+        return self.names[kind][place] or f"{kind}_{place}"
+
+    def flag(self, word: str) -> bool:
+        """Is a part of the physics switched off?"""
+        return bool(int(self.arrays["opt_disableflags"]) & self.enums["DisableBit"][word])
+
+
+def model_of(archive: bytes) -> Model:
+    """The model in an archive that the compiler's process has left."""
+    with np.load(io.BytesIO(archive), allow_pickle=False) as kept:
+        arrays = {name: kept[name] for name in kept.files}
+    words = json.loads(bytes(arrays.pop("words")).decode())
+    return Model(arrays, words["names"], words["enums"], words["version"])
+
+
+def compile_apart(text: Prepared, file: str) -> Model:
+    """Compile a prepared text in a bounded process. Raises: RobotError, with the line of the file that is at fault."""
+    with TemporaryDirectory(prefix="plumbline-mjcf-") as scratch:
+        folder = Path(scratch)
+        (folder / "model.xml").write_text(text.text, encoding="utf-8")
+        for name, raw in text.assets.items():
+            (folder / name).write_bytes(raw)
+        command = [sys.executable, "-I", str(Path(mjcf_compiler.__file__)), scratch]
+        try:
+            done = subprocess.run(
+                command, stdin=subprocess.DEVNULL, capture_output=True, timeout=DEADLINE, check=False, cwd=scratch
+            )
+        except subprocess.TimeoutExpired:
+            raise RobotError(f"{file}: MuJoCo's compiler did not end within {DEADLINE:g} s; expected a smaller model") from None
+        out, error = folder / "out.npz", folder / "error.txt"
+        if out.is_file() and done.returncode == 0:
+            return model_of(out.read_bytes())
+        if error.is_file():
+            raise RobotError(said_of(error.read_text(encoding="utf-8", errors="replace"), text, file))
+        raise RobotError(f"{file}: MuJoCo's compiler {_death(done.returncode, done.stderr)}")
+
+
+def _death(code: int, stderr: bytes) -> str:
+    lines = one_line(stderr.decode("utf-8", "replace").strip().splitlines()[-1], 200) if stderr.strip() else ""
+    if code < 0:
+        return f"died of {signal.Signals(-code).name if -code in signal.valid_signals() else -code}{': ' * bool(lines)}{lines}"
+    return f"ended with code {code} and no model{': ' * bool(lines)}{lines}"
+
+
+def said_of(message: str, text: Prepared, file: str) -> str:
+    """The compiler's words with the line of the original in the place of that of the text that it was given."""
+    place = _LINE.search(message)
+    where = file
+    if place is not None and 1 <= int(place[1]) <= len(text.lines):
+        where = text.lines[int(place[1]) - 1]
+        message = message[: place.start()] + message[place.end() :]
+    words = readable(" ".join(message.split()), 400)
+    if "No module named 'mujoco'" in words:
+        return f"{file}: MJCF is read by MuJoCo's own compiler, which is not installed; pip install mujoco"
+    return f"{where}: MuJoCo's compiler refuses it: {words}"

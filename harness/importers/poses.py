@@ -1,0 +1,98 @@
+"""Rigid poses as a matrix and a vector: a frame B in a frame A by R_AB, shape (3, 3), and p_AB [m], shape (3,)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from harness.scene.values import Quaternion, Vector3
+
+__all__ = ["IDENTITY", "Array", "Pose", "cross", "matrix", "pose", "quaternion", "screw", "turn", "vector"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose:
+    """The pose of B in A. Terms: R (3, 3), p (3,) m."""
+
+    R: Array
+    p: Array
+
+    def __matmul__(self, other: "Pose") -> "Pose":
+        """X_AC = X_AB X_BC."""
+        return Pose(self.R @ other.R, self.p + self.R @ other.p)
+
+    def inverse(self) -> "Pose":
+        """X_BA."""
+        return Pose(self.R.T, -self.R.T @ self.p)
+
+    def of(self, point: Array) -> Array:
+        """A point of B in A [m]."""
+        moved: Array = self.R @ point + self.p
+        return moved
+
+
+IDENTITY = Pose(np.eye(3), np.zeros(3))
+
+
+def matrix(q: "Quaternion | Array") -> Array:
+    """The rotation of a quaternion (w, x, y, z), normalised first; (3, 3)."""
+    w, x, y, z = np.asarray(q, dtype=np.float64) / np.linalg.norm(q)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def pose(p: "Vector3 | Array", q: "Quaternion | Array" = (1.0, 0.0, 0.0, 0.0)) -> Pose:
+    """The pose with a position [m] and a quaternion (w, x, y, z)."""
+    return Pose(matrix(q), np.asarray(p, dtype=np.float64))
+
+
+def quaternion(R: Array) -> Quaternion:
+    """The quaternion (w, x, y, z) of a rotation, with w >= 0.
+
+    Source: Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1 (1978) 223: the largest component divides.
+    """
+    t = float(np.trace(R))
+    squares = np.array([t, R[0, 0], R[1, 1], R[2, 2]])
+    k = int(np.argmax(squares))
+    if k == 0:
+        q = np.array([1 + t, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    else:
+        i = k - 1
+        j, m = (i + 1) % 3, (i + 2) % 3
+        q = np.empty(4)
+        q[0] = R[m, j] - R[j, m]
+        q[1 + i] = 1 + 2 * R[i, i] - t
+        q[1 + j] = R[j, i] + R[i, j]
+        q[1 + m] = R[m, i] + R[i, m]
+    q *= (-1.0 if q[0] < 0 else 1.0) / np.linalg.norm(q)
+    return (float(q[0]), float(q[1]), float(q[2]), float(q[3]))
+
+
+def vector(v: Array) -> Vector3:
+    """Three numbers as a scene holds them, without negative zeros."""
+    return (float(v[0]) + 0.0, float(v[1]) + 0.0, float(v[2]) + 0.0)
+
+
+def cross(v: Array) -> Array:
+    """The matrix of v x, (3, 3)."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def turn(axis: Array, angle: float) -> Array:
+    """The rotation by an angle [rad] about a unit axis (Rodrigues), (3, 3)."""
+    K = cross(axis)
+    rotation: Array = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * (K @ K)
+    return rotation
+
+
+def screw(axis: Array, anchor: Array, angle: float, way: float) -> Pose:
+    """The motion of a body that turns by an angle [rad] about a line and slides by a way [m] along it."""
+    R = turn(axis, angle)
+    return Pose(R, anchor - R @ anchor + way * axis)

@@ -1,0 +1,209 @@
+"""From a file of any format to a scene: format by its ending, companion beside it, then merged, posed, joined and told."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from harness.importers import mjcf, own, scenarios, urdf
+from harness.importers.companion import Base, Companion, beside, load_companion
+from harness.importers.consequences import consequences
+from harness.importers.fidelity import Fidelity
+from harness.importers.files import Folders, text_of
+from harness.importers.imported import Imported
+from harness.importers.joint_tree import Tree, tree_of
+from harness.importers.kinematics import Posed, Twist, posed
+from harness.importers.materials import Laws, laws_of, one_friction
+from harness.importers.merging import Group, grouped
+from harness.importers.poses import IDENTITY, Array, Pose, pose, turn
+from harness.importers.refusal import RobotError, listed
+from harness.importers.robot import Robot
+from harness.importers.settling import rooted, settled, undropped
+from harness.importers.units import scaled, suspected
+from harness.importers.wishes import Wishes
+from harness.importers.xml_text import elements
+from harness.intake.documents import named
+from harness.intake.safe_text import quoted, readable
+from harness.scene import EARTH_GRAVITY, WORLD, Scene, Surface
+
+__all__ = ["ENDINGS", "ROBOT_ENDINGS", "read"]
+
+ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
+ENDINGS = (".toml", ".json", *ROBOT_ENDINGS)
+
+
+def read(path: Path, wishes: Wishes | None = None, companion: Companion | None = None) -> Imported:
+    """The scene of a file ending in one of ENDINGS, with what became of each element.
+
+    Args:
+        wishes: of the command line. companion: what the file does not say; the file `NAME.plumb.toml` beside it if None.
+    Raises:
+        RobotError, SceneError: naming file, line, element, attribute, value and what mends it.
+    """
+    wishes = wishes or Wishes()
+    if path.suffix.lower() not in ENDINGS:
+        raise RobotError(f"{named(path)}: ending {quoted(path.suffix)}, expected one of {', '.join(ENDINGS)}")
+    beside_it = companion if companion is not None else load_companion(beside(path))
+    wishes = replace(
+        wishes,
+        drop=wishes.drop | frozenset(beside_it.drop),
+        packages={**_inside(path, beside_it), **wishes.packages},
+        one_friction=wishes.one_friction or beside_it.one_friction,
+    )
+    if path.suffix.lower() in (".toml", ".json"):
+        return own.read(path, wishes, beside_it)
+    folders = Folders(path.parent, wishes.packages)
+    robot = _robot(path, folders, beside_it)
+    return imported(robot, beside_it, wishes)
+
+
+def _inside(path: Path, companion: Companion) -> dict[str, Path]:
+    """The packages that a companion names, which lie beside the robot: only the command line leads elsewhere."""
+    roots = {}
+    for name, folder in companion.packages.items():
+        root = (path.parent / folder).resolve()
+        if not root.is_relative_to(path.parent.resolve()) or not root.is_dir():
+            raise RobotError(
+                f"{named(beside(path))}: packages > {quoted(name, 80)} is {quoted(folder)}, expected a folder beside "
+                "the robot; --package NAME=DIR may name any"
+            )
+        roots[name] = root
+    return roots
+
+
+def _robot(path: Path, folders: Folders, companion: Companion) -> Robot:
+    if path.suffix.lower() == ".urdf":
+        return urdf.read(path, folders, companion.density)
+    where = named(path)
+    root = elements(text_of(path, where), where)
+    if root.tag == "robot":
+        return urdf.read(path, folders, companion.density)
+    return mjcf.read(path, root, folders, companion.keyframe)
+
+
+def imported(robot: Robot, companion: Companion, wishes: Wishes) -> Imported:
+    """A robot of any format with its user's wishes, as a scene. Raises: RobotError."""
+    rows = [*robot.rows, *suspected(robot, companion.units)]
+    if companion.units is not None:
+        robot = scaled(robot, companion.units)
+    if companion.base is not None and robot.gravity is not None:
+        raise RobotError(f"{robot.source}: base is for files that do not say where their root is; this one does")
+    companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
+    robot = rooted(robot, companion, wishes)
+    rows += undropped(robot, wishes.drop)
+    robot, more = settled(robot, companion)
+    rows += more
+    if wishes.scenario in ("drop", "swing"):
+        robot = scenarios.unpowered(robot)
+    if wishes.scenario == "swing":
+        robot = scenarios.swung(robot)
+    if wishes.scenario == "drop":
+        companion = scenarios.grounded(companion)
+    made = _made(robot, companion)
+    if wishes.scenario == "hold":
+        robot, more = scenarios.held_by_drives(robot, made.tree.massive)
+        rows += more
+        made = _made(robot, companion)
+    rows += [*_counted(robot, made), *made.laws.rows, *consequences(made.tree.massive, wishes.drop)]
+    surfaces = made.laws.surfaces
+    if wishes.one_friction:
+        surfaces, more = one_friction(surfaces)
+        rows += more
+    scene = _scene(robot, companion, made, surfaces)
+    if wishes.scenario == "drop":
+        scene = scenarios.lifted(scene, made.tree.bodies[-1].name, robot.source)
+    return Imported(
+        name=robot.name,
+        scene=scene,
+        source=robot.source,
+        fidelity=tuple(rows),
+        coordinates={
+            c.name: c.reference if c.position is None else c.position
+            for link in robot.links
+            for c in link.coordinates
+            if c.kind in ("revolute", "prismatic")
+        },
+        links={link: made.tree.body[lead] for lead, group in made.groups.items() for link in group.members},
+        dropped=tuple(sorted(wishes.drop)),
+        duration=companion.duration,
+        look_at=companion.look_at,
+        seed=companion.seed,
+    )
+
+
+class _Made:
+    """Terms: groups, tree, laws, at: of one robot."""
+
+    def __init__(self, groups: dict[str, Group], at: Posed, laws: Laws, tree: Tree) -> None:
+        self.groups, self.at, self.laws, self.tree = groups, at, laws, tree
+
+
+def _made(robot: Robot, companion: Companion) -> _Made:
+    base, twist = _base(companion.base)
+    groups, at = grouped(robot), posed(robot, base, twist)
+    laws = laws_of(robot, groups, companion)
+    return _Made(groups, at, laws, tree_of(robot, groups, at, laws, companion))
+
+
+def _base(base: Base | None) -> tuple[Pose, Twist]:
+    if base is None:
+        return IDENTITY, Twist(np.zeros(3), np.zeros(3))
+    p = np.array(base.position)
+    if base.rpy is not None:
+        x, y, z = (turn(axis, angle) for axis, angle in zip(np.eye(3), base.rpy, strict=True))
+        X = Pose(z @ y @ x, p)
+    else:
+        X = pose(p, base.orientation or (1.0, 0.0, 0.0, 0.0))
+    w: Array = np.array(base.angular_velocity)
+    return X, Twist(w, np.array(base.velocity) - np.cross(w, p))
+
+
+def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surface, ...]) -> Scene:
+    gravity = companion.gravity or robot.gravity or EARTH_GRAVITY
+    if not made.tree.bodies:
+        raise RobotError(
+            f"{robot.source}: nothing moves and nothing can be touched: the root is fixed, no joint moves, no shape is left; "
+            "--root floating lets it move"
+        )
+    try:
+        return Scene(
+            bodies=made.tree.bodies,
+            joints=made.tree.joints,
+            surfaces=surfaces,
+            gravity=gravity,
+            apart=_apart(made),
+        )
+    except ValueError as error:
+        said = error.errors()[0]["msg"].removeprefix("Value error, ") if isinstance(error, ValidationError) else str(error)
+        raise RobotError(f"{robot.source}: {readable(said, 600)}") from None
+
+
+def _apart(made: _Made) -> tuple[tuple[str, str], ...]:
+    """The pairs that pass through each other, of materials that there are."""
+    used = {body.material for body in made.tree.bodies}
+    return tuple(pair for pair in made.laws.apart if used.issuperset(pair))
+
+
+def _counted(robot: Robot, made: _Made) -> list[Fidelity]:
+    """What is carried over as it is: links, joints, and what was merged."""
+    links = [link.name for link in robot.links]
+    merged = [name for group in made.groups.values() for name in list(group.members)[1:]]
+    joints = [c.name for link in robot.links for c in link.coordinates if c.kind != "free"]
+    rows = []
+    if len(links) > len(merged):
+        alone = [name for name in links if name not in set(merged) and (name != WORLD or made.groups[name].geometries)]
+        rows.append(Fidelity(element="link", name=listed(alone), count=len(alone), outcome="exact", becomes="body"))
+    if merged:
+        rows.append(
+            Fidelity(
+                element="link",
+                name=listed(merged),
+                count=len(merged),
+                outcome="exact",
+                becomes="merged with what it is fixed to",
+            )
+        )
+    if joints:
+        rows.append(Fidelity(element="joint", name=listed(joints), count=len(joints), outcome="exact", becomes="joint"))
+    return rows

@@ -1,0 +1,16 @@
+"""The error of a robot file: what stands where, and what was expected."""
+
+from harness.intake.mendable import Mendable
+from harness.intake.safe_text import quoted
+
+__all__ = ["RobotError", "listed"]
+
+
+class RobotError(Mendable, ValueError):
+    """A robot file that is refused; the message names file, line, element, attribute, value and what mends it."""
+
+
+def listed(names: "tuple[str, ...] | list[str]", most: int = 3) -> str:
+    """Some names of many in words: 'a', 'b', 'c' and 14 more."""
+    shown = ", ".join(quoted(name, 80) for name in names[:most])
+    return f"{shown} and {len(names) - most} more" if len(names) > most else shown

@@ -1,0 +1,172 @@
+"""A robot as every format is read: links that hang on each other by coordinates, before anything is merged or posed.
+
+A link stands at `X_PL` in its parent where each of its coordinates has its `reference` value; its coordinates then act one
+after the other, each about an axis that the ones before it have moved:
+
+    X_PL(q) = X_PL M_1(q_1 - reference_1) M_2(q_2 - reference_2) ...
+
+A link without coordinates is fixed to its parent.
+"""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from harness.importers.fidelity import Fidelity
+from harness.importers.poses import IDENTITY, Array, Pose
+from harness.importers.wishes import Drop
+from harness.scene import Matrix3, Shape, Surface, Vector3
+
+__all__ = ["Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "symmetric"]
+
+Kind = Literal["revolute", "prismatic", "ball", "free"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """Mass [kg], centre of mass in the link [m] and inertia about it in the link's axes [kg m2]; None where none is given."""
+
+    mass: float
+    centre: Array
+    inertia: Array | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Geometry:
+    """A shape in its link. Terms: contact: what it is for contacts, a key of the robot's."""
+
+    shape: Shape
+    X_LG: Pose
+    contact: str = "robot"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Servo:
+    """A drive: stiffness (target - x) + damping (target_velocity - x'), cut off at limit."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    target: float = 0.0
+    target_velocity: float = 0.0
+    limit: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Coordinate:
+    """One degree of freedom of a link (three of a ball, six of a free one).
+
+    Terms:
+        anchor [m], axis: in the link, at the reference. lower, upper [rad or m]; None is open. stiffness, damping, rest: of a
+        passive spring. armature [kg m2 or kg]; friction_loss [N m or N]; effort [N m or N]; speed [rad/s or m/s]: its bound.
+        velocity: at the start. position: at the start, None for the reference. needs_range: the format asks for a range, and
+        the file gives none or half of one. X_start: the pose of a free link in its parent at the start, and of a ball's turn;
+        None for the reference. where: file and line.
+    """
+
+    name: str
+    kind: Kind
+    axis: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
+    anchor: Array = field(default_factory=lambda: np.zeros(3))
+    reference: float = 0.0
+    lower: float | None = None
+    upper: float | None = None
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float = 0.0
+    armature: float = 0.0
+    friction_loss: float = 0.0
+    effort: float | None = None
+    speed: float | None = None
+    position: float | None = None
+    velocity: float = 0.0
+    servo: Servo | None = None
+    needs_range: bool = False
+    X_start: Pose | None = None
+    where: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Link:
+    """One link. Terms: parent: None for the world. geometries: what touches; drawn: what is drawn too. where: in the file."""
+
+    name: str
+    parent: str | None
+    X_PL: Pose = IDENTITY
+    coordinates: tuple[Coordinate, ...] = ()
+    solid: Solid | None = None
+    geometries: tuple[Geometry, ...] = ()
+    drawn: tuple[Geometry, ...] = ()
+    where: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Closure:
+    """What holds two links together beside the tree: a point ('ball') or everything ('fixed').
+
+    Terms: anchor_A, anchor_B [m]: the point in either link. R_AB: how B is turned in A where everything is held.
+    """
+
+    name: str
+    kind: Literal["ball", "fixed"]
+    link_A: str
+    link_B: str
+    anchor_A: Array
+    anchor_B: Array
+    R_AB: Array | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contacts:
+    """Who touches whom, by contact keys and by links.
+
+    Terms: laws: by pair of keys, those that are missing never touch. excluded: pairs of links that never touch.
+    """
+
+    laws: tuple[Surface, ...] = ()
+    excluded: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Need:
+    """Elements that change the motion and have no word in a scene. Terms: kind: one of DROPPABLE; size: of the largest."""
+
+    kind: Drop
+    element: str
+    names: tuple[str, ...]
+    size: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Robot:
+    """All that a file says.
+
+    Terms:
+        links: parents before children. root: how the root is held, None where the format does not say. gravity [m/s2]: None
+        where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
+        does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
+        rows: what was settled while it was read.
+        needs: what has to be dropped by the user.
+    """
+
+    name: str
+    links: tuple[Link, ...]
+    closures: tuple[Closure, ...] = ()
+    root: Literal["fixed", "floating"] | None = None
+    gravity: Vector3 | None = None
+    contacts: Contacts | None = None
+    filter_world: bool = True
+    collide: bool = False
+    rows: tuple[Fidelity, ...] = ()
+    needs: tuple[Need, ...] = ()
+    source: str = ""
+
+
+def symmetric(tensor: Array) -> Matrix3:
+    """The tensor as a scene holds it, made symmetric to the last bit."""
+    t = (tensor + tensor.T) / 2
+    return (
+        (float(t[0, 0]), float(t[0, 1]), float(t[0, 2])),
+        (float(t[1, 0]), float(t[1, 1]), float(t[1, 2])),
+        (float(t[2, 0]), float(t[2, 1]), float(t[2, 2])),
+    )

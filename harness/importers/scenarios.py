@@ -1,0 +1,152 @@
+"""Scenarios for any robot: what happens to it where nothing but its file is given."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from harness.importers.companion import Companion, Ground
+from harness.importers.consequences import Massive, inertias
+from harness.importers.fidelity import Fidelity
+from harness.importers.refusal import RobotError
+from harness.importers.robot import Coordinate, Robot, Servo
+from harness.importers.wishes import Scenario, Wishes
+from harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Distance,
+    Fixed,
+    PlacedShape,
+    Scene,
+    Sphere,
+    TriangleMesh,
+    Vector3,
+)
+from harness.scene.rotation import multiply, rotate, rotation_matrix
+
+__all__ = ["CLEARANCE", "HOLD_RATE", "SWING", "held_by_drives", "lifted", "rooted_for", "swung", "unpowered"]
+
+CLEARANCE = 0.1
+"""How high above the ground the lowest point of what is dropped starts [m]."""
+SWING = 0.3
+"""How far a joint starts from its place [rad or m], where its range allows it; a slide by a tenth of that."""
+HOLD_RATE = 2 * math.pi * 5
+"""Natural frequency of a drive that holds a joint [rad/s], of its own inertia with the others held; critically damped."""
+
+_ROOTS = {"drop": "floating", "swing": "fixed", "hold": "fixed"}
+
+
+def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wishes: Wishes) -> tuple[Companion, Wishes]:
+    """The wishes with the root as the scenario needs it, where nobody says otherwise. Raises: RobotError."""
+    if scenario is None:
+        return companion, wishes
+    wanted, told = _ROOTS[scenario], wishes.root or companion.root or robot.root
+    if told is None:
+        return replace(companion, root=wanted), wishes  # type: ignore[arg-type]
+    if told != wanted and scenario != "hold":
+        raise RobotError(
+            f"{robot.source}: scenario {scenario} needs a {wanted} root, and it is {told}; expected another scenario"
+        )
+    return companion, wishes
+
+
+def unpowered(robot: Robot) -> Robot:
+    """Without drives."""
+    return _each(robot, lambda c: replace(c, servo=None))
+
+
+def _each(robot: Robot, change: Callable[[Coordinate], Coordinate]) -> Robot:
+    links = tuple(replace(link, coordinates=tuple(change(c) for c in link.coordinates)) for link in robot.links)
+    return replace(robot, links=links)
+
+
+def swung(robot: Robot) -> Robot:
+    """Without drives, each joint off its place by SWING towards the far end of its range, within it."""
+
+    def off(c: Coordinate) -> Coordinate:
+        if c.kind not in ("revolute", "prismatic"):
+            return c
+        here = c.reference if c.position is None else c.position
+        way = SWING if c.kind == "revolute" else SWING / 10
+        up = math.inf if c.upper is None else c.upper - here
+        down = math.inf if c.lower is None else here - c.lower
+        moved = here + min(way, 0.5 * up) if up >= down else here - min(way, 0.5 * down)
+        return replace(c, position=moved, servo=None)
+
+    return _each(robot, off)
+
+
+def held_by_drives(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list[Fidelity]]:
+    """Each joint without a drive gets one that holds it where it starts."""
+    scalars, M, places = inertias(bodies)
+    own = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
+    given = []
+
+    def hold(c: Coordinate) -> Coordinate:
+        if c.servo is not None or c.name not in own:
+            return c
+        given.append(c.name)
+        gain = own[c.name] * HOLD_RATE**2
+        target = c.reference if c.position is None else c.position
+        return replace(c, servo=Servo(stiffness=gain, damping=2 * own[c.name] * HOLD_RATE, target=target, limit=c.effort))
+
+    made = _each(robot, hold)
+    row = Fidelity(
+        element="drive",
+        name="",
+        count=len(given),
+        outcome="approximated",
+        becomes="a critically damped drive that holds the start",
+        consequence="the file gives no gains; natural frequency of each with the other joints held",
+        value=HOLD_RATE / (2 * math.pi),
+        unit="Hz",
+    )
+    return made, [row] if given else []
+
+
+def grounded(companion: Companion) -> Companion:
+    """With a ground where there is none."""
+    return companion if companion.ground is not None else replace(companion, ground=Ground())
+
+
+def lifted(scene: Scene, ground: str, source: str) -> Scene:
+    """The scene with all that can move raised or lowered until its lowest point is CLEARANCE above the ground of that name."""
+    height = scene.body(ground).p_WB[2]
+    low = min((_lowest(body, placed) for body in scene.bodies if body.movable for placed in body.collision), default=math.inf)
+    if not math.isfinite(low):
+        raise RobotError(f"{source}: scenario drop: no shape of the robot touches anything; expected a collision shape")
+    rise = height + CLEARANCE - low
+
+    def up(p: Vector3) -> Vector3:
+        return (p[0], p[1], p[2] + rise)
+
+    bodies = tuple(replace(body, p_WB=up(body.p_WB)) if body.movable else body for body in scene.bodies)
+    joints = tuple(
+        joint if isinstance(joint, Fixed | Distance) else replace(joint, anchor_W=up(joint.anchor_W)) for joint in scene.joints
+    )
+    return replace(scene, bodies=bodies, joints=joints)
+
+
+def _lowest(body: Body, placed: PlacedShape) -> float:
+    """The least z of a placed shape in W [m]."""
+    q = multiply(body.q_WB, placed.q_BS)
+    offset = rotate(body.q_WB, placed.p_BS)
+    z = body.p_WB[2] + offset[2]
+    down = np.array(rotation_matrix(q))[2]
+    match placed.shape:
+        case Sphere(radius=r):
+            return float(z - r)
+        case Box(half_extents=h):
+            return float(z - np.abs(down) @ np.array(h))
+        case Capsule(radius=r, half_length=h):
+            return float(z - r - abs(down[2]) * h)
+        case Cylinder(radius=r, half_length=h):
+            return float(z - abs(down[2]) * h - math.hypot(down[0], down[1]) * r)
+        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
+            return float(z + (np.array(vertices) @ down).min())
+        case _:
+            return math.inf

@@ -1,0 +1,214 @@
+"""A robot and what its user says of it: root, start, ranges, drives; what is neither expressed nor dropped is refused."""
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import replace
+
+from harness.importers.companion import Companion, JointWish
+from harness.importers.fidelity import Fidelity
+from harness.importers.refusal import RobotError, listed
+from harness.importers.robot import Coordinate, Link, Need, Robot, Servo
+from harness.importers.wishes import DROPPABLE, Drop, Wishes
+from harness.intake.safe_text import quoted
+
+__all__ = ["rooted", "settled", "undropped", "valid_name"]
+
+
+def valid_name(given: Iterable[str], valid: Iterable[str], what: str, source: str) -> None:
+    """Refuse a name that a robot does not have, with those that it has. Raises: RobotError."""
+    known = list(valid)
+    for name in given:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            hint = f"; did you mean {quoted(near[0], 80)}?" if near else ""
+            raise RobotError(
+                f"{source}: {what} {quoted(name, 80)} is not of the robot, expected one of {listed(known, 12) or 'none'}{hint}"
+            )
+
+
+def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> Robot:
+    """The robot with its root held as the user says; it has to be said where the file does not. Raises: RobotError."""
+    root = wishes.root or companion.root or robot.root
+    if root is None:
+        raise RobotError(
+            f"{robot.source}: a file of this kind does not say how its root {quoted(robot.links[0].name, 80)} is held, and an "
+            'arm looks like a quadruped; --root fixed or --root floating says it, or root = "fixed" in the companion file'
+        )
+    if robot.root is not None and root != robot.root:
+        raise RobotError(f"{robot.source}: root is {root!r}, but the file says {robot.root!r}; expected no other")
+    if root == "floating" and robot.root is None:
+        first = replace(robot.links[0], coordinates=(Coordinate(name=f"{robot.links[0].name}.root", kind="free"),))
+        robot = replace(robot, links=(first, *robot.links[1:]))
+    return replace(robot, root=root)
+
+
+def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
+    """Rows for what the user leaves out. Raises: RobotError, naming all that has no word in a scene and is not dropped."""
+    needs = (*robot.needs, *_of_coordinates(robot))
+    open_needs = [need for need in needs if need.kind not in dropped]
+    if open_needs:
+        lines = [
+            f"{robot.source}: {need.element} {listed(need.names)}: {_said(need)}: a scene has no word for "
+            f"{DROPPABLE[need.kind]}; --drop {need.kind} leaves it out, and says so"
+            for need in open_needs
+        ]
+        raise RobotError("\n".join(lines))
+    return [
+        Fidelity(
+            element=need.element,
+            name=listed(need.names),
+            count=len(need.names),
+            outcome="left_out",
+            consequence=f"{need.kind.replace('_', ' ')} was dropped by the user{': ' + need.size if need.size else ''}",
+        )
+        for need in needs
+        if need.kind not in ("armature", "friction_loss")
+    ]
+
+
+def _said(need: Need) -> str:
+    return f"{need.kind} {need.size}".replace("_", " ").strip()
+
+
+def _of_coordinates(robot: Robot) -> list[Need]:
+    needs = []
+    coordinates = [c for link in robot.links for c in link.coordinates]
+    kinds: tuple[tuple[Drop, str], ...] = (("armature", "kg m2 or kg"), ("friction_loss", "N m or N"))
+    for kind, unit in kinds:
+        having = [c for c in coordinates if getattr(c, kind) > 0]
+        if having:
+            most = max(getattr(c, kind) for c in having)
+            size = f"of up to {most:.3g} {unit}"
+            needs.append(Need(kind=kind, element="joint", names=tuple(c.name for c in having), size=size))
+    return needs
+
+
+def settled(robot: Robot, companion: Companion) -> tuple[Robot, list[Fidelity]]:
+    """The robot with the companion's start, ranges and drives in its coordinates. Raises: RobotError."""
+    scalars = [c.name for link in robot.links for c in link.coordinates if c.kind in ("revolute", "prismatic")]
+    valid_name(companion.joints, scalars, "joint", robot.source)
+    known = [link.name for link in robot.links]
+    valid_name(companion.materials, known, "material of a link", robot.source)
+    valid_name(companion.look_at, [*known, *scalars], "look_at", robot.source)
+    rows: list[Fidelity] = []
+    links = tuple(
+        replace(
+            link,
+            coordinates=tuple(_coordinate(c, companion, rows) for c in link.coordinates),
+            geometries=tuple(replace(g, contact=companion.materials.get(link.name, g.contact)) for g in link.geometries),
+        )
+        for link in robot.links
+    )
+    rows += _bounds(links)
+    return replace(robot, links=links), rows
+
+
+def _coordinate(c: Coordinate, companion: Companion, rows: list[Fidelity]) -> Coordinate:
+    if c.kind not in ("revolute", "prismatic"):
+        return c
+    wish = companion.joints.get(c.name, JointWish())
+    if wish.limits == "none":
+        c = replace(c, lower=None, upper=None, needs_range=False)
+    elif wish.limits is not None:
+        lower, upper = wish.limits
+        if lower > upper:
+            raise RobotError(f"joints > {quoted(c.name, 80)} > limits: [{lower:g}, {upper:g}], expected lower <= upper")
+        c = replace(c, lower=lower, upper=upper, needs_range=False)
+    if c.needs_range:
+        raise RobotError(
+            f"{c.where}: a {c.kind} joint without lower and upper, which the format reads as 0 to 0: locked; "
+            f'[joints.{quoted(c.name, 80)}] limits = [lower, upper] in the companion file says what is meant, limits = "none" '
+            "leaves it open"
+        )
+    c = replace(c, position=_start(c, wish, companion), velocity=wish.velocity or c.velocity)
+    _outside(c, rows)
+    return replace(c, servo=_servo(c, wish, companion))
+
+
+def _start(c: Coordinate, wish: JointWish, companion: Companion) -> float:
+    if wish.position is not None:
+        return wish.position
+    if companion.start == "middle" and c.lower is not None and c.upper is not None:
+        return (c.lower + c.upper) / 2
+    return c.reference if c.position is None else c.position
+
+
+def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
+    low, high = c.lower, c.upper
+    assert c.position is not None
+    beyond = max(low - c.position if low is not None else 0.0, c.position - high if high is not None else 0.0)
+    if beyond > 0:
+        rows.append(
+            Fidelity(
+                element="start",
+                name=c.name,
+                outcome="exact",
+                becomes=f"{c.position:.6g}, outside the range",
+                consequence='engines push it back at once, a kick at t = 0; start = "middle" begins within; outside by',
+                value=beyond,
+                unit="rad" if c.kind == "revolute" else "m",
+            )
+        )
+
+
+def _servo(c: Coordinate, wish: JointWish, companion: Companion) -> Servo | None:
+    asked = (wish.stiffness, wish.damping, wish.target)
+    drives = companion.drives
+    if drives is None and all(value is None for value in asked):
+        return c.servo
+    base = c.servo or Servo()
+    general = (base.stiffness, base.damping) if drives is None else (drives.stiffness, drives.damping)
+    stiffness = general[0] if wish.stiffness is None else wish.stiffness
+    damping = general[1] if wish.damping is None else wish.damping
+    if stiffness == 0 and damping == 0:
+        return None
+    target = wish.target if wish.target is not None else (base.target if c.servo is not None else c.position or 0.0)
+    limit = wish.limit or base.limit or c.effort
+    return Servo(stiffness=stiffness, damping=damping, target=target, target_velocity=wish.target_velocity, limit=limit)
+
+
+def _bounds(links: tuple[Link, ...]) -> list[Fidelity]:
+    """What is said of efforts and speeds."""
+    coordinates = [c for link in links for c in link.coordinates]
+    rows = []
+    idle = [c for c in coordinates if c.effort is not None and c.servo is None]
+    driven = [c for c in coordinates if c.effort is not None and c.servo is not None]
+    swift = [c for c in coordinates if c.speed is not None]
+    if driven:
+        names = listed([c.name for c in driven])
+        rows.append(Fidelity(element="effort", name=names, count=len(driven), outcome="exact", becomes="limit of the drive"))
+    if idle:
+        rows.append(
+            Fidelity(
+                element="effort",
+                name=listed([c.name for c in idle]),
+                count=len(idle),
+                outcome="left_out",
+                consequence="bounds a motor, and these joints have no drive",
+            )
+        )
+    if swift:
+        rows.append(
+            Fidelity(
+                element="velocity limit",
+                name=listed([c.name for c in swift]),
+                count=len(swift),
+                outcome="left_out",
+                consequence="no engine here bounds a joint's speed; the least bound is",
+                value=min(c.speed for c in swift if c.speed is not None),
+                unit="rad/s or m/s",
+            )
+        )
+    locked = [c.name for c in coordinates if c.lower is not None and c.lower == c.upper]
+    if locked:
+        rows.append(
+            Fidelity(
+                element="limit",
+                name=listed(locked),
+                count=len(locked),
+                outcome="exact",
+                becomes="a range of one value",
+                consequence="the joint is locked by its limits",
+            )
+        )
+    return rows

@@ -1,0 +1,219 @@
+"""URDF: links and joints as yourdfpy reads them, after our own checks of the text.
+
+URDF says nothing of how the root is held, of gravity, friction, gains and the start: the companion file does. Angles are
+radians, the origin of a joint is its child's frame where its coordinate is 0, rpy turns about fixed axes, x first.
+"""
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.importers import urdf_grammar, urdf_shapes
+from harness.importers.fidelity import Fidelity
+from harness.importers.files import Folders, text_of
+from harness.importers.poses import IDENTITY, Array, Pose
+from harness.importers.refusal import RobotError, listed
+from harness.importers.robot import Coordinate, Link, Need, Robot, Solid
+from harness.importers.xml_text import Element, elements
+from harness.intake.allowance import beyond
+from harness.intake.documents import named
+from harness.intake.safe_text import readable
+
+__all__ = ["read"]
+
+
+def read(path: Path, folders: Folders, density: float | None = None) -> Robot:
+    """The robot of a URDF file. Args: density [kg/m3] of shapes where no mass is given. Raises: RobotError."""
+    where = named(path)
+    root = elements(text_of(path, where), where)
+    checked, foreign = urdf_grammar.check(root)
+    for kind, tag in (("bodies", "link"), ("joints", "joint")):
+        if said := beyond(kind, len(checked.all(tag))):
+            raise checked.refuse(f"<{tag}>: {said}")
+    urdf_grammar.check_tree(checked)
+    parsed = _parsed(checked)
+    shapes = urdf_shapes.Shapes(folders, density)
+    links = {link.name: link for link in parsed.links}
+    joints = {joint.child: joint for joint in parsed.joints}
+    lines = {(tag, one.attributes["name"]): one for tag in ("link", "joint") for one in checked.all(tag)}
+    made = {name: _link(links[name], joints.get(name), lines, shapes) for name in _from_the_root(links, joints)}
+    needs, rows = _needs(parsed.joints, lines), [*shapes.rows(), *_rows(parsed.joints, foreign)]
+    root_name = next(iter(made))
+    return Robot(
+        name=readable(parsed.name, 100) or path.stem,
+        links=tuple(made.values()),
+        root="fixed" if root_name == "world" and links[root_name].inertial is None else None,
+        rows=tuple(rows),
+        needs=tuple(needs),
+        source=where,
+    )
+
+
+def _parsed(checked: Element) -> Any:
+    """yourdfpy's robot. Raises: RobotError."""
+    from xml.sax.saxutils import quoteattr
+
+    import yourdfpy
+
+    def written(element: Element) -> str:
+        attributes = "".join(
+            f" {name}={quoteattr(text)}" for name, text in element.attributes.items() if ":" not in name and name != "xmlns"
+        )
+        inner = "".join(written(child) for child in element.children)
+        return f"<{element.tag}{attributes}>{inner}</{element.tag}>"
+
+    try:
+        text = BytesIO(written(checked).encode())
+        return yourdfpy.URDF.load(text, build_scene_graph=False, load_meshes=False).robot
+    except Exception as error:  # the parser raises whatever comes
+        said = readable(f"{type(error).__name__}: {error}", 300)
+        raise RobotError(f"{checked.file}: the URDF parser gives up: {said}") from None
+
+
+def _from_the_root(links: dict[str, Any], joints: dict[str, Any]) -> list[str]:
+    below: dict[str, list[str]] = {}
+    for child, joint in joints.items():
+        below.setdefault(joint.parent, []).append(child)
+    order, waiting = [], [next(name for name in links if name not in joints)]
+    while waiting:
+        name = waiting.pop()
+        order.append(name)
+        waiting += reversed(below.get(name, []))
+    return order
+
+
+def _pose(origin: Array | None) -> Pose:
+    return IDENTITY if origin is None else Pose(np.array(origin[:3, :3]), np.array(origin[:3, 3]))
+
+
+def _link(link: Any, joint: Any, lines: dict[tuple[str, str], Element], shapes: urdf_shapes.Shapes) -> Link:
+    element = lines["link", link.name]
+    geometries = shapes.of(link, element)
+    return Link(
+        name=link.name,
+        parent=None if joint is None else joint.parent,
+        X_PL=IDENTITY if joint is None else _pose(joint.origin),
+        coordinates=() if joint is None else _coordinates(joint, lines["joint", joint.name]),
+        solid=_solid(link, element, shapes),
+        geometries=geometries,
+        where=element.where,
+    )
+
+
+def _solid(link: Any, element: Element, shapes: urdf_shapes.Shapes) -> Solid | None:
+    """The link's own mass, or that of its shapes; a mass without a tensor is spread over them. Raises: RobotError."""
+    given = link.inertial
+    if given is None:
+        return shapes.filled(link.name)
+    mass = given.mass
+    if mass is None:
+        if given.inertia is not None and given.inertia.any():
+            raise element.refuse("<inertial> has an inertia and no <mass>, expected both")
+        return shapes.filled(link.name)
+    X = _pose(given.origin)
+    if mass == 0:
+        # A tensor without a mass counts once it is known what it is fixed to: alone it is refused, if it moves.
+        none = given.inertia is None or not given.inertia.any()
+        return None if none else Solid(0.0, X.p, X.R @ given.inertia @ X.R.T)
+    if given.inertia is None:
+        return shapes.spread(link.name, mass, X.p if given.origin is not None else None, element)
+    return Solid(mass, X.p, X.R @ given.inertia @ X.R.T)
+
+
+def _coordinates(joint: Any, element: Element) -> tuple[Coordinate, ...]:
+    if joint.type == "fixed":
+        return ()
+    axis = np.array(joint.axis, dtype=np.float64)
+    axis = axis / np.linalg.norm(axis)
+    if joint.type == "floating":
+        return (Coordinate(name=joint.name, kind="free", where=element.where),)
+    dynamics, limit = joint.dynamics, joint.limit
+    damping = float(dynamics.damping or 0.0) if dynamics is not None else 0.0
+    friction = float(dynamics.friction or 0.0) if dynamics is not None else 0.0
+    if joint.type == "planar":
+        across = np.eye(3)[int(np.argmin(np.abs(axis)))]
+        first = np.cross(axis, across) / np.linalg.norm(np.cross(axis, across))
+        sides = (("x", "prismatic", first), ("y", "prismatic", np.cross(axis, first)), ("angle", "revolute", axis))
+        return tuple(
+            Coordinate(name=f"{joint.name}.{side}", kind=kind, axis=along, damping=damping, where=element.where)  # type: ignore[arg-type]
+            for side, kind, along in sides
+        )
+    bounded = joint.type != "continuous" and limit is not None
+    return (
+        Coordinate(
+            name=joint.name,
+            kind="prismatic" if joint.type == "prismatic" else "revolute",
+            axis=axis,
+            lower=limit.lower if bounded else None,
+            upper=limit.upper if bounded else None,
+            needs_range=joint.type != "continuous" and (limit is None or limit.lower is None or limit.upper is None),
+            damping=damping,
+            friction_loss=friction,
+            effort=None if limit is None or not limit.effort else limit.effort,
+            speed=None if limit is None or not limit.velocity else limit.velocity,
+            where=element.where,
+        ),
+    )
+
+
+def _needs(joints: list[Any], lines: dict[tuple[str, str], Element]) -> list[Need]:
+    mimics = [joint for joint in joints if joint.mimic is not None and joint.type != "fixed"]
+    names = {joint.name for joint in joints}
+    for joint in mimics:
+        if joint.mimic.joint not in names:
+            element = lines["joint", joint.name].first("mimic")
+            assert element is not None
+            raise element.refuse(f"joint is {joint.mimic.joint[:80]!r}, expected the name of a <joint>")
+    needs = []
+    if mimics:
+        needs.append(
+            Need(
+                kind="mimic",
+                element="joint",
+                names=tuple(joint.name for joint in mimics),
+                size="each then moves freely",
+            )
+        )
+    return needs
+
+
+def _rows(joints: list[Any], foreign: dict[str, int]) -> list[Fidelity]:
+    rows = [
+        Fidelity(
+            element=tag, name="", count=count, outcome="left_out", consequence=urdf_grammar.FOREIGN.get(tag, "a dialect's own")
+        )
+        for tag, count in foreign.items()
+    ]
+    for word, tag in (("safety_controller", "safety_controller"), ("calibration", "calibration")):
+        having = [joint.name for joint in joints if getattr(joint, word) is not None]
+        if having:
+            rows.append(
+                Fidelity(
+                    element=tag,
+                    name=listed(having),
+                    count=len(having),
+                    outcome="left_out",
+                    consequence="a controller's own, no part of the motion of the links",
+                )
+            )
+    ignored = [
+        joint.name
+        for joint in joints
+        if joint.type == "continuous"
+        and joint.limit is not None
+        and (joint.limit.lower is not None or joint.limit.upper is not None)
+    ]
+    if ignored:
+        rows.append(
+            Fidelity(
+                element="limit",
+                name=listed(ignored),
+                count=len(ignored),
+                outcome="left_out",
+                becomes="no range",
+                consequence="a continuous joint has none, as the format says",
+            )
+        )
+    return rows

@@ -1,0 +1,285 @@
+"""The elements and attributes of URDF, which are numbers and how many, and what no robot may say; checked before it is parsed.
+
+Source: ROS, urdf/XML (link, joint, transmission, gazebo); the elements of vendors' dialects stand apart.
+"""
+
+import difflib
+import math
+from collections import Counter
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from harness.importers.xml_text import Element
+from harness.intake.safe_text import quoted
+
+__all__ = ["FOREIGN", "GEOMETRIES", "JOINT_TYPES", "check", "check_tree", "numbers"]
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
+
+_CHILDREN: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "robot": ("link", "joint", "material"),
+        "link": ("inertial", "visual", "collision"),
+        "inertial": ("origin", "mass", "inertia"),
+        "visual": ("origin", "geometry", "material"),
+        "collision": ("origin", "geometry"),
+        "geometry": GEOMETRIES,
+        "material": ("color", "texture"),
+        "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"),
+    }
+)
+_NUMBERS: Mapping[str, Mapping[str, tuple[int, ...]]] = MappingProxyType(
+    {
+        "origin": {"xyz": (3,), "rpy": (3,)},
+        "mass": {"value": (1,)},
+        "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), (1,)),
+        "box": {"size": (3,)},
+        "cylinder": {"radius": (1,), "length": (1,)},
+        "sphere": {"radius": (1,)},
+        "mesh": {"scale": (1, 3)},
+        "color": {"rgba": (4,)},
+        "axis": {"xyz": (3,)},
+        "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), (1,)),
+        "dynamics": dict.fromkeys(("damping", "friction"), (1,)),
+        "mimic": {"multiplier": (1,), "offset": (1,)},
+        "calibration": {"rising": (1,), "falling": (1,)},
+        "safety_controller": dict.fromkeys(("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), (1,)),
+    }
+)
+_TEXTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "robot": ("name", "version"),
+        "link": ("name", "type"),
+        "joint": ("name", "type"),
+        "visual": ("name",),
+        "collision": ("name", "group"),
+        "material": ("name",),
+        "mesh": ("filename",),
+        "texture": ("filename",),
+        "parent": ("link",),
+        "child": ("link",),
+        "mimic": ("joint",),
+    }
+)
+_REQUIRED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "robot": ("name",),
+        "link": ("name",),
+        "joint": ("name", "type"),
+        "mass": ("value",),
+        "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+        "box": ("size",),
+        "cylinder": ("radius", "length"),
+        "sphere": ("radius",),
+        "mesh": ("filename",),
+        "parent": ("link",),
+        "child": ("link",),
+        "mimic": ("joint",),
+    }
+)
+_POSITIVE = {("box", "size"), ("cylinder", "radius"), ("cylinder", "length"), ("sphere", "radius")}
+_NOT_NEGATIVE = {
+    ("mass", "value"),
+    ("dynamics", "damping"),
+    ("dynamics", "friction"),
+    ("limit", "effort"),
+    ("limit", "velocity"),
+}
+FOREIGN: Mapping[str, str] = MappingProxyType(
+    {
+        "transmission": "gear ratios between motors and joints are not part of the motion of the links",
+        "gazebo": "what one simulator is told beside the robot, friction and damping among it, is not read",
+        "contact": "friction and stiffness of contacts as one engine reads them; [[surfaces]] of the companion file say them",
+        "sensor": "sensors are not read",
+        "plugin": "plug-ins are not read",
+        "self_collision_checking": "shapes for a planner are not read",
+        "drake": "what one simulator is told beside the robot is not read",
+        "capsule": "a planner's shapes are not read",
+        "audio_source": "sounds are not read",
+        "verbose": "a name for people is not read",
+        "actuator": "motors outside of a transmission are not read",
+        "hardwareInterface": "interfaces to hardware are not read",
+        "ros2_control": "interfaces to hardware are not read",
+        "frame": "extra frames carry no mass",
+        "specular": "how it looks",
+        "material": "how it looks",
+        "joint_properties": "damping and friction of a dialect, which are 0 here",
+        "vhacd": "settings of a decomposition are not read",
+        "cdf": "signed distance functions are not read",
+    }
+)
+"""Elements of dialects that stand beside the robot, and what is lost without them."""
+
+
+def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tuple[float, ...] | None:
+    """The numbers of an attribute; None where it does not stand there. Raises: RobotError."""
+    text = element.attributes.get(name)
+    if text is None:
+        return None
+    words = text.split()
+    expected = " or ".join(str(count) for count in counts)
+    if len(words) not in counts:
+        raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{'s' if counts != (1,) else ''}")
+    values = []
+    for word in words:
+        try:
+            value = float(word) if len(word) < 400 and "_" not in word else math.nan
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise element.refuse(f"{name} is {quoted(text)}, expected finite number{'s' if counts != (1,) else ''}")
+        values.append(value)
+    return tuple(values)
+
+
+def check(root: Element) -> tuple[Element, dict[str, int]]:
+    """The robot with nothing but URDF's own elements, and how many of each foreign kind were left behind.
+
+    Raises: RobotError, naming file, line, element, attribute, value and expectation.
+    """
+    if root.tag != "robot":
+        raise root.refuse("is the root of the file, expected <robot>")
+    left: Counter[str] = Counter()
+    return _checked(root, left), dict(left)
+
+
+def _checked(element: Element, left: "Counter[str]") -> Element:
+    _check_attributes(element)
+    shapes = [child.tag for child in element.children if child.tag not in FOREIGN or child.tag in ("capsule", "cdf")]
+    if element.tag == "geometry" and (len(shapes) != 1 or shapes[0] not in GEOMETRIES):
+        got = ", ".join(f"<{tag}>" for tag in shapes[:4]) or "nothing"
+        raise element.refuse(f"holds {quoted(got)[1:-1]}, expected one of {', '.join(GEOMETRIES)}")
+    kept = []
+    known = _CHILDREN.get(element.tag, ())
+    for child in element.children:
+        foreign = child.tag.partition(":")[0]
+        if child.tag in known:
+            kept.append(_checked(child, left))
+        elif foreign == "xacro":
+            raise child.refuse("a macro that was not expanded; run xacro first and give its output")
+        elif foreign in FOREIGN or ":" in child.tag:
+            _check_dialect(child)
+            left[foreign] += 1
+        else:
+            near = difflib.get_close_matches(child.tag, known, 1)
+            hint = f"; did you mean <{near[0]}>?" if near else ""
+            expected = f"one of {', '.join(known)}" if known else "no element"
+            raise child.refuse(f"is unknown in <{element.tag}>, expected {expected}{hint}")
+    for tag in ("inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child", "geometry"):
+        if sum(child.tag == tag for child in kept) > 1:
+            raise next(child for child in reversed(kept) if child.tag == tag).refuse(
+                f"stands twice in {element.where.partition(': ')[2]}, expected once"
+            )
+    if element.tag in ("visual", "collision") and not any(child.tag == "geometry" for child in kept):
+        raise element.refuse("has no <geometry>, expected one")
+    if element.tag == "joint":
+        for tag in ("parent", "child"):
+            if not any(child.tag == tag for child in kept):
+                raise element.refuse(f"has no <{tag}>, expected one")
+        for axis in element.all("axis") if element.attributes["type"] not in ("fixed", "floating") else ():
+            if math.hypot(*(numbers(axis, "xyz", (3,)) or (1.0,))) < 1e-9:
+                raise axis.refuse(f"xyz is {quoted(axis.attributes['xyz'])}, expected a direction")
+    return Element(element.tag, element.attributes, element.file, element.line, kept)
+
+
+def _check_dialect(element: Element) -> None:
+    """An old dialect says damping and friction in <joint_properties>: where they are not 0 they are not lost in silence."""
+    if element.tag == "joint_properties":
+        for name in element.attributes:
+            if any(numbers(element, name) or ()):
+                raise element.refuse(
+                    f"{name} is {quoted(element.attributes[name])} in a dialect's element; URDF says it in <dynamics>"
+                )
+
+
+def _check_attributes(element: Element) -> None:
+    tag = element.tag
+    for name in _REQUIRED.get(tag, ()):
+        if name not in element.attributes:
+            raise element.refuse(f"{name} is missing, expected {'a number' if name in _NUMBERS.get(tag, {}) else 'a text'}")
+    counts = _NUMBERS.get(tag, {})
+    for name, text in element.attributes.items():
+        if "${" in text or "$(" in text:
+            raise element.refuse(f"{name} is {quoted(text)}: a macro that was not expanded; run xacro first")
+        if name in counts:
+            values = numbers(element, name, counts[name])
+            _check_signs(element, name, values or ())
+        elif name not in _TEXTS.get(tag, ()) and not name.startswith("xmlns") and ":" not in name and tag in _KNOWN:
+            near = difflib.get_close_matches(name, (*counts, *_TEXTS.get(tag, ())), 1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            valid = ", ".join((*counts, *_TEXTS.get(tag, ()))) or "none"
+            raise element.refuse(f"attribute {quoted(name, 60)} is unknown, expected {valid}{hint}")
+    if tag == "joint" and element.attributes["type"] not in JOINT_TYPES:
+        raise element.refuse(f"type is {quoted(element.attributes['type'])}, expected one of {', '.join(JOINT_TYPES)}")
+    if tag == "limit":
+        lower, upper = numbers(element, "lower"), numbers(element, "upper")
+        if lower is not None and upper is not None and lower > upper:
+            raise element.refuse(f"lower is {lower[0]:g} and upper {upper[0]:g}, expected lower <= upper")
+
+
+def _check_signs(element: Element, name: str, values: tuple[float, ...]) -> None:
+    if (element.tag, name) in _POSITIVE and min(values) <= 0:
+        raise element.refuse(f"{name} is {quoted(element.attributes[name])}, expected above 0")
+    if (element.tag, name) in _NOT_NEGATIVE and min(values) < 0:
+        raise element.refuse(f"{name} is {quoted(element.attributes[name])}, expected 0 or more")
+    if (element.tag, name) == ("mesh", "scale") and 0 in values:
+        raise element.refuse(f"scale is {quoted(element.attributes[name])}, expected no zero")
+
+
+_KNOWN = frozenset((*_CHILDREN, *_NUMBERS, *_TEXTS))
+
+
+def check_tree(root: Element) -> None:
+    """One root, every joint between links that there are, every name once, no cycle. Raises: RobotError."""
+    links, joints = root.all("link"), root.all("joint")
+    if not links:
+        raise root.refuse("has no <link>, expected at least one")
+    for kind in (links, joints):
+        seen: dict[str, Element] = {}
+        for element in kind:
+            name = element.attributes["name"]
+            if name in seen:
+                raise element.refuse(f"name stands in line {seen[name].line} too, expected each once")
+            seen[name] = element
+    names = {link.attributes["name"]: link for link in links}
+    holder: dict[str, Element] = {}
+    for joint in joints:
+        ends = {}
+        for tag in ("parent", "child"):
+            end = joint.first(tag)
+            assert end is not None
+            ends[tag] = end.attributes["link"]
+            if ends[tag] not in names:
+                raise joint.refuse(f"{tag} is {quoted(ends[tag], 80)}, expected the name of a <link>")
+        if ends["child"] in holder:
+            raise joint.refuse(
+                f"child {quoted(ends['child'], 80)} already hangs on joint "
+                f"{quoted(holder[ends['child']].attributes['name'], 80)} (line {holder[ends['child']].line}); expected a tree"
+            )
+        holder[ends["child"]] = joint
+    roots = [name for name in names if name not in holder]
+    if not roots:
+        raise joints[0].refuse("the joints go round in a circle, expected a tree with one root")
+    if len(roots) > 1:
+        shown = ", ".join(f"{quoted(name, 60)} (line {names[name].line})" for name in roots[:4])
+        raise names[roots[1]].refuse(f"{len(roots)} links hang on no joint: {shown}; expected one root")
+    _check_reached(roots[0], joints, names)
+
+
+def _check_reached(root: str, joints: list[Element], names: dict[str, Element]) -> None:
+    below: dict[str, list[str]] = {}
+    for joint in joints:
+        parent, child = joint.first("parent"), joint.first("child")
+        assert parent is not None
+        assert child is not None
+        below.setdefault(parent.attributes["link"], []).append(child.attributes["link"])
+    reached, waiting = {root}, [root]
+    while waiting:
+        for name in below.get(waiting.pop(), ()):
+            if name not in reached:
+                reached.add(name)
+                waiting.append(name)
+    lost = [name for name in names if name not in reached]
+    if lost:
+        raise names[lost[0]].refuse(f"hangs in a circle of joints with {len(lost) - 1} other links; expected a tree")

@@ -1,0 +1,160 @@
+"""The shapes of URDF's links: primitives as they are, meshes as convex hulls, and mass from them where none is given."""
+
+from typing import Any
+
+import numpy as np
+
+from harness.importers.fidelity import Fidelity
+from harness.importers.files import Folders
+from harness.importers.meshes import Mesh, hull_of, load_mesh
+from harness.importers.poses import IDENTITY, Array, Pose
+from harness.importers.refusal import listed
+from harness.importers.robot import Geometry, Solid
+from harness.importers.solids import moved, of_mesh, of_shape, together
+from harness.importers.xml_text import Element
+from harness.scene import Box, Cylinder, Shape, Sphere
+
+__all__ = ["Shapes"]
+
+
+class Shapes:
+    """Reads the shapes of one link after the other, and keeps what is to be said of them all."""
+
+    def __init__(self, folders: Folders, density: float | None) -> None:
+        self._folders, self._density = folders, density
+        self._solids: dict[str, list[Solid]] = {}
+        self._exact = 0
+        self._hulls: dict[str, float] = {}
+        self._missing: dict[str, list[str]] = {}
+        self._filled: list[str] = []
+        self._spread: list[str] = []
+        self._drawn = 0
+        self._read: dict[tuple[str, tuple[float, ...]], tuple[Mesh, Shape, float]] = {}
+
+    def of(self, link: Any, element: Element) -> tuple[Geometry, ...]:
+        """The collision shapes of a link that yourdfpy has read. Raises: RobotError."""
+        self._drawn += len(link.visuals)
+        made = []
+        for collision, own in zip(link.collisions, element.all("collision"), strict=True):
+            X = IDENTITY if collision.origin is None else _pose(collision.origin)
+            read = self._shape(collision.geometry, own, link.name)
+            if read is not None:
+                shape, solid = read
+                made.append(Geometry(shape, X))
+                self._solids.setdefault(link.name, []).append(moved(solid, X))
+        return tuple(made)
+
+    def _shape(self, geometry: Any, element: Element, link: str) -> tuple[Shape, Solid] | None:
+        shape: Shape
+        if geometry.mesh is not None:
+            return self._mesh(geometry.mesh, element, link)
+        if geometry.box is not None:
+            x, y, z = (float(side) / 2 for side in geometry.box.size)
+            shape = Box(half_extents=(x, y, z))
+        elif geometry.sphere is not None:
+            shape = Sphere(radius=float(geometry.sphere.radius))
+        else:
+            shape = Cylinder(radius=float(geometry.cylinder.radius), half_length=float(geometry.cylinder.length) / 2)
+        self._exact += 1
+        return shape, of_shape(shape)
+
+    def _mesh(self, mesh: Any, element: Element, link: str) -> tuple[Shape, Solid] | None:
+        scale = (1.0, 1.0, 1.0) if mesh.scale is None else tuple(float(x) for x in np.broadcast_to(mesh.scale, (3,)))
+        where = f"{element.where}: mesh filename"
+        path = self._folders.found(mesh.filename, where)
+        if path is None:
+            self._missing.setdefault(self._folders.missing(mesh.filename), []).append(link)
+            return None
+        key = (str(path), scale)
+        if key not in self._read:
+            loaded = load_mesh(path, np.array(scale), where)
+            self._read[key] = (loaded, *hull_of(loaded.vertices, where))
+        loaded, hull, volume = self._read[key]
+        solid = of_mesh(loaded) if loaded.closed else of_shape(hull)
+        if loaded.closed and solid.mass > 0:
+            self._hulls[link] = max(self._hulls.get(link, 0.0), volume / solid.mass - 1)
+        else:
+            self._hulls.setdefault(link, float("nan"))
+            solid = of_shape(hull)
+        return hull, solid
+
+    def filled(self, link: str) -> Solid | None:
+        """The mass of a link's shapes at the density; None where there is no density, or no shape."""
+        solids = self._solids.get(link, [])
+        if self._density is None or not solids:
+            return None
+        self._filled.append(link)
+        whole = together(solids)
+        assert whole.inertia is not None
+        return Solid(whole.mass * self._density, whole.centre, whole.inertia * self._density)
+
+    def spread(self, link: str, mass: float, centre: Array | None, element: Element) -> Solid:
+        """A mass without a tensor, spread evenly over the link's shapes. Raises: RobotError, where it has none."""
+        solids = self._solids.get(link, [])
+        whole = together(solids) if solids else None
+        if whole is None or whole.mass <= 0 or whole.inertia is None:
+            raise element.refuse(
+                f"<inertial> has a mass of {mass:g} kg and no <inertia>, and there is no shape to spread it over"
+            )
+        self._spread.append(link)
+        return Solid(mass, whole.centre if centre is None else centre, whole.inertia * (mass / whole.mass))
+
+    def rows(self) -> list[Fidelity]:
+        """What became of the shapes."""
+        rows = []
+        if self._exact:
+            rows.append(Fidelity(element="collision", name="primitives", count=self._exact, outcome="exact", becomes="shapes"))
+        if self._hulls:
+            known = [value for value in self._hulls.values() if value == value]
+            rows.append(
+                Fidelity(
+                    element="collision mesh",
+                    name=listed(list(self._hulls)),
+                    count=len(self._hulls),
+                    outcome="approximated",
+                    becomes="convex hull",
+                    consequence="contacts where the mesh is hollow; the hull's volume exceeds a closed mesh's by at most"
+                    if known
+                    else "contacts where the mesh is hollow; the mesh is open, so that its volume is not known",
+                    value=max(known) if known else None,
+                    unit="1" if known else "",
+                )
+            )
+        for why, links in self._missing.items():
+            rows.append(
+                Fidelity(
+                    element="collision mesh",
+                    name=listed(links),
+                    count=len(links),
+                    outcome="left_out",
+                    consequence=f"{why}: nothing touches these shapes, masses and joints stay as they are",
+                )
+            )
+        for links, word in ((self._filled, "mass and inertia"), (self._spread, "inertia")):
+            if links:
+                rows.append(
+                    Fidelity(
+                        element="inertial",
+                        name=listed(links),
+                        count=len(links),
+                        outcome="approximated",
+                        becomes=f"{word} of the collision shapes, filled evenly",
+                        consequence="the file gives none",
+                    )
+                )
+        if self._drawn:
+            rows.append(
+                Fidelity(
+                    element="visual",
+                    name="",
+                    count=self._drawn,
+                    outcome="left_out",
+                    becomes="the collision shapes are drawn",
+                    consequence="pictures and cameras see what collides",
+                )
+            )
+        return rows
+
+
+def _pose(origin: Array) -> Pose:
+    return Pose(np.array(origin[:3, :3]), np.array(origin[:3, 3]))

@@ -1,0 +1,81 @@
+"""What a user asks of an import on the command line or from Python, beside what the companion file says."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from harness.importers.refusal import RobotError
+from harness.intake.safe_text import quoted
+
+__all__ = ["DROPPABLE", "SCENARIOS", "Drop", "Root", "Scenario", "Wishes", "package_roots"]
+
+Drop = Literal[
+    "actuator",
+    "adhesion",
+    "armature",
+    "ball_spring",
+    "equality",
+    "flex",
+    "fluid",
+    "friction_loss",
+    "gravity_compensation",
+    "height_field",
+    "mimic",
+    "nonlinear",
+    "plugin",
+    "tendon",
+]
+"""What changes the motion and has no word in a scene: refused by name unless the user leaves it out."""
+
+DROPPABLE: Mapping[Drop, str] = {
+    "actuator": "actuators that are neither motors nor position servos of one joint",
+    "adhesion": "contacts that pull",
+    "armature": "rotor inertia about a joint",
+    "ball_spring": "springs, dampers and limits of ball and free joints",
+    "equality": "equations between joints or tendons, and those between bodies that are neither joints nor welds",
+    "flex": "deformable bodies",
+    "fluid": "drag and lift of the medium",
+    "friction_loss": "dry friction in a joint",
+    "gravity_compensation": "bodies that gravity pulls less",
+    "height_field": "terrain as heights, and shapes given by a distance function",
+    "mimic": "joints that follow another one",
+    "nonlinear": "springs and dampers with terms of higher order",
+    "plugin": "an engine's own plug-ins",
+    "tendon": "tendons with a spring, a damper, friction or limits",
+}
+
+Root = Literal["fixed", "floating"]
+Scenario = Literal["drop", "hold", "swing"]
+SCENARIOS: tuple[Scenario, ...] = ("drop", "hold", "swing")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wishes:
+    """What is wanted.
+
+    Terms:
+        drop: kinds of elements that may be left out. packages: folder by the name of a package. root: how the root is held.
+        one_friction: static friction is taken to be the kinetic one. scenario: what happens to the robot.
+    """
+
+    drop: frozenset[Drop] = frozenset()
+    packages: Mapping[str, Path] = field(default_factory=dict)
+    root: Root | None = None
+    one_friction: bool = False
+    scenario: Scenario | None = None
+
+
+def package_roots(given: "tuple[str, ...]") -> dict[str, Path]:
+    """Folders by the names of packages, from texts NAME=DIR. Raises: RobotError."""
+    roots: dict[str, Path] = {}
+    for text in given:
+        name, equals, folder = text.partition("=")
+        if not equals or not name or not folder or "/" in name:
+            raise RobotError(f"--package: {quoted(text)}, expected NAME=DIR")
+        if name in roots:
+            raise RobotError(f"--package: {quoted(name)} is given twice, expected once")
+        if not Path(folder).is_dir():
+            raise RobotError(f"--package: {quoted(name)} is {quoted(folder)}, expected a folder that is there")
+        roots[name] = Path(folder)
+    return roots

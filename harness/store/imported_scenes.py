@@ -1,0 +1,77 @@
+"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content."""
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from harness.importers.fidelity import plain
+from harness.importers.imported import Imported
+from harness.scene.file import dump_toml
+from harness.store import disk
+from harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
+
+__all__ = ["FOLDER", "fidelity_of", "keep", "kept", "unsound"]
+
+FOLDER = "scenes"
+_TABLE = "fidelity.json"
+_UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
+
+
+def keep(folder: Path, imported: Imported) -> Path:
+    """Write an import into a run folder; the same one is written once. Returns: the scene file. Raises: OSError."""
+    name = _UNSAFE.sub("_", imported.name).strip("_")[:80] or "scene"
+    table = {
+        "name": imported.name,
+        "source": imported.source,
+        "dropped": list(imported.dropped),
+        "coordinates": dict(imported.coordinates),
+        "links": dict(imported.links),
+        "rows": [plain(row) for row in imported.fidelity],
+    }
+    wishes = {key: value for key in ("duration", "seed") if (value := getattr(imported, key)) is not None}
+    if imported.look_at:
+        wishes["look_at"] = list(imported.look_at)
+    scene = dump_toml(imported.scene)
+    digest = hashlib.sha256(json.dumps([scene, table, wishes]).encode()).hexdigest()[:12]
+    place = folder / FOLDER / digest
+    disk.make_folder(place)
+    files = {f"{name}.toml": sealed_toml(f"{name}.toml", scene), _TABLE: sealed_json(_TABLE, table)}
+    if wishes:
+        files[f"{name}.plumb.toml"] = sealed_toml(f"{name}.plumb.toml", tomli_w.dumps(wishes))
+    for file, content in files.items():
+        if not (place / file).exists() or disk.read(place / file) != content:
+            disk.write_atomically(place / file, content)
+    return place / f"{name}.toml"
+
+
+def kept(folder: Path) -> Iterator[dict[str, Any]]:
+    """The fidelity tables of a run folder, each with the name and source of its robot. Raises: Damaged."""
+    for path in sorted((folder / FOLDER).glob(f"*/{_TABLE}")):
+        content = disk.read(path)
+        if not check_seal(path, content):
+            raise Damaged(f"{path}: it has no checksum")
+        table: dict[str, Any] = json.loads(content)
+        yield table
+
+
+def fidelity_of(folder: Path) -> list[dict[str, Any]]:
+    """The rows of all fidelity tables of a run folder, each with its robot. Raises: Damaged."""
+    return [{"robot": table["name"], **row} for table in kept(folder) for row in table["rows"]]
+
+
+def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
+    """The files of the folder that are not as they were written, each with what is wrong."""
+    for path in sorted((folder / FOLDER).glob("*/*")):
+        if path.suffix not in (".toml", ".json") or not path.is_file():
+            yield path, "belongs to no import"
+            continue
+        try:
+            if not check_seal(path, disk.read(path)):
+                yield path, "it has no checksum"
+        except Damaged as error:
+            yield path, str(error)

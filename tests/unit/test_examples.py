@@ -1,0 +1,69 @@
+"""The examples of the project are read, told row by row, and run by our engine and by MuJoCo."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.importers.reading import read
+from harness.scene import Sphere, rotate
+from harness.study import plugins
+from harness.trajectory import State
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+ROBOTS = ("arm.urdf", "quadruped.urdf", "four_bar.xml")
+
+
+def test_every_robot_among_the_examples_is_one_of_these() -> None:
+    assert {path.name for path in EXAMPLES.iterdir() if path.suffix in (".urdf", ".xml")} == set(ROBOTS)
+    page = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    assert all(name in page for name in ROBOTS)
+
+
+@pytest.mark.parametrize("engine", ["reference", "mujoco"])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_an_example_runs_with_its_joints_whole(name: str, engine: str) -> None:
+    adapter = plugins.adapter(engine)
+    if plugins.version_of(adapter)[1] is not None:
+        pytest.skip("not installed")
+    scene = read(EXAMPLES / name).scene
+    simulation = adapter.build(scene, replace(adapter.tracks["tuned"], dt=1 / 480))
+    start, end = State.initial(scene), State.empty(len(scene.bodies))
+    simulation.step(48)
+    simulation.state(end)
+    simulation.close()
+    movable = [k for k, body in enumerate(scene.bodies) if body.movable]
+    ways = np.linalg.norm(end.p_WB - start.p_WB, axis=1)
+    # The strongest push is 120 N m at the arm's shoulder on some 1.5 kg m2: 0.4 rad in a tenth of a second, 0.36 m at the hand.
+    assert np.isfinite(end.p_WB).all()
+    assert 0 < ways[movable].max() < 0.5
+
+
+def test_the_arm_has_its_mesh_its_motor_merged_and_its_drives() -> None:
+    got = read(EXAMPLES / "arm.urdf")
+    assert got.links["elbow_motor"] == "upper_arm"
+    assert got.links["tool"] == "hand"
+    assert got.scene.body("upper_arm").mass == pytest.approx(5.1)
+    (hull,) = got.scene.body("forearm").collision
+    assert hull.shape.type == "convex_hull"
+    # The mesh is in millimetres: 300 of them are 0.3 m.
+    assert np.ptp(np.array(hull.shape.vertices), axis=0)[2] == pytest.approx(0.3)
+    assert all(joint.drive is not None for joint in got.scene.joints)  # type: ignore[union-attr]
+
+
+def test_the_quadruped_stands_on_its_feet() -> None:
+    scene = read(EXAMPLES / "quadruped.urdf").scene
+    feet = [
+        body.p_WB[2] + rotate(body.q_WB, placed.p_BS)[2] - placed.shape.radius
+        for body in scene.bodies
+        for placed in body.collision
+        if isinstance(placed.shape, Sphere)
+    ]
+    assert len(feet) == 4
+    assert all(0 <= foot < 0.02 for foot in feet)
+
+
+def test_the_linkage_is_closed() -> None:
+    scene = read(EXAMPLES / "four_bar.xml").scene
+    assert [joint.type for joint in scene.joints] == ["revolute"] * 3 + ["ball"]

@@ -1,0 +1,250 @@
+"""Meshes and other files that robot files lead to: package paths, scale, formats, what is missing, what would lead outside."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.importers.companion import Companion
+from harness.importers.meshes import load_mesh
+from harness.importers.refusal import RobotError
+from harness.importers.solids import of_mesh
+from harness.intake.allowance import allowing
+from harness.scene import ConvexHull
+from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
+
+# A tetrahedron with corners at the origin and at 1, 2 and 3 along the axes: volume 1, centre at a quarter of each.
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], dtype=float)
+FACES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+
+
+def stl(corners: np.ndarray = CORNERS) -> str:
+    facets = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {' '.join(str(x) for x in corners[k])}\n" for k in face)
+        + "endloop\nendfacet\n"
+        for face in FACES
+    )
+    return f"solid t\n{facets}endsolid t\n"
+
+
+def obj() -> str:
+    return (
+        "mtllib /etc/hostname\n"
+        + "".join(f"v {a} {b} {c}\n" for a, b, c in CORNERS)
+        + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES)
+    )
+
+
+def dae() -> str:
+    numbers = " ".join(str(x) for x in CORNERS.ravel())
+    faces = " ".join(str(k) for face in FACES for k in face)
+    return (
+        '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
+        '<asset><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>'
+        f'<source id="s"><float_array id="a" count="12">{numbers}</float_array><technique_common><accessor source="#a" '
+        'count="4" '
+        'stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>'
+        '</technique_common></source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices>'
+        f'<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles></mesh></geometry>'
+        '</library_geometries><library_visual_scenes><visual_scene id="w"><node id="n"><instance_geometry url="#g"/></node>'
+        '</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>'
+    )
+
+
+def with_mesh(filename: str, more: str = "") -> str:
+    shape = f'<collision><geometry><mesh filename="{filename}" {more}/></geometry></collision>'
+    return urdf(arm=INERTIAL + shape)
+
+
+def extent(got: object) -> np.ndarray:
+    (placed,) = got.scene.body("arm").collision  # type: ignore[attr-defined]
+    assert isinstance(placed.shape, ConvexHull)
+    corners = np.array(placed.shape.vertices)
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+
+@pytest.mark.parametrize(("name", "text"), [("t.stl", stl()), ("T.STL", stl()), ("t.obj", obj()), ("t.dae", dae())])
+def test_each_format_is_read_whatever_the_case_of_its_ending(tmp_path: Path, name: str, text: str) -> None:
+    (tmp_path / name).write_text(text)
+    got = imported(tmp_path, with_mesh(name))
+    assert extent(got) == pytest.approx(np.array([[0, 0, 0], [1, 2, 3]]))
+    hull = row(got, "collision mesh")
+    assert (hull.outcome, hull.becomes, hull.value) == ("approximated", "convex hull", pytest.approx(0, abs=1e-12))
+
+
+def test_a_mesh_is_scaled_and_mirrored_with_its_faces_outwards(tmp_path: Path) -> None:
+    (tmp_path / "t.stl").write_text(stl())
+    assert extent(imported(tmp_path, with_mesh("t.stl", 'scale="0.001 -0.001 0.001"'))) == pytest.approx(
+        np.array([[0, -2e-3, 0], [1e-3, 0, 3e-3]])
+    )
+    mirrored = load_mesh(tmp_path / "t.stl", np.array([1.0, -1.0, 1.0]), "here")
+    assert mirrored.closed
+    assert of_mesh(mirrored).mass == pytest.approx(1)
+    with pytest.raises(RobotError, match="scale is '1 0 1', expected no zero"):
+        imported(tmp_path, with_mesh("t.stl", 'scale="1 0 1"'))
+
+
+def test_a_closed_mesh_has_the_volume_centre_and_inertia_of_its_solid(tmp_path: Path) -> None:
+    (tmp_path / "t.stl").write_text(stl(CORNERS + np.array([5, 0, 0])))
+    solid = of_mesh(load_mesh(tmp_path / "t.stl", np.ones(3), "here"))
+    # Of a right tetrahedron with legs a, b, c: second moments a^2/10 V about its corner, products ab/20 V.
+    a, b, c = 1.0, 2.0, 3.0
+    second = np.array(
+        [[a * a / 10, a * b / 20, a * c / 20], [a * b / 20, b * b / 10, b * c / 20], [a * c / 20, b * c / 20, c * c / 10]]
+    )
+    d = np.array([a, b, c]) / 4
+    second -= np.outer(d, d)
+    assert solid.mass == pytest.approx(1)
+    assert solid.centre == pytest.approx(d + np.array([5, 0, 0]))
+    assert solid.inertia == pytest.approx(np.trace(second) * np.eye(3) - second)
+
+
+def test_a_package_is_found_where_the_user_says_and_told_where_it_is_not(tmp_path: Path) -> None:
+    home, pack = tmp_path / "home", tmp_path / "pack"
+    home.mkdir()
+    (pack / "meshes").mkdir(parents=True)
+    (pack / "meshes" / "t.stl").write_text(stl())
+    text = with_mesh("package://robot_description/meshes/t.stl")
+    lost = imported(home, text)
+    assert not lost.scene.body("arm").collision
+    assert lost.scene.body("arm").mass == 2
+    assert "--package robot_description=DIR" in row(lost, "collision mesh").consequence
+    assert extent(imported(home, text, packages={"robot_description": pack}))[1] == pytest.approx([1, 2, 3])
+    # A path of the file's own may lead into a package that is named, and nowhere else.
+    assert extent(imported(home, with_mesh("../pack/meshes/t.stl"), packages={"robot_description": pack}))[1][2] == 3
+    with pytest.raises(RobotError, match=r"mesh filename is '../pack/meshes/t.stl', which leads out of"):
+        imported(home, with_mesh("../pack/meshes/t.stl"))
+
+
+def test_a_missing_mesh_costs_contacts_and_nothing_else(tmp_path: Path) -> None:
+    got = imported(tmp_path, with_mesh("gone.stl"))
+    assert row(got, "collision mesh").outcome == "left_out"
+    assert got.scene.body("arm").mass == 2
+
+
+@pytest.mark.parametrize(
+    "reference",
+    [
+        "/etc/hostname",
+        "../../etc/hostname",
+        "file:///etc/hostname",
+        "http://host/t.stl",
+        "package://p/../../t.stl",
+        "link.stl",
+        "",
+        "a\x01",
+    ],
+)
+def test_no_reference_leads_out_of_the_folder(tmp_path: Path, reference: str) -> None:
+    home = tmp_path / "home"
+    (home / "p").mkdir(parents=True)
+    (tmp_path / "t.stl").write_text(stl())
+    (home / "link.stl").symlink_to(tmp_path / "t.stl")
+    with pytest.raises(RobotError):
+        imported(home, with_mesh(reference), packages={"p": home / "p"})
+
+
+def test_a_companion_names_no_package_outside(tmp_path: Path) -> None:
+    with pytest.raises(RobotError, match="expected a folder beside the robot"):
+        imported(tmp_path, urdf(), Companion(packages={"p": "/etc"}))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("t.stl", "solid nothing\nendsolid", "no triangles|no mesh that can be read"),
+        ("t.obj", "v 0 0 0\nf 1 2 999999\n", "no mesh that can be read|no triangles"),
+        ("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "spans no volume"),
+        ("t.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n", "not finite"),
+        ("t.step", "anything", "format .step, expected one of .stl, .obj, .dae"),
+        ("t.dae", '<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]><COLLADA>&e;</COLLADA>', "DOCTYPE"),
+    ],
+)
+def test_a_mesh_that_is_none_is_refused_with_its_line(tmp_path: Path, name: str, text: str, said: str) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(RobotError, match=said) as refused:
+        imported(tmp_path, with_mesh(name))
+    assert "line 3: <mesh>" in str(refused.value) or "<collision>: mesh filename" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('<!DOCTYPE robot [<!ENTITY a "b">]><robot name="r"><link name="&a;"/></robot>', "<!DOCTYPE> 'robot'"),
+        ('<!DOCTYPE robot SYSTEM "file:///etc/passwd"><robot name="r"><link name="a"/></robot>', "<!DOCTYPE>"),
+        ('<robot name="r"><link name="&a;"/></robot>', "no well-formed XML"),
+        ('<robot name="r">' + "<a>" * 70, "elements in each other, expected at most 64; --limit depth=VALUE"),
+        ("", "no well-formed XML"),
+        ("\x00", "no well-formed XML"),
+    ],
+)
+def test_xml_with_entities_or_beyond_a_limit_is_refused(tmp_path: Path, text: str, said: str) -> None:
+    for name in ("robot.urdf", "robot.xml"):
+        with pytest.raises(RobotError, match=said):
+            imported(tmp_path, text, name=name)
+
+
+def test_limits_are_named_and_can_be_raised(tmp_path: Path) -> None:
+    many = urdf(
+        *(
+            f'<link name="l{k}"/><joint name="k{k}" type="fixed"><parent link="arm"/><child link="l{k}"/></joint>'
+            for k in range(20)
+        )
+    )
+    with (
+        allowing(["bodies=10"], "here"),
+        pytest.raises(RobotError, match="22 bodies, expected at most 10; --limit bodies=VALUE"),
+    ):
+        imported(tmp_path, many)
+    with allowing(["parts=20"], "here"), pytest.raises(RobotError, match="--limit parts=VALUE"):
+        imported(tmp_path, many)
+    with allowing(["bytes=100"], "here"), pytest.raises(RobotError, match="--limit bytes=VALUE"):
+        imported(tmp_path, many)
+    (tmp_path / "t.stl").write_text(stl())
+    with allowing(["vertices=3"], "here"), pytest.raises(RobotError, match="--limit vertices=VALUE"):
+        imported(tmp_path, with_mesh("t.stl"))
+
+
+MESH_BODY = '<joint/><geom type="mesh" mesh="t"/>'
+
+
+@pytest.mark.parametrize(
+    ("beside", "said"),
+    [
+        ('<include file="/etc/hostname"/>', "leads out of"),
+        ('<include file="../robot.xml"/>', "leads out of"),
+        ('<include file="gone.xml"/>', "there is no such file"),
+        ('<include file="robot.xml"/>', "included already"),
+        ('<asset><mesh name="t" file="/etc/t.stl"/></asset>', "leads out of"),
+        ('<asset><mesh name="t" file="gone.stl"/></asset>', "there is no such file; mass may depend on it"),
+        ('<asset><mesh name="t" file="t.ply"/></asset>', "expected an ending among .stl, .obj, .msh"),
+        ('<compiler meshdir="/etc"/><asset><mesh name="t" file="t.stl"/></asset>', "leads out of"),
+        ('<asset><model name="x" file="robot.xml"/></asset>', "a model in a model"),
+        ('<size memory="nan"/>', "memory is 'nan', expected finite numbers"),
+    ],
+)
+def test_no_file_of_an_mjcf_leads_outside_or_is_missing_in_silence(tmp_path: Path, beside: str, said: str) -> None:
+    (tmp_path / "t.ply").write_text("ply")
+    with pytest.raises(RobotError, match=said):
+        imported(tmp_path, mjcf(MESH_BODY, beside))
+
+
+def test_an_mjcf_reads_includes_and_meshes_of_its_own_folder(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "t.OBJ").write_text(obj())
+    (tmp_path / "assets.xml").write_text(
+        '<mujocoinclude><compiler meshdir="parts"/><asset><mesh file="t.OBJ" scale="2 2 2"/></asset></mujocoinclude>'
+    )
+    got = imported(tmp_path, mjcf(MESH_BODY, '<include file="assets.xml"/>'))
+    body = got.scene.body("arm")
+    # Eight times the volume of 1 m3 at MuJoCo's own 1000 kg/m3, in single precision.
+    assert body.mass == pytest.approx(8000, rel=1e-6)
+    corners = np.array(body.collision[0].shape.vertices)  # type: ignore[union-attr]
+    assert np.ptp(corners, axis=0).max() > 4
+
+
+def test_an_error_of_the_compiler_is_told_with_the_line_of_the_file(tmp_path: Path) -> None:
+    text = mjcf('<joint/>\n<geom size=".1"/>\n<wobbly/>')
+    with pytest.raises(RobotError, match=r"robot.xml: line 6: <wobbly>: MuJoCo's compiler refuses it:.*unrecognized element"):
+        imported(tmp_path, text)

@@ -1,0 +1,324 @@
+"""What an MJCF says, as MuJoCo's own compiler understands it: what is carried over, what is said, what is refused by name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.importers.companion import Companion, JointWish, Massless, Units
+from harness.importers.refusal import RobotError
+from harness.scene import Ball, Body, ConvexHull, Fixed, Prismatic, Revolute, Scene, Surface
+from tests.robot_files import imported, mjcf, row
+
+pytest.importorskip("mujoco")
+BALL = '<geom size=".1"/>'
+
+
+def joint(got: object) -> Revolute:
+    (found,) = got.scene.joints  # type: ignore[attr-defined]
+    return found  # type: ignore[no-any-return]
+
+
+def law(scene: Scene, a: str, b: str) -> Surface:
+    return scene.surface(scene.body(a), scene.body(b))
+
+
+def test_several_joints_of_one_body_are_a_chain_with_stated_masses_or_refused_by_name(tmp_path: Path) -> None:
+    text = mjcf(
+        f'<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide"/>'
+        f'<joint name="turn" axis="0 1 0" pos="0 0 .2"/>{BALL}'
+    )
+    with pytest.raises(RobotError, match=r"<body> 'arm': several joints 'x', 'z', 'turn' move one body.*\[massless\]"):
+        imported(tmp_path, text)
+    got = imported(tmp_path, text, Companion(massless=Massless(mass=1e-9)))
+    assert [(j.name, j.parent, j.child) for j in got.scene.joints] == [
+        ("x", "world", "arm.x"),
+        ("z", "arm.x", "arm.z"),
+        ("turn", "arm.z", "arm"),
+    ]
+    assert got.scene.joints[2].anchor_W == (0, 0, 1.2)  # type: ignore[union-attr]
+    assert row(got, "link without mass").count == 2
+
+
+def test_armature_is_refused_or_dropped_with_the_factor_by_which_joints_turn_more_readily(tmp_path: Path) -> None:
+    text = mjcf('<joint name="j" axis="0 1 0" armature="0.5"/><geom size=".1" mass="1"/>')
+    with pytest.raises(RobotError, match=r"joint 'j': armature of up to 0.5 kg m2 or kg: .*--drop armature leaves it out"):
+        imported(tmp_path, text)
+    got = imported(tmp_path, text, drop=frozenset(("armature",)))
+    lost = row(got, "armature")
+    # A ball of 1 kg and 0.1 m has 2/5 m r^2 = 0.004 kg m2 about its centre.
+    assert (lost.outcome, lost.value) == ("left_out", pytest.approx(1 + 0.5 / 0.004))
+
+
+def test_angles_are_degrees_unless_the_file_says_radians(tmp_path: Path) -> None:
+    body = f'<joint range="-90 45" limited="true"/>{BALL}'
+    assert joint(imported(tmp_path, mjcf(body))).limits.upper == pytest.approx(np.pi / 4)  # type: ignore[union-attr]
+    radians = mjcf(body.replace("-90 45", "-1 0.5"), '<compiler angle="radian"/>')
+    assert joint(imported(tmp_path, radians)).limits.upper == 0.5  # type: ignore[union-attr]
+
+
+def test_the_order_of_euler_angles_is_the_files(tmp_path: Path) -> None:
+    from scipy.spatial.transform import Rotation
+
+    for order in ("xyz", "ZYX"):
+        got = imported(
+            tmp_path, mjcf(f"<joint/>{BALL}", f'<compiler eulerseq="{order}"/>').replace("pos=", 'euler="20 30 40" pos=')
+        )
+        # Lower case turns about axes that move along, upper case about fixed ones: the other way round in SciPy.
+        truth = Rotation.from_euler(order.swapcase(), [20, 30, 40], degrees=True)
+        q = got.scene.body("arm").q_WB
+        assert abs(np.dot(q, truth.as_quat(scalar_first=True))) == pytest.approx(1, abs=1e-12)
+
+
+def test_inertia_from_geoms_overrides_a_given_one_where_the_file_says_so(tmp_path: Path) -> None:
+    given = '<inertial pos="0 0 0" mass="7" diaginertia="1 1 1"/>'
+    decoration = '<geom size=".1" contype="0" conaffinity="0" pos="1 0 0" mass="1"/>'
+    body = f'<joint/>{given}<geom size=".1" mass="1"/>{decoration}'
+    assert imported(tmp_path, mjcf(body)).scene.body("arm").mass == 7
+    own = imported(tmp_path, mjcf(body, '<compiler inertiafromgeom="true"/>')).scene.body("arm")
+    # The decoration counts too: two balls of 1 kg, a metre apart.
+    assert own.mass == pytest.approx(2)
+    assert own.p_WB == pytest.approx((0.5, 0, 1))
+    assert np.diag(own.inertia) == pytest.approx([0.008, 0.508, 0.508])
+    assert imported(tmp_path, mjcf(body, '<compiler settotalmass="21"/>')).scene.body("arm").mass == pytest.approx(21)
+
+
+def test_nested_defaults_and_child_classes_are_resolved_to_the_last(tmp_path: Path) -> None:
+    beside = (
+        '<default><joint damping="1"/><default class="a"><joint damping="2" stiffness="5"/>'
+        '<default class="b"><joint stiffness="9"/></default></default></default>'
+    )
+    got = imported(tmp_path, mjcf(f"<joint/>{BALL}", beside).replace('name="arm"', 'name="arm" childclass="b"'))
+    assert joint(got).spring is not None
+    assert (joint(got).spring.stiffness, joint(got).spring.damping) == (9, 2)  # type: ignore[union-attr]
+
+
+def test_reference_and_spring_reference_shift_the_coordinate(tmp_path: Path) -> None:
+    body = f'<joint name="j" type="slide" axis="1 0 0" ref=".3" springref=".1" stiffness="4" range="0 1" limited="true"/>{BALL}'
+    got = joint(imported(tmp_path, mjcf(body)))
+    assert isinstance(got, Prismatic)
+    assert (got.position, got.spring.rest, got.limits.lower) == (0.3, 0.1, 0)  # type: ignore[union-attr]
+    moved = imported(tmp_path, mjcf(body), Companion(joints={"j": JointWish(position=0.5)})).scene
+    assert moved.body("arm").p_WB == pytest.approx((0.2, 0, 1))
+
+
+@pytest.mark.parametrize(
+    ("option", "gravity"),
+    [
+        ('<option gravity="1 2 -3"/>', (1, 2, -3)),
+        ('<option gravity="0 0 0"/>', (0, 0, 0)),
+        ('<option gravity="0 0 -9"><flag gravity="disable"/></option>', (0, 0, 0)),
+    ],
+)
+def test_gravity_is_the_files_tilted_or_none(tmp_path: Path, option: str, gravity: tuple[float, ...]) -> None:
+    assert imported(tmp_path, mjcf(f"<joint/>{BALL}", option)).scene.gravity == gravity
+
+
+def test_centimetres_and_grams_are_suspected_and_turned_into_si_units_where_told(tmp_path: Path) -> None:
+    body = '<joint name="j" axis="0 1 0" damping="3" pos="0 0 5" range="-90 90" limited="true"/><geom size="10" mass="2000"/>'
+    text = mjcf(body, '<option gravity="0 0 -981"/>').replace('pos="0 0 1"', 'pos="0 0 100"')
+    assert row(imported(tmp_path, text), "gravity").value == 981
+    got = imported(tmp_path, text, Companion(units=Units(length=0.01, mass=0.001)))
+    body_of = got.scene.body("arm")
+    assert got.scene.gravity == pytest.approx((0, 0, -9.81))
+    assert (body_of.mass, body_of.p_WB[2]) == pytest.approx((2, 1))
+    assert body_of.inertia[0][0] == pytest.approx(0.4 * 2 * 0.01)
+    assert body_of.collision[0].shape.radius == pytest.approx(0.1)  # type: ignore[union-attr]
+    # 3 g cm2/s are 3e-7 kg m2/s; an angle stays as it is.
+    assert joint(got).spring.damping == pytest.approx(3e-7)  # type: ignore[union-attr]
+    assert joint(got).limits.upper == pytest.approx(np.pi / 2)  # type: ignore[union-attr]
+    assert joint(got).anchor_W == pytest.approx((0, 0, 1.05))
+
+
+def test_dry_friction_stands_beside_damping_and_a_ball_joint_can_be_damped(tmp_path: Path) -> None:
+    with pytest.raises(RobotError, match="--drop friction_loss"):
+        imported(tmp_path, mjcf(f'<joint damping="1" frictionloss="2"/>{BALL}'))
+    text = mjcf(f'<joint name="b" type="ball" damping="1"/>{BALL}')
+    with pytest.raises(RobotError, match=r"joint 'b': ball spring damping of a ball joint.*--drop ball_spring"):
+        imported(tmp_path, text)
+    (found,) = imported(tmp_path, text, drop=frozenset(("ball_spring",))).scene.joints
+    assert isinstance(found, Ball)
+
+
+def test_bit_masks_exclusions_and_friction_per_geom_are_split_into_materials(tmp_path: Path) -> None:
+    world = '<geom name="floor" type="plane" size="1 1 1" contype="1" conaffinity="1" friction=".3"/>'
+    text = mjcf(
+        '<freejoint/><geom size=".1" contype="1" conaffinity="0" friction=".9 .01 .001" condim="4"/></body>'
+        '<body name="b" pos="1 0 0"><freejoint/><geom size=".1" contype="2" conaffinity="2" friction=".2"/></body>'
+        '<body name="c" pos="2 0 0"><freejoint/><geom size=".1" contype="3" conaffinity="3" friction=".5"/></body>'
+        '<body name="d" pos="3 0 0"><freejoint/><geom size=".1" contype="3" conaffinity="3" friction=".5"/>',
+        '<contact><exclude body1="c" body2="d"/></contact>',
+        world,
+    )
+    scene = imported(tmp_path, text).scene
+
+    def touch(a: str, b: str) -> bool:
+        return scene.collides(scene.body(a), scene.body(b))
+
+    # a touches what takes type 1; b, which has bit 2 alone, touches c and d and not the floor; c and d are excluded.
+    names = {"a": "arm", "b": "b", "c": "c", "d": "d", "w": "world_2"}
+    pairs = {"ab": False, "ac": True, "bc": True, "cd": False, "bd": True, "aw": True, "bw": False, "cw": True}
+    assert {pair: touch(names[pair[0]], names[pair[1]]) for pair in pairs} == pairs
+    floor = law(scene, "arm", "world_2")
+    assert (floor.kinetic_friction, floor.torsional_friction, floor.rolling_friction) == (0.9, 0.01, 0)
+    assert law(scene, "c", "world_2").kinetic_friction == 0.5
+    assert law(scene, "c", "b").kinetic_friction == 0.5
+
+
+def test_shapes_of_one_body_that_rub_differently_are_said(tmp_path: Path) -> None:
+    text = mjcf(
+        '<freejoint/><geom size=".1" friction=".9"/><geom size=".1" pos="1 0 0" friction=".1"/>',
+        "",
+        '<geom type="plane" size="1 1 1" friction=".05"/>',
+    )
+    got = imported(tmp_path, text)
+    assert row(got, "contact").value == pytest.approx(0.8)
+    assert law(got.scene, "arm", "world_2").kinetic_friction == 0.9
+
+
+def test_margins_and_softness_are_said(tmp_path: Path) -> None:
+    got = imported(tmp_path, mjcf('<freejoint/><geom size=".1" margin=".02"/>'))
+    assert row(got, "margin, gap").value == 0.02
+    assert row(got, "solref, solimp").outcome == "left_out"
+
+
+def test_an_ellipsoid_becomes_a_polyhedron_that_lies_inside_by_what_is_said(tmp_path: Path) -> None:
+    got = imported(tmp_path, mjcf('<freejoint/><geom type="ellipsoid" size=".1 .2 .3"/>'))
+    shape = got.scene.body("arm").collision[0].shape
+    assert isinstance(shape, ConvexHull)
+    corners = np.array(shape.vertices) / [0.1, 0.2, 0.3]
+    assert np.linalg.norm(corners, axis=1) == pytest.approx(np.ones(len(corners)))
+    assert 0 < (row(got, "geom ellipsoid").value or 0) < 0.03 * 0.3
+
+
+def test_a_servo_becomes_a_drive_and_a_motor_without_a_command_does_nothing(tmp_path: Path) -> None:
+    body = f'<joint name="j" axis="0 1 0"/>{BALL}'
+    servo = '<actuator><position joint="j" kp="10" kv="2" gear="3" ctrlrange=".5 1" forcerange="-4 4"/></actuator>'
+    drive = joint(imported(tmp_path, mjcf(body, servo))).drive
+    # Torque 3 (10 u - 10 3 q - 2 3 q'), u held at .5 by its range.
+    assert drive is not None
+    assert (drive.stiffness, drive.damping, drive.target, drive.limit) == pytest.approx((90, 18, 0.5 / 3, 12))
+    motor = imported(tmp_path, mjcf(body, '<actuator><motor joint="j"/></actuator>'))
+    assert joint(motor).drive is None
+    assert row(motor, "actuator").outcome == "left_out"
+    muscle = mjcf(body, '<actuator><muscle name="m" joint="j" lengthrange="0 1"/></actuator>')
+    with pytest.raises(RobotError, match=r"actuator 'm'.*--drop actuator"):
+        imported(tmp_path, muscle)
+    assert joint(imported(tmp_path, muscle, drop=frozenset(("actuator",)))).drive is None
+
+
+def test_a_servo_has_the_torque_that_mujoco_gives_it(tmp_path: Path) -> None:
+    import mujoco
+
+    text = mjcf(f'<joint name="j" axis="0 1 0"/>{BALL}', '<actuator><position joint="j" kp="10" kv="2" gear="-3"/></actuator>')
+    drive = joint(imported(tmp_path, text)).drive
+    assert drive is not None
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.qpos[0], data.qvel[0] = 0.7, -0.4
+    mujoco.mj_forward(model, data)
+    assert data.qfrc_actuator[0] == pytest.approx(drive.stiffness * (drive.target - 0.7) + drive.damping * 0.4, rel=1e-12)
+
+
+LOOP = mjcf(
+    f'<joint name="p" axis="0 1 0"/>{BALL}</body><body name="b" pos="1 0 1"><joint name="q" axis="0 1 0"/>{BALL}',
+    "<equality>{}</equality>",
+)
+
+
+def test_a_loop_is_closed_by_a_connection_or_a_weld(tmp_path: Path) -> None:
+    closed = imported(tmp_path, LOOP.format('<connect name="c" body1="arm" body2="b" anchor=".5 0 0"/>')).scene.joints[2]
+    assert isinstance(closed, Ball)
+    assert (closed.anchor_W, closed.collide) == ((0.5, 0, 1), True)
+    assert isinstance(imported(tmp_path, LOOP.format('<weld body1="arm" body2="b"/>')).scene.joints[2], Fixed)
+    open_pose = Companion(joints={"p": JointWish(position=0.5)})
+    with pytest.raises(RobotError, match=r"connection 'c': its two sides lie 0\.\d+ m"):
+        imported(tmp_path, LOOP.format('<connect name="c" body1="arm" body2="b" anchor=".5 0 0"/>'), open_pose)
+    coupled = LOOP.format('<joint name="e" joint1="p" joint2="q"/>')
+    with pytest.raises(RobotError, match=r"equality 'e': equality of kind joint.*--drop equality"):
+        imported(tmp_path, coupled)
+    assert len(imported(tmp_path, coupled, drop=frozenset(("equality",))).scene.joints) == 2
+
+
+def test_a_tendon_counts_only_where_it_pulls(tmp_path: Path) -> None:
+    body = f'<joint name="j"/>{BALL}'
+    tendon = '<tendon><fixed name="t" stiffness="{}"><joint joint="j" coef="1"/></fixed></tendon>'
+    assert row(imported(tmp_path, mjcf(body, tendon.format(0))), "tendon").outcome == "left_out"
+    with pytest.raises(RobotError, match=r"tendon 't': tendon: .*--drop tendon"):
+        imported(tmp_path, mjcf(body, tendon.format(3)))
+
+
+@pytest.mark.parametrize(
+    ("beside", "kind"),
+    [
+        ('<option density="1.2"/>', "fluid"),
+        ('<extension><plugin plugin="mujoco.pid"/></extension>', "plugin"),
+        ('<deformable><skin name="s"/></deformable>', "flex"),
+    ],
+)
+def test_what_a_scene_has_no_word_for_is_refused_by_name_unless_dropped(tmp_path: Path, beside: str, kind: str) -> None:
+    with pytest.raises(RobotError, match=f"--drop {kind} leaves it out"):
+        imported(tmp_path, mjcf(f"<joint/>{BALL}", beside))
+    assert imported(tmp_path, mjcf(f"<joint/>{BALL}", beside), drop=frozenset((kind,))).dropped == (kind,)
+
+
+def test_a_height_field_that_is_touched_is_refused_or_dropped(tmp_path: Path) -> None:
+    beside = '<asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 1" elevation="0 1 0 1"/></asset>'
+    text = mjcf(f"<joint/>{BALL}", beside, '<geom type="hfield" hfield="h"/>')
+    with pytest.raises(RobotError, match="--drop height_field"):
+        imported(tmp_path, text)
+    assert imported(tmp_path, text, drop=frozenset(("height_field",))).scene.body("arm").mass > 0
+    with pytest.raises(RobotError, match="heights, expected at most"):
+        imported(tmp_path, text.replace('nrow="2"', 'nrow="1e12"'))
+
+
+def test_gravity_compensation_is_refused_or_dropped(tmp_path: Path) -> None:
+    text = mjcf(f"<joint/>{BALL}").replace('name="arm"', 'name="arm" gravcomp="1"')
+    with pytest.raises(RobotError, match=r"body 'arm': gravity compensation.*--drop gravity_compensation"):
+        imported(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        (f'<joint name="j" range="1 -1" limited="true"/>{BALL}', "<joint> 'j': range is .* expected lower <= upper|range"),
+        (f'<joint name="j" damping="-1"/>{BALL}', "<joint> 'j': damping is -1, expected 0 or more"),
+        (f'<joint name="j" armature="-1"/>{BALL}', "armature is -1|armature"),
+        (f'<joint name="j" stiffness="-1"/>{BALL}', "stiffness is negative"),
+        ('<joint/><geom size=".1" friction="-1 0 0"/>', "friction is negative|friction"),
+        (f'<joint name="j"/><joint name="j"/>{BALL}', "repeated name 'j'"),
+        ("<joint/>", "mass and inertia of moving bodies must be larger"),
+        (f'<joint axis="0 0 0"/>{BALL}', "axis|zero"),
+    ],
+)
+def test_what_no_robot_has_is_refused_by_name(tmp_path: Path, body: str, said: str) -> None:
+    with pytest.raises(RobotError, match=said):
+        imported(tmp_path, mjcf(body))
+
+
+def test_bodies_and_joints_without_names_get_some_and_world_is_taken(tmp_path: Path) -> None:
+    text = mjcf(f"<joint/>{BALL}<body><joint/>{BALL}</body>").replace('name="arm"', "")
+    scene = imported(tmp_path, text).scene
+    assert [b.name for b in scene.bodies] == ["body_1", "body_2"]
+    assert [j.name for j in scene.joints] == ["joint_0", "joint_1"]
+
+
+def test_a_keyframe_is_where_it_starts(tmp_path: Path) -> None:
+    text = mjcf(f"<freejoint/>{BALL}", '<keyframe><key name="up" qpos="1 2 3 0 1 0 0"/></keyframe>')
+    body: Body = imported(tmp_path, text, Companion(keyframe="up")).scene.body("arm")
+    assert (body.p_WB, body.q_WB) == ((1, 2, 3), (0, 1, 0, 0))
+    with pytest.raises(RobotError, match="keyframe 'down' is not in the file, expected one of 'up'"):
+        imported(tmp_path, text, Companion(keyframe="down"))
+
+
+def test_a_link_on_the_world_touches_what_stands_in_it_as_mujoco_has_it(tmp_path: Path) -> None:
+    scene = imported(tmp_path, mjcf(f"<joint/>{BALL}", "", '<geom type="box" size="1 1 1"/>')).scene
+    assert scene.joints[0].parent == "world"
+    assert scene.collides(scene.body("arm"), scene.body("world_2"))
+
+
+def test_shapes_that_touch_nothing_are_drawn(tmp_path: Path) -> None:
+    body = imported(tmp_path, mjcf('<joint/><geom size=".1" contype="0" conaffinity="0"/>')).scene.body("arm")
+    assert not body.collision
+    assert body.visual is not None
+    assert body.visual[0].shape.type == "sphere"

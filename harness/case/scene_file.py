@@ -8,10 +8,10 @@ They stay defined where no two runs can be compared any more.
 from pathlib import Path
 
 from harness.case import Case, Check
-from harness.importers.companion import beside, load_companion
 from harness.metrics import contact_residuals, divergence, energy, joint_gap, limits, momentum, penetration
 from harness.scene import Effect, Scene
 from harness.scene.file import load
+from harness.scene.importers.companion import beside, load_companion
 
 __all__ = ["HEADLINE", "LADDER", "OBSERVED", "own_case", "title_of"]
 

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from harness.importers.wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
 from harness.intake.documents import document
+from harness.scene.importers.wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
 
 if TYPE_CHECKING:
-    from harness.importers.imported import Imported
+    from harness.scene.importers.imported import Imported
 
 __all__ = ["ROBOT_ENDINGS", "imported_from", "is_scene", "robot_options", "wishes_of"]
 
@@ -65,6 +65,6 @@ def imported_from(path: Path, told: dict[str, Any]) -> "Imported":
     """The import of a file under these options. Raises: RobotError, SceneError."""
     wishes = wishes_of(told)
 
-    from harness.importers.reading import read
+    from harness.scene.importers.reading import read
 
     return read(path, wishes)

@@ -11,8 +11,8 @@ from harness.cli.options import json_rows, limited
 from harness.cli.robot_options import imported_from, robot_options
 
 if TYPE_CHECKING:
-    from harness.importers.imported import Imported
     from harness.scene import Scene
+    from harness.scene.importers.imported import Imported
 
 __all__ = ["scene"]
 
@@ -67,7 +67,7 @@ def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
 @json_rows
 def show(file: Path, as_json: bool, **told: Any) -> None:
     """List the bodies, joints and totals of FILE, and what became of each element."""
-    from harness.importers.fidelity import BRIEF, brief, plain
+    from harness.scene.importers.fidelity import BRIEF, brief, plain
 
     imported = imported_from(file, told)
     rows = [plain(row) for row in imported.fidelity]
@@ -190,7 +190,7 @@ def schema() -> None:
 @_file
 def new(file: Path) -> None:
     """Write a commented template to FILE, which is not there yet."""
-    from harness.importers.template import TEMPLATE
+    from harness.scene.importers.template import TEMPLATE
 
     if file.suffix != ".toml":
         raise click.BadParameter(f"'{file.suffix}', expected the ending .toml", param_hint="FILE")

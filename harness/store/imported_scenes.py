@@ -9,9 +9,9 @@ from typing import Any
 
 import tomli_w
 
-from harness.importers.fidelity import plain
-from harness.importers.imported import Imported
 from harness.scene.file import dump_toml
+from harness.scene.importers.fidelity import plain
+from harness.scene.importers.imported import Imported
 from harness.store import disk
 from harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
 

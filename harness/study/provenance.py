@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
-from harness.importers.companion import beside
+from harness.scene.importers.companion import beside
 from harness.study import plugins, sources
 
 __all__ = ["files_of", "sources_of", "what_changed"]

@@ -17,12 +17,12 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from harness.importers import mjcf_compiler, mjcf_model
-from harness.importers.companion import Companion, Massless
-from harness.importers.mjcf_text import Prepared
-from harness.importers.reading import read
-from harness.importers.wishes import DROPPABLE, Wishes
 from harness.intake.mendable import Mendable
+from harness.scene.importers import mjcf_compiler, mjcf_model
+from harness.scene.importers.companion import Companion, Massless
+from harness.scene.importers.mjcf_text import Prepared
+from harness.scene.importers.reading import read
+from harness.scene.importers.wishes import DROPPABLE, Wishes
 from tests.stress.mutator import mutant
 
 DEADLINE = 20
@@ -100,7 +100,7 @@ def _all(sound: Path, first: int, count: int, note: Path) -> dict[str, Any]:
     opened = _Opened()
     sys.addaudithook(opened)
     signal.signal(signal.SIGPROF, _stop)
-    from harness.importers import mjcf
+    from harness.scene.importers import mjcf
 
     mjcf.compile_apart = compile_here
     totals: dict[str, Any] = {"refused": 0, "read": 0, "slowest": 0.0, "troubles": [], "tried": 0, "outside": []}

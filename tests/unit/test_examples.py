@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.importers.reading import read
 from harness.scene import Sphere, rotate
+from harness.scene.importers.reading import read
 from harness.study import plugins
 from harness.trajectory import State
 

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.importers.companion import Companion
-from harness.importers.meshes import load_mesh
-from harness.importers.refusal import RobotError
-from harness.importers.solids import of_mesh
 from harness.intake.allowance import allowing
 from harness.scene import ConvexHull
+from harness.scene.importers.companion import Companion
+from harness.scene.importers.meshes import load_mesh
+from harness.scene.importers.refusal import RobotError
+from harness.scene.importers.solids import of_mesh
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 
 # A tetrahedron with corners at the origin and at 1, 2 and 3 along the axes: volume 1, centre at a quarter of each.

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.importers.companion import Companion, Drives, JointWish, Massless
-from harness.importers.refusal import RobotError
 from harness.scene import Box, ConvexHull, Prismatic, Revolute
+from harness.scene.importers.companion import Companion, Drives, JointWish, Massless
+from harness.scene.importers.refusal import RobotError
 from tests.robot_files import INERTIAL, LIMIT, imported, row, urdf
 
 
@@ -30,7 +30,7 @@ def test_a_joint_stands_where_it_says_about_a_unit_axis_with_its_range_damping_a
 def test_how_the_root_is_held_has_to_be_said(tmp_path: Path) -> None:
     path = tmp_path / "robot.urdf"
     path.write_text(urdf(base=INERTIAL))
-    from harness.importers.reading import read
+    from harness.scene.importers.reading import read
 
     with pytest.raises(RobotError, match=r"root 'base' is held.*--root fixed or --root floating"):
         read(path)
@@ -43,7 +43,7 @@ def test_a_root_called_world_is_fixed_without_a_word_and_takes_no_name_of_ours(t
     text = urdf().replace('"base"', '"world"')
     path = tmp_path / "robot.urdf"
     path.write_text(text)
-    from harness.importers.reading import read
+    from harness.scene.importers.reading import read
 
     assert read(path).scene.joints[0].parent == "world"
     shaped = text.replace(
@@ -293,7 +293,7 @@ def test_elements_of_dialects_are_left_out_and_counted(tmp_path: Path) -> None:
 
 
 def test_base_and_velocities_of_the_start_reach_every_body(tmp_path: Path) -> None:
-    from harness.importers.companion import Base
+    from harness.scene.importers.companion import Base
 
     arm = INERTIAL.replace("<mass", '<origin xyz="0 0 0.5"/><mass')
     told = Companion(

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.importers import fidelity
+from harness.scene.importers import fidelity
 from harness.store.imported_scenes import fidelity_of
 from harness.store.store import Store
 

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
-from harness.importers.companion import Companion
-from harness.importers.fidelity import Fidelity
-from harness.importers.merging import Group
-from harness.importers.refusal import listed
-from harness.importers.robot import Robot
-from harness.importers.settling import valid_name
 from harness.scene import Surface
+from harness.scene.importers.companion import Companion
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.merging import Group
+from harness.scene.importers.refusal import listed
+from harness.scene.importers.robot import Robot
+from harness.scene.importers.settling import valid_name
 
 __all__ = ["ASSUMED_FRICTION", "Laws", "laws_of", "one_friction"]
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.importers.poses import IDENTITY, Array, Pose
-from harness.importers.refusal import RobotError, listed
-from harness.importers.robot import Geometry, Link, Robot, Solid
-from harness.importers.solids import moved, together
+from harness.scene.importers.poses import IDENTITY, Array, Pose
+from harness.scene.importers.refusal import RobotError, listed
+from harness.scene.importers.robot import Geometry, Link, Robot, Solid
+from harness.scene.importers.solids import moved, together
 
 __all__ = ["Group", "check_inertia", "grouped"]
 

@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from harness.importers import urdf_grammar, urdf_shapes
-from harness.importers.fidelity import Fidelity
-from harness.importers.files import Folders, text_of
-from harness.importers.poses import IDENTITY, Array, Pose
-from harness.importers.refusal import RobotError, listed
-from harness.importers.robot import Coordinate, Link, Need, Robot, Solid
-from harness.importers.xml_text import Element, elements
 from harness.intake.allowance import beyond
 from harness.intake.documents import named
 from harness.intake.safe_text import readable
+from harness.scene.importers import urdf_grammar, urdf_shapes
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.files import Folders, text_of
+from harness.scene.importers.poses import IDENTITY, Array, Pose
+from harness.scene.importers.refusal import RobotError, listed
+from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid
+from harness.scene.importers.xml_text import Element, elements
 
 __all__ = ["read"]
 

@@ -6,12 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.importers.companion import Companion, Ground
-from harness.importers.consequences import Massive, inertias
-from harness.importers.fidelity import Fidelity
-from harness.importers.refusal import RobotError
-from harness.importers.robot import Coordinate, Robot, Servo
-from harness.importers.wishes import Scenario, Wishes
 from harness.scene import (
     Body,
     Box,
@@ -26,6 +20,12 @@ from harness.scene import (
     TriangleMesh,
     Vector3,
 )
+from harness.scene.importers.companion import Companion, Ground
+from harness.scene.importers.consequences import Massive, inertias
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.refusal import RobotError
+from harness.scene.importers.robot import Coordinate, Robot, Servo
+from harness.scene.importers.wishes import Scenario, Wishes
 from harness.scene.rotation import multiply, rotate, rotation_matrix
 
 __all__ = ["CLEARANCE", "HOLD_RATE", "SWING", "held_by_drives", "lifted", "rooted_for", "swung", "unpowered"]

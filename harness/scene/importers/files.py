@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.importers.refusal import RobotError
 from harness.intake.allowance import beyond
 from harness.intake.documents import InputError, named, regular
 from harness.intake.safe_text import quoted
+from harness.scene.importers.refusal import RobotError
 
 __all__ = ["Folders", "content", "text_of"]
 

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
-from harness.importers.files import Folders, content, text_of
-from harness.importers.meshes import too_many_faces
-from harness.importers.refusal import RobotError
-from harness.importers.wishes import Drop
-from harness.importers.xml_text import Element, elements
 from harness.intake.allowance import beyond
 from harness.intake.documents import named
 from harness.intake.safe_text import quoted
+from harness.scene.importers.files import Folders, content, text_of
+from harness.scene.importers.meshes import too_many_faces
+from harness.scene.importers.refusal import RobotError
+from harness.scene.importers.wishes import Drop
+from harness.scene.importers.xml_text import Element, elements
 
 __all__ = ["Prepared", "prepared"]
 

@@ -9,8 +9,8 @@ from collections import Counter
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from harness.importers.xml_text import Element
 from harness.intake.safe_text import quoted
+from harness.scene.importers.xml_text import Element
 
 __all__ = ["FOREIGN", "GEOMETRIES", "JOINT_TYPES", "check", "check_tree", "numbers"]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.importers.poses import IDENTITY, Array, Pose, screw
-from harness.importers.robot import Coordinate, Robot
+from harness.scene.importers.poses import IDENTITY, Array, Pose, screw
+from harness.scene.importers.robot import Coordinate, Robot
 
 __all__ = ["Line", "Posed", "Twist", "posed"]
 

@@ -10,11 +10,11 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from harness.importers.fidelity import Fidelity
-from harness.importers.mjcf_model import Model
-from harness.importers.refusal import listed
-from harness.importers.robot import Contacts
 from harness.scene import Surface
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.mjcf_model import Model
+from harness.scene.importers.refusal import listed
+from harness.scene.importers.robot import Contacts
 
 __all__ = ["read"]
 

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.importers.refusal import RobotError
 from harness.intake.allowance import beyond
 from harness.intake.safe_text import quoted, readable
+from harness.scene.importers.refusal import RobotError
 
 __all__ = ["Element", "elements"]
 

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from harness.importers.fidelity import Fidelity
 from harness.scene import Scene
+from harness.scene.importers.fidelity import Fidelity
 
 __all__ = ["Imported"]
 

@@ -6,26 +6,26 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from harness.importers import mjcf, own, scenarios, urdf
-from harness.importers.companion import Base, Companion, beside, load_companion
-from harness.importers.consequences import consequences
-from harness.importers.fidelity import Fidelity
-from harness.importers.files import Folders, text_of
-from harness.importers.imported import Imported
-from harness.importers.joint_tree import Tree, tree_of
-from harness.importers.kinematics import Posed, Twist, posed
-from harness.importers.materials import Laws, laws_of, one_friction
-from harness.importers.merging import Group, grouped
-from harness.importers.poses import IDENTITY, Array, Pose, pose, turn
-from harness.importers.refusal import RobotError, listed
-from harness.importers.robot import Robot
-from harness.importers.settling import rooted, settled, undropped
-from harness.importers.units import scaled, suspected
-from harness.importers.wishes import Wishes
-from harness.importers.xml_text import elements
 from harness.intake.documents import named
 from harness.intake.safe_text import quoted, readable
 from harness.scene import EARTH_GRAVITY, WORLD, Scene, Surface
+from harness.scene.importers import mjcf, own, scenarios, urdf
+from harness.scene.importers.companion import Base, Companion, beside, load_companion
+from harness.scene.importers.consequences import consequences
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.files import Folders, text_of
+from harness.scene.importers.imported import Imported
+from harness.scene.importers.joint_tree import Tree, tree_of
+from harness.scene.importers.kinematics import Posed, Twist, posed
+from harness.scene.importers.materials import Laws, laws_of, one_friction
+from harness.scene.importers.merging import Group, grouped
+from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
+from harness.scene.importers.refusal import RobotError, listed
+from harness.scene.importers.robot import Robot
+from harness.scene.importers.settling import rooted, settled, undropped
+from harness.scene.importers.units import scaled, suspected
+from harness.scene.importers.wishes import Wishes
+from harness.scene.importers.xml_text import elements
 
 __all__ = ["ENDINGS", "ROBOT_ENDINGS", "read"]
 

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.importers.fidelity import Fidelity
-from harness.importers.meshes import hull_of
-from harness.importers.mjcf_model import Model
-from harness.importers.poses import Array, Pose, pose
-from harness.importers.refusal import RobotError, listed
-from harness.importers.robot import Geometry, Need
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.meshes import hull_of
+from harness.scene.importers.mjcf_model import Model
+from harness.scene.importers.poses import Array, Pose, pose
+from harness.scene.importers.refusal import RobotError, listed
+from harness.scene.importers.robot import Geometry, Need
 
 __all__ = ["drawn", "geometries"]
 

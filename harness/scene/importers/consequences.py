@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.importers.fidelity import Fidelity
-from harness.importers.kinematics import Line, mass_matrix
-from harness.importers.poses import Array
-from harness.importers.refusal import listed
-from harness.importers.robot import Coordinate
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.kinematics import Line, mass_matrix
+from harness.scene.importers.poses import Array
+from harness.scene.importers.refusal import listed
+from harness.scene.importers.robot import Coordinate
 
 __all__ = ["Massive", "STIFF_RATE", "consequences"]
 

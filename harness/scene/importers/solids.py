@@ -4,9 +4,6 @@ import math
 
 import numpy as np
 
-from harness.importers.meshes import Mesh
-from harness.importers.poses import Array, Pose, cross
-from harness.importers.robot import Solid
 from harness.scene import (
     Box,
     Capsule,
@@ -20,6 +17,9 @@ from harness.scene import (
     cylinder_inertia,
     sphere_inertia,
 )
+from harness.scene.importers.meshes import Mesh
+from harness.scene.importers.poses import Array, Pose, cross
+from harness.scene.importers.robot import Solid
 
 __all__ = ["about", "moved", "of_mesh", "of_shape", "together"]
 

@@ -4,11 +4,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.importers.fidelity import Fidelity
-from harness.importers.mjcf_model import Model
-from harness.importers.poses import Array
-from harness.importers.refusal import listed
-from harness.importers.robot import Need, Servo
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.mjcf_model import Model
+from harness.scene.importers.poses import Array
+from harness.scene.importers.refusal import listed
+from harness.scene.importers.robot import Need, Servo
 
 __all__ = ["Servos", "read"]
 

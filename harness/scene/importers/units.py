@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.importers.companion import Units
-from harness.importers.fidelity import Fidelity
-from harness.importers.poses import Pose
-from harness.importers.robot import Closure, Coordinate, Geometry, Link, Robot, Solid
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere, TriangleMesh
+from harness.scene.importers.companion import Units
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.poses import Pose
+from harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Robot, Solid
 
 __all__ = ["SUSPECT", "scaled", "suspected"]
 

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
+from harness.intake.import_wishes import Wishes
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.imported import Imported
 from harness.scene.importers.reading import read
-from harness.scene.importers.wishes import Wishes
 
 INERTIAL = '<inertial><mass value="2"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>'
 LIMIT = '<limit lower="-1" upper="1" effort="5" velocity="3"/>'

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from harness.intake.documents import document
-from harness.scene.importers.wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
+from harness.intake.import_wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
 
 if TYPE_CHECKING:
     from harness.scene.importers.imported import Imported

@@ -17,12 +17,12 @@ import traceback
 from pathlib import Path
 from typing import Any
 
+from harness.intake.import_wishes import DROPPABLE, Wishes
 from harness.intake.mendable import Mendable
 from harness.scene.importers import mjcf_compiler, mjcf_model
 from harness.scene.importers.companion import Companion, Massless
 from harness.scene.importers.mjcf_text import Prepared
 from harness.scene.importers.reading import read
-from harness.scene.importers.wishes import DROPPABLE, Wishes
 from tests.stress.mutator import mutant
 
 DEADLINE = 20

@@ -7,9 +7,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from harness.cli.main import main
+from harness.intake.import_wishes import DROPPABLE
+from harness.intake.refusal import RobotError
 from harness.scene.file import load, parse
-from harness.scene.importers.refusal import RobotError
-from harness.scene.importers.wishes import DROPPABLE
 from harness.store.imported_scenes import fidelity_of, keep, unsound
 from tests.robot_files import INERTIAL, LIMIT, imported, urdf
 

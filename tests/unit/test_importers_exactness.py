@@ -8,10 +8,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.adapter import Settings
+from harness.intake.import_wishes import Wishes
 from harness.scene import Scene
 from harness.scene.importers.companion import Companion, JointWish
 from harness.scene.importers.reading import read
-from harness.scene.importers.wishes import Wishes
 from harness.study import plugins
 from tests.joint_space import JointSpace
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from harness.intake.allowance import allowing
+from harness.intake.refusal import RobotError
 from harness.scene import ConvexHull
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.meshes import load_mesh
-from harness.scene.importers.refusal import RobotError
 from harness.scene.importers.solids import of_mesh
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 

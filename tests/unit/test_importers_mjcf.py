@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.intake.refusal import RobotError
 from harness.scene import Ball, Body, ConvexHull, Fixed, Prismatic, Revolute, Scene, Surface
 from harness.scene.importers.companion import Companion, JointWish, Massless, Units
-from harness.scene.importers.refusal import RobotError
 from tests.robot_files import imported, mjcf, row
 
 pytest.importorskip("mujoco")

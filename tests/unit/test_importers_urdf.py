@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from harness.intake.refusal import RobotError
 from harness.scene import Box, ConvexHull, Prismatic, Revolute
 from harness.scene.importers.companion import Companion, Drives, JointWish, Massless
-from harness.scene.importers.refusal import RobotError
 from tests.robot_files import INERTIAL, LIMIT, imported, row, urdf
 
 

@@ -9,11 +9,11 @@ from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from harness.intake.documents import InputError, document, named
+from harness.intake.import_wishes import Drop, Root
+from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
 from harness.scene import Quaternion, Surface, Vector3
-from harness.scene.importers.refusal import RobotError
-from harness.scene.importers.wishes import Drop, Root
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
 
 __all__ = ["Base", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]

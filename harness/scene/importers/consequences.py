@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.intake.refusal import listed
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.kinematics import Line, mass_matrix
 from harness.scene.importers.poses import Array
-from harness.scene.importers.refusal import listed
 from harness.scene.importers.robot import Coordinate
 
 __all__ = ["Massive", "STIFF_RATE", "consequences"]

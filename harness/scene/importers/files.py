@@ -7,8 +7,8 @@ from pathlib import Path
 
 from harness.intake.allowance import beyond
 from harness.intake.documents import InputError, named, regular
+from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
-from harness.scene.importers.refusal import RobotError
 
 __all__ = ["Folders", "content", "text_of"]
 

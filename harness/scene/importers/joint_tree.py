@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
 from harness.scene import WORLD, Ball, Body, Drive, Fixed, Joint, Limits, PlacedShape, Plane, Prismatic, Revolute, Spring
 from harness.scene.importers.companion import Companion, Massless
@@ -13,7 +14,6 @@ from harness.scene.importers.kinematics import Line, Posed
 from harness.scene.importers.materials import Laws
 from harness.scene.importers.merging import Group, check_inertia
 from harness.scene.importers.poses import Pose, pose, quaternion, vector
-from harness.scene.importers.refusal import RobotError, listed
 from harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
 
 __all__ = ["Tree", "tree_of"]

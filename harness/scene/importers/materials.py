@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
+from harness.intake.refusal import listed
 from harness.scene import Surface
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.merging import Group
-from harness.scene.importers.refusal import listed
 from harness.scene.importers.robot import Robot
 from harness.scene.importers.settling import valid_name
 

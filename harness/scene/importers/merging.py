@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.intake.refusal import RobotError, listed
 from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.refusal import RobotError, listed
 from harness.scene.importers.robot import Geometry, Link, Robot, Solid
 from harness.scene.importers.solids import moved, together
 

@@ -11,11 +11,11 @@ import numpy.typing as npt
 
 from harness.intake.allowance import beyond
 from harness.intake.documents import named
+from harness.intake.refusal import RobotError
 from harness.intake.safe_text import readable
 from harness.scene import ConvexHull
 from harness.scene.importers.files import content
 from harness.scene.importers.poses import Array
-from harness.scene.importers.refusal import RobotError
 from harness.scene.importers.xml_text import elements
 
 __all__ = ["FORMATS", "Mesh", "hull_of", "load_mesh", "too_many_faces"]

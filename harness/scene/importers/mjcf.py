@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.intake.documents import named
+from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
 from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_shapes
 from harness.scene.importers.fidelity import Fidelity
@@ -16,7 +17,6 @@ from harness.scene.importers.files import Folders
 from harness.scene.importers.mjcf_model import Model, compile_apart
 from harness.scene.importers.mjcf_text import Prepared, prepared
 from harness.scene.importers.poses import Array, Pose, matrix, pose
-from harness.scene.importers.refusal import RobotError, listed
 from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid
 from harness.scene.importers.xml_text import Element
 

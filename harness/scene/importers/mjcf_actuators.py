@@ -4,10 +4,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from harness.intake.refusal import listed
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import Array
-from harness.scene.importers.refusal import listed
 from harness.scene.importers.robot import Need, Servo
 
 __all__ = ["Servos", "read"]

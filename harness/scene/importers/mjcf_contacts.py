@@ -10,10 +10,10 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from harness.intake.refusal import listed
 from harness.scene import Surface
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.refusal import listed
 from harness.scene.importers.robot import Contacts
 
 __all__ = ["read"]

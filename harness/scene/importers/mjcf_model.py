@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from harness.intake.refusal import RobotError
 from harness.intake.safe_text import one_line, readable
 from harness.scene.importers import mjcf_compiler
 from harness.scene.importers.mjcf_text import Prepared
-from harness.scene.importers.refusal import RobotError
 
 __all__ = ["DEADLINE", "Model", "compile_apart", "model_of"]
 

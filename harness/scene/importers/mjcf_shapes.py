@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from harness.intake.refusal import RobotError, listed
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.meshes import hull_of
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import Array, Pose, pose
-from harness.scene.importers.refusal import RobotError, listed
 from harness.scene.importers.robot import Geometry, Need
 
 __all__ = ["drawn", "geometries"]

@@ -7,11 +7,11 @@ from xml.sax.saxutils import quoteattr
 
 from harness.intake.allowance import beyond
 from harness.intake.documents import named
+from harness.intake.import_wishes import Drop
+from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.scene.importers.files import Folders, content, text_of
 from harness.scene.importers.meshes import too_many_faces
-from harness.scene.importers.refusal import RobotError
-from harness.scene.importers.wishes import Drop
 from harness.scene.importers.xml_text import Element, elements
 
 __all__ = ["Prepared", "prepared"]

@@ -4,13 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.intake.documents import named
+from harness.intake.import_wishes import Wishes
+from harness.intake.refusal import RobotError
 from harness.scene.file import load
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.imported import Imported
 from harness.scene.importers.materials import one_friction
-from harness.scene.importers.refusal import RobotError
-from harness.scene.importers.wishes import Wishes
 
 __all__ = ["read"]
 

@@ -7,6 +7,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from harness.intake.documents import named
+from harness.intake.import_wishes import Wishes
+from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
 from harness.scene import EARTH_GRAVITY, WORLD, Scene, Surface
 from harness.scene.importers import mjcf, own, scenarios, urdf
@@ -20,11 +22,9 @@ from harness.scene.importers.kinematics import Posed, Twist, posed
 from harness.scene.importers.materials import Laws, laws_of, one_friction
 from harness.scene.importers.merging import Group, grouped
 from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
-from harness.scene.importers.refusal import RobotError, listed
 from harness.scene.importers.robot import Robot
 from harness.scene.importers.settling import rooted, settled, undropped
 from harness.scene.importers.units import scaled, suspected
-from harness.scene.importers.wishes import Wishes
 from harness.scene.importers.xml_text import elements
 
 __all__ = ["ENDINGS", "ROBOT_ENDINGS", "read"]

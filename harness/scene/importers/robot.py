@@ -13,10 +13,10 @@ from typing import Literal
 
 import numpy as np
 
+from harness.intake.import_wishes import Drop
 from harness.scene import Matrix3, Shape, Surface, Vector3
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.wishes import Drop
 
 __all__ = ["Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "symmetric"]
 

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.intake.import_wishes import Scenario, Wishes
+from harness.intake.refusal import RobotError
 from harness.scene import (
     Body,
     Box,
@@ -23,9 +25,7 @@ from harness.scene import (
 from harness.scene.importers.companion import Companion, Ground
 from harness.scene.importers.consequences import Massive, inertias
 from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.refusal import RobotError
 from harness.scene.importers.robot import Coordinate, Robot, Servo
-from harness.scene.importers.wishes import Scenario, Wishes
 from harness.scene.rotation import multiply, rotate, rotation_matrix
 
 __all__ = ["CLEARANCE", "HOLD_RATE", "SWING", "held_by_drives", "lifted", "rooted_for", "swung", "unpowered"]

@@ -4,12 +4,12 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import replace
 
+from harness.intake.import_wishes import DROPPABLE, Drop, Wishes
+from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
 from harness.scene.importers.companion import Companion, JointWish
 from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.refusal import RobotError, listed
 from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
-from harness.scene.importers.wishes import DROPPABLE, Drop, Wishes
 
 __all__ = ["rooted", "settled", "undropped", "valid_name"]
 

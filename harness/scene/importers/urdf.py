@@ -12,12 +12,12 @@ import numpy as np
 
 from harness.intake.allowance import beyond
 from harness.intake.documents import named
+from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import readable
 from harness.scene.importers import urdf_grammar, urdf_shapes
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders, text_of
 from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.refusal import RobotError, listed
 from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid
 from harness.scene.importers.xml_text import Element, elements
 

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from harness.intake.refusal import listed
 from harness.scene import Box, Cylinder, Shape, Sphere
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders
 from harness.scene.importers.meshes import Mesh, hull_of, load_mesh
 from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.refusal import listed
 from harness.scene.importers.robot import Geometry, Solid
 from harness.scene.importers.solids import moved, of_mesh, of_shape, together
 from harness.scene.importers.xml_text import Element

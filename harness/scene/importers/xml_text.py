@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from harness.intake.allowance import beyond
+from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted, readable
-from harness.scene.importers.refusal import RobotError
 
 __all__ = ["Element", "elements"]
 

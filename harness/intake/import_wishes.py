@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
-from harness.scene.importers.refusal import RobotError
 
 __all__ = ["DROPPABLE", "SCENARIOS", "Drop", "Root", "Scenario", "Wishes", "package_roots"]
 

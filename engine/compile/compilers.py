@@ -1,4 +1,4 @@
-"""How Numba compiles, links, keeps and calls the functions of this package: whole programs, each of them by itself.
+"""All that is used of Numba beyond its promises, in one file: how it compiles, links, keeps and calls whole programs.
 
 Numba makes machine code of every function on its own, with all that it calls, once per caller. Here a kernel stays what Numba
 made of its text until an entry is linked, which takes in every kernel that it reaches, once, and is optimised as one program.

@@ -1,5 +1,4 @@
-"""The price list: what an error costs on each engine in each case, interpolated between time steps, or "not
-within the ladder".
+"""The price list: what an error costs on each engine in each case, or "not within the ladder".
 
 An engine's price is that of its cheapest group of settings. Between two time steps of one group it is interpolated, where the
 error converges and does not jump; between two groups nothing lies that could be bought.

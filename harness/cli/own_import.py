@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness.cli.guard import USAGE, say, stop
 from harness.cli.robot_options import ROBOT_ENDINGS, imported_from
+from harness.intake.documents import named
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,7 +37,7 @@ def scene_to_run(name: str, folder: Path, told: "dict[str, Any]") -> str:
     return str(keep(folder, imported))
 
 
-def refuse_two_frictions(scene: "Scene", adapters: "Mapping[str, Adapter]") -> None:
+def refuse_two_frictions(file: str, scene: "Scene", adapters: "Mapping[str, Adapter]") -> None:
     """Stop where static friction lies above kinetic friction and an engine has one coefficient alone."""
     from harness.adapter import Feature
     from harness.scene import Effect
@@ -50,7 +51,7 @@ def refuse_two_frictions(scene: "Scene", adapters: "Mapping[str, Adapter]") -> N
     others = f", or --engine {having[0]} runs it on what has both" if having else ""
     stop(
         USAGE,
-        f"surface {'/'.join(law.between)}: static_friction {law.static_friction:g} above kinetic_friction "
+        f"{named(file)}: surface {'/'.join(law.between)}: static_friction {law.static_friction:g} above kinetic_friction "
         f"{law.kinetic_friction:g}, which {', '.join(lacking)} cannot express; "
         f"--one-friction takes the kinetic one for both{others}",
     )

@@ -132,7 +132,10 @@ def run(
     if own:
         study = scene_to_run(study, out or Path("build") / "scene", robot)
     elif any(robot.values()):
-        raise click.BadParameter("is for scene and robot files alone", param_hint="--drop, --package, --root, --scenario")
+        raise click.BadParameter(
+            f"for scene and robot files alone; {quoted(study)} is none",
+            param_hint="--drop, --package, --root, --scenario, --one-friction",
+        )
     _once("--engine", engine_names)
 
     from harness.run.campaign import carry_out
@@ -145,7 +148,7 @@ def run(
         stop(USAGE, _of_file(study, error))
     adapters = {name: plugins.adapter(name) for name in engine_names} if engine_names else plugins.adapters()
     if own:
-        refuse_two_frictions(next(iter(chosen.values())).scene(), adapters)
+        refuse_two_frictions(study, next(iter(chosen.values())).scene(), adapters)
     folder = out or Path("build") / plan.name
     try:
         how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None

@@ -227,6 +227,8 @@ def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(tmp_path: Pa
     assert done.returncode == 0, done.stderr
     rows = json.loads(plumbline("show", tmp_path / "out", "--format", "json").stdout)
     assert {row["status"] for row in rows} == {"passed"}
-    assert sum(row["experiment"] == "scene" for row in rows) == 6  # three steps on two tracks
+    for track in ("default", "tuned"):
+        steps = {row["dt"] for row in rows if row["experiment"] == "ladder" and row["track"] == track}
+        assert {1 / 240, 1 / 480, 1 / 960} < steps, track  # and it goes on halving
     assert "Audit:" in done.stderr  # does it call for what it needs?
     assert (tmp_path / "out" / "report" / "index.html").is_file()

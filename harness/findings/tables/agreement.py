@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.agreement import Agreement, Side, agreements, balances, errors_of, outlooks
+from harness.findings.agreement import Agreement, Side, agreements, balances, errors_of, outlooks, scenes_to_judge
 from harness.findings.agreement.words import beyond_words, scene_words, side_sentence
 from harness.store.store import Store
 
@@ -68,7 +68,7 @@ BRIEF = ("scene", "engine", "track", "verdict", "order", "known to", "until", "h
 
 def verdicts(store: Store) -> list[Row]:
     """One row for each engine and track of each scene without a truth."""
-    if store.trials.empty or not agreements(store):
+    if store.trials.empty or not scenes_to_judge(store):
         return []
     costs = dict(zip(store.trials["trial"], store.trials["cpu_per_sim_s"], strict=True))
     titles = {name: str(about.get("title") or name) for name, about in store.catalogue.get("engines", {}).items()}

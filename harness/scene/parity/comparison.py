@@ -2,7 +2,8 @@
 
 Masses are compared relative to A's of the same group, lengths to the robot's extent, inertias to A's largest moment or that
 of the group's mass at a hundredth of the extent, angles as they are [rad], dampers and the like relative to the larger one.
-Gravity torques are relative to the largest of A, the mass matrix to the geometric mean of the two diagonal entries.
+Gravity torques are relative to the largest of A or a thousandth of the weight at the extent, the mass matrix to the geometric
+mean of the two diagonal entries.
 Accelerations are judged by the torque that would make up for their difference, relative to the largest force of A's motion: an
 ill-conditioned tree amplifies the last digits of its file in its accelerations, and not in the torques.
 """
@@ -22,7 +23,7 @@ __all__ = ["TOLERANCE", "compare", "renamed", "same_tree"]
 
 TOLERANCE = 1e-5
 """Relative. Files hold decimals of five or six digits: a right angle written as 1.5708 is off by 3.7e-6 rad. Ten times
-less than this would find the digits of a file; a hundred times more would be what a scale or a drawing of a real robot leaves open."""
+less than this would find the digits of a file; a hundred times more is what a scale or a drawing of a robot leaves open."""
 EARTH = (0.0, 0.0, -9.81)
 FOLLOWED = 12
 """Differences whose motion is followed for a second, those that are worth most torque."""
@@ -147,8 +148,8 @@ def _joint(
         return rows
     scalar, slides = a.kind in ("revolute", "prismatic"), a.kind == "prismatic"
     if scalar:
-        angle = float(np.arctan2(np.linalg.norm(np.cross(a.axis, b.axis)), float(a.axis @ b.axis)))
-        add("axis", _numbers(a.axis), _numbers(b.axis), "", angle, angle, joint_changed(a.name, axis=b.axis))
+        apart = float(np.linalg.norm(a.axis - b.axis))  # the angle, where it is small and both are unit vectors
+        add("axis", _numbers(a.axis), _numbers(b.axis), "", apart, apart, joint_changed(a.name, axis=b.axis))
     if not slides and a.kind != "free":
         gap = b.anchor - a.anchor
         away = float(np.linalg.norm(gap - (gap @ a.axis) * a.axis if scalar else gap))
@@ -279,10 +280,12 @@ def _derived(a: RobotFacts, b: RobotFacts, gravity: Array, states: list[Configur
         if quantity not in worst or held[0] > worst[quantity][0]:
             worst[quantity] = held
 
+    weight = sum(solid.mass for solid in a.masses.values()) * float(np.linalg.norm(gravity))
+    least = weight * _extent(a) / 1000
     for state in states:
         rest = Configuration(state.q, state.turned, np.zeros_like(state.rates))
         tau_A, tau_B = (dynamics(robot, rest, gravity).bias for robot in (a, b))
-        hold("gravity torque", tau_A, tau_B, float(max(np.abs(tau_A).max(), np.abs(tau_B).max())))
+        hold("gravity torque", tau_A, tau_B, float(max(np.abs(tau_A).max(), np.abs(tau_B).max(), least)))
         (M_A, f_A), (M_B, f_B) = (passive(robot, state, gravity) for robot in (a, b))
         scales = np.sqrt(np.outer(np.diag(M_A), np.diag(M_A)))
         rows = np.argmax(np.abs(M_A - M_B) / np.maximum(scales, _SMALLEST), axis=1)
@@ -292,7 +295,7 @@ def _derived(a: RobotFacts, b: RobotFacts, gravity: Array, states: list[Configur
             a_A, a_B = _solved(M_A, f_A), _solved(M_B, f_B)
         except np.linalg.LinAlgError:
             continue
-        forces = max(float(np.abs(f_A).max()), float((np.abs(M_A) @ np.abs(a_A)).max()))
+        forces = max(least, float(np.abs(f_A).max()), float((np.abs(M_A) @ np.abs(a_A)).max()))
         hold("acceleration", a_A, a_B, forces, M_A @ (a_A - a_B))
     units: dict[Quantity, str] = {"gravity torque": "N m or N", "mass matrix": "SI", "acceleration": "rad/s2 or m/s2"}
     return [

@@ -17,7 +17,8 @@ class JointFacts:
     """One coordinate (three of a ball, six of a free joint).
 
     Terms:
-        parent: the joint that moves what it hangs on, FIXED for none. axis, anchor [m]: its line in W, all coordinates at 0.
+        parent: the joint that moves what it hangs on, FIXED for none. axis, anchor [m]: its line in W, all coordinates at 0. An
+        axis is a unit vector but where a loader keeps another length: then rates count as many times, and poses do not.
         lower, upper [rad or m]: None is open. damping [N m s/rad or N s/m], stiffness, rest: of a passive spring. armature
         [kg m2 or kg]. friction_loss, effort [N m or N], speed [rad/s or m/s]: None is unbounded.
     """

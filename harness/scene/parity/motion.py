@@ -62,7 +62,9 @@ def dynamics(robot: RobotFacts, at: Configuration, gravity: Array) -> Dynamics:
             S_w, S_v = (
                 (np.zeros((3, 1)), axis[:, None]) if slides else (axis[:, None], np.cross(X.of(joint.anchor), axis)[:, None])
             )
-            step = screw(joint.axis, joint.anchor, 0.0 if slides else at.q[k], at.q[k] if slides else 0.0)
+            step = screw(
+                joint.axis / np.linalg.norm(joint.axis), joint.anchor, 0.0 if slides else at.q[k], at.q[k] if slides else 0.0
+            )
         else:
             turned = at.turned.get(k)
             step = Pose(np.eye(3), np.zeros(3)) if turned is None else turned

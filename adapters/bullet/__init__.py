@@ -53,12 +53,18 @@ Deviations:
 
 import importlib.metadata
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from adapters.bullet.build import build_world
 from adapters.bullet.options import VENDOR_STEP, checked, substeps_of
 from adapters.bullet.vendor import LIFTED, connected, pybullet_module
 from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unavailable
 from harness.scene import Effect, Scene
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from harness.scene.parity.loaded import Loaded
 
 __all__ = ["ADAPTER"]
 
@@ -73,6 +79,12 @@ class BulletAdapter(Adapter):
             return importlib.metadata.version(self.distribution)
         except importlib.metadata.PackageNotFoundError as error:
             raise Unavailable("pybullet is not installed; it publishes wheels for Python 3.10 and 3.11 only") from error
+
+    def load_robot(self, path: "Path", loader: str) -> "Loaded":
+        """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
+        from adapters.bullet.robot_loader import load
+
+        return load(path, loader)
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene in a private world. Raises: Unsupported, Unavailable, SettingsError."""
@@ -116,6 +128,7 @@ _CAUGHT = (
 )
 
 ADAPTER = BulletAdapter(
+    loaders=("", "URDF_USE_INERTIA_FROM_FILE"),
     name="bullet",
     title="Bullet",
     distribution="pybullet",

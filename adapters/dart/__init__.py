@@ -60,14 +60,20 @@ Deviations:
 
 import importlib.metadata
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from adapters.dart.build import build
 from adapters.dart.detectors import DETECTORS
 from adapters.dart.options import DRIVES, INTEGRATOR, JOINTS
 from adapters.dart.solvers import SOLVERS
 from adapters.dart.vendor import load
-from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation
+from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unsupported
 from harness.scene import Effect, Scene
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from harness.scene.parity.loaded import Loaded
 
 __all__ = ["ADAPTER"]
 
@@ -81,6 +87,14 @@ class DartAdapter(Adapter):
         load()
         return importlib.metadata.version("dartpy")
 
+    def load_robot(self, path: "Path", loader: str) -> "Loaded":
+        """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
+        from adapters.dart.robot_loader import load
+
+        if loader:
+            raise Unsupported(f"loader {loader!r}", "there is one alone")
+        return load(path)
+
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
         return build(load(), scene, settings)
@@ -93,6 +107,7 @@ _SWEPT = (
 )
 
 ADAPTER = DartAdapter(
+    loaders=("",),
     name="dart",
     title="DART",
     distribution="dartpy",

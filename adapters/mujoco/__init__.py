@@ -56,14 +56,20 @@ scene asks for; `speculative` follows the scene.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from adapters.mujoco.build import build
 from adapters.mujoco.options import INTEGRATORS, SOLVERS
 from adapters.mujoco.simulation import MujocoSimulation
 from adapters.mujoco.softness import VENDOR_TIME_CONSTANT
 from adapters.mujoco.vendor import mujoco_module
-from harness.adapter import Adapter, Emulation, Feature, Settings
+from harness.adapter import Adapter, Emulation, Feature, Settings, Unsupported
 from harness.scene import Effect, Scene
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from harness.scene.parity.loaded import Loaded
 
 __all__ = ["ADAPTER"]
 
@@ -76,12 +82,21 @@ class MujocoAdapter(Adapter):
         """The installed version. Raises: Unavailable."""
         return str(mujoco_module().__version__)
 
+    def load_robot(self, path: "Path", loader: str) -> "Loaded":
+        """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
+        from adapters.mujoco.robot_loader import load
+
+        if loader:
+            raise Unsupported(f"loader {loader!r}", "there is one alone")
+        return load(path)
+
     def build(self, scene: Scene, settings: Settings) -> MujocoSimulation:
         """Exactly this scene. Raises: Unsupported, Unavailable, SettingsError."""
         return build(mujoco_module(), scene, settings)
 
 
 ADAPTER = MujocoAdapter(
+    loaders=("",),
     name="mujoco",
     title="MuJoCo",
     distribution="mujoco",

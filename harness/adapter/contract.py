@@ -39,13 +39,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import Flag, auto
-from typing import Any, Literal, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from harness.adapter.many_worlds import Batch, Turns
 from harness.adapter.notice import Notice
 from harness.intake.mendable import Mendable
 from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+
+if TYPE_CHECKING:
+    from harness.scene.parity.loaded import Loaded
 
 __all__ = [
     "Adapter",
@@ -270,6 +274,7 @@ class Adapter(ABC):
         once, beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads';
         none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
         them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
+        loaders: the ways in which its own package reads a robot file, '' for its defaults; none where it reads none.
     """
 
     name: str
@@ -289,6 +294,7 @@ class Adapter(ABC):
     threads: tuple[int, ...] = ()
     loads: tuple[str, ...] = ()
     single_precision: bool = False
+    loaders: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for one in self.emulated:
@@ -307,6 +313,13 @@ class Adapter(ABC):
 
         Raises: as `build`.
         """
+
+    def load_robot(self, path: Path, loader: str) -> "Loaded":
+        """What the engine's own package makes of a robot file (URDF or MJCF), its root fixed, read back by its own means.
+
+        Args: loader: one of `loaders`. Raises: Unsupported, Unavailable.
+        """
+        raise Unsupported(f"{path.name} by loader {loader!r}", f"{self.title} has no loader of its own for URDF and MJCF")
 
     @abstractmethod
     def version(self) -> str:

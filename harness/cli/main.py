@@ -4,6 +4,7 @@ import click
 
 from harness.cli.guard import Guarded
 from harness.cli.installed import cases, check, engines
+from harness.cli.parity_command import parity
 from harness.cli.run_folder import report, reproduce, serve, show, verify, view
 from harness.cli.run_study import run
 from harness.cli.scene_commands import scene
@@ -17,7 +18,7 @@ def main() -> None:
     """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
 
 
-for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, scene):
+for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, scene, parity):
     main.add_command(command)
 
 

@@ -187,6 +187,7 @@ def _coordinate(
         where=where,
         armature=armature,
         friction_loss=friction_loss,
+        effort=float(np.abs(model.jnt_actfrcrange[j]).max()) if model.jnt_actfrclimited[j] else None,
     )
 
 

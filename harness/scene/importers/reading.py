@@ -27,7 +27,7 @@ from harness.scene.importers.settling import rooted, settled, undropped
 from harness.scene.importers.units import scaled, suspected
 from harness.scene.importers.xml_text import elements
 
-__all__ = ["ENDINGS", "ROBOT_ENDINGS", "read"]
+__all__ = ["ENDINGS", "ROBOT_ENDINGS", "read", "robot_of"]
 
 ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
 ENDINGS = (".toml", ".json", *ROBOT_ENDINGS)
@@ -44,18 +44,34 @@ def read(path: Path, wishes: Wishes | None = None, companion: Companion | None =
     wishes = wishes or Wishes()
     if path.suffix.lower() not in ENDINGS:
         raise RobotError(f"{named(path)}: ending {quoted(path.suffix)}, expected one of {', '.join(ENDINGS)}")
+    beside_it, wishes = _wished(path, wishes, companion)
+    if path.suffix.lower() in (".toml", ".json"):
+        return own.read(path, wishes, beside_it)
+    robot = _robot(path, Folders(path.parent, wishes.packages), beside_it)
+    return imported(robot, beside_it, wishes)
+
+
+def robot_of(path: Path, wishes: Wishes | None = None) -> tuple[Robot, Companion, Wishes]:
+    """The robot that a URDF or MJCF file states, before it is made a scene, in metres and kilograms.
+
+    Its companion and all that is wished, the companion's wishes among them, come with it. Raises: RobotError.
+    """
+    if path.suffix.lower() not in ROBOT_ENDINGS:
+        raise RobotError(f"{named(path)}: ending {quoted(path.suffix)}, expected one of {', '.join(ROBOT_ENDINGS)}")
+    companion, wishes = _wished(path, wishes or Wishes(), None)
+    robot = _robot(path, Folders(path.parent, wishes.packages), companion)
+    return robot if companion.units is None else scaled(robot, companion.units), companion, wishes
+
+
+def _wished(path: Path, wishes: Wishes, companion: Companion | None) -> tuple[Companion, Wishes]:
+    """What stands beside the file, and what is wished there and on the command line together."""
     beside_it = companion if companion is not None else load_companion(beside(path))
-    wishes = replace(
+    return beside_it, replace(
         wishes,
         drop=wishes.drop | frozenset(beside_it.drop),
         packages={**_inside(path, beside_it), **wishes.packages},
         one_friction=wishes.one_friction or beside_it.one_friction,
     )
-    if path.suffix.lower() in (".toml", ".json"):
-        return own.read(path, wishes, beside_it)
-    folders = Folders(path.parent, wishes.packages)
-    robot = _robot(path, folders, beside_it)
-    return imported(robot, beside_it, wishes)
 
 
 def _inside(path: Path, companion: Companion) -> dict[str, Path]:

@@ -1,0 +1,34 @@
+"""Engines' own loaders on a robot file, each in a process of its own with a deadline: vendors' parsers crash and hang."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from harness.adapter import Unsupported
+from harness.intake.safe_text import one_line
+from harness.scene.parity.loaded import Loaded, restored
+
+__all__ = ["DEADLINE", "loaded_apart"]
+
+DEADLINE = 120.0
+"""Seconds that a loader may take, its engine's import included."""
+
+
+def loaded_apart(name: str, variant: str, path: Path) -> Loaded:
+    """What an engine's loader makes of a file. Raises: Unsupported, with why it does not."""
+    with TemporaryDirectory(prefix="plumbline-loader-") as scratch:
+        out = Path(scratch) / "loaded.json"
+        command = [sys.executable, "-m", "harness.run.loader_child", name, variant, str(path.resolve()), str(out)]
+        try:
+            done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=DEADLINE, check=False)
+        except subprocess.TimeoutExpired:
+            raise Unsupported("the file", f"the loader did not end within {DEADLINE:g} s") from None
+        if done.returncode != 0 or not out.is_file():
+            said = one_line(done.stderr.decode("utf-8", "replace").strip()[-300:], 300)
+            raise Unsupported("the file", f"the loader died with code {done.returncode}: {said}")
+        told = json.loads(out.read_text(encoding="utf-8"))
+    if "why" in told:
+        raise Unsupported("the file", one_line(told["why"], 400))
+    return restored(told)

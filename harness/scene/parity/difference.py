@@ -1,0 +1,46 @@
+"""One row of a comparison: what differs, by how much, and what that is worth."""
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+__all__ = ["Difference", "Quantity", "Value", "plain"]
+
+Quantity = Literal[
+    "joint", "type", "parent", "axis", "anchor", "lower", "upper", "damping", "stiffness", "rest", "armature",
+    "friction_loss", "effort", "speed", "mass", "centre", "inertia", "law", "gravity", "gravity torque", "mass matrix",
+    "acceleration",
+]  # fmt: skip
+Value = str | float | tuple[float, ...] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Difference:
+    """A quantity in which A and B differ beyond the tolerance.
+
+    Terms:
+        element: the joint, or what moves with it. value_A, value_B, unit: None is unbounded or not there. absolute: size in
+        the unit; relative: what is held against the tolerance; both None for what has no size. torque: what has to be
+        exerted on A, at the worst of the states and joints, for it to accelerate as with B's value, in torque_unit. motion:
+        how far the worst joint is elsewhere after a second, in motion_unit; None where it was not followed. kind: what a
+        loader did, in words of importers; '' in a comparison of two files. words: the consequence.
+    """
+
+    quantity: Quantity
+    element: str
+    value_A: Value
+    value_B: Value
+    unit: str
+    tolerance: float
+    absolute: float | None = None
+    relative: float | None = None
+    torque: float | None = None
+    torque_unit: str = ""
+    motion: float | None = None
+    motion_unit: str = ""
+    kind: str = ""
+    words: str = ""
+
+
+def plain(row: Difference) -> dict[str, Any]:
+    """The row as a flat mapping."""
+    return asdict(row)

@@ -1,0 +1,136 @@
+"""What an engine's own loader made of a robot file: its links gathered to facts, and how well its own mass matrix agrees."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.scene.importers.poses import Array
+from harness.scene.importers.robot import Solid
+from harness.scene.importers.solids import together
+from harness.scene.parity.facts import FIXED, JointFacts, MassFacts, RobotFacts
+from harness.scene.parity.motion import Configuration, dynamics
+
+__all__ = ["Loaded", "LoadedLink", "gathered", "matrix_gap", "restored", "stored"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoadedLink:
+    """One link of an engine's model, all coordinates at 0.
+
+    Terms: parent: the link above, None for the world. joints: those between the two, from the parent on; none where it is
+    fixed; their parents are filled in. mass [kg], centre [m] in W, inertia [kg m2] about it in W's axes.
+    """
+
+    name: str
+    parent: str | None
+    joints: tuple[JointFacts, ...]
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Loaded:
+    """Terms: facts: by the engine's own means. matrix_gap: the largest difference between the engine's own mass matrix and
+    that of the facts, relative to its largest entry, at three poses; None where the engine gives none. notes: in words."""
+
+    facts: RobotFacts
+    matrix_gap: float | None = None
+    notes: tuple[str, ...] = ()
+
+
+def gathered(
+    source: str,
+    links: Sequence[LoadedLink],
+    laws: tuple[tuple[str, str], ...] = (),
+    wordless: frozenset[str] = frozenset(),
+) -> RobotFacts:
+    """The facts of an engine's links, parents before children; what fixed joints hold together is merged."""
+    last: dict[str, str] = {}
+    joints: list[JointFacts] = []
+    solids: dict[str, list[Solid]] = {}
+    members: dict[str, list[str]] = {}
+    for link in links:
+        above = FIXED if link.parent is None else last[link.parent]
+        for joint in link.joints:
+            joints.append(_under(joint, above))
+            above = joint.name
+        last[link.name] = above
+        if above != FIXED:
+            members.setdefault(above, []).append(link.name)
+            if link.mass > 0 or link.inertia.any():  # a tensor without a mass counts where it is fixed to one
+                solids.setdefault(above, []).append(Solid(link.mass, link.centre, link.inertia))
+    masses = {}
+    for name, held in solids.items():
+        whole = together(held)
+        assert whole.inertia is not None
+        masses[name] = MassFacts(
+            joint=name, members=tuple(members[name]), mass=whole.mass, centre=whole.centre, inertia=whole.inertia
+        )
+    return RobotFacts(source=source, joints=tuple(joints), masses=masses, laws=laws, wordless=wordless)
+
+
+def _under(joint: JointFacts, parent: str) -> JointFacts:
+    return replace(joint, parent=parent)
+
+
+def matrix_gap(robot: RobotFacts, matrix: Callable[[dict[str, float]], Array | None]) -> float | None:
+    """See Loaded. Axes are taken as directions.
+
+    Args: matrix: the engine's own mass matrix in the order of the facts' joints, by the joints' positions.
+    """
+    robot = replace(robot, joints=tuple(replace(joint, axis=joint.axis / np.linalg.norm(joint.axis)) for joint in robot.joints))
+    if not robot.joints or any(joint.kind not in ("revolute", "prismatic") for joint in robot.joints):
+        return None
+    rng, gap = np.random.default_rng(0), 0.0
+    for _ in range(3):
+        q = rng.uniform(-0.5, 0.5, len(robot.joints))
+        engine = matrix({joint.name: float(x) for joint, x in zip(robot.joints, q, strict=True)})
+        if engine is None:
+            return None
+        ours = dynamics(robot, Configuration(q, {}, np.zeros_like(q)), np.zeros(3)).M
+        ours = ours + np.diag([joint.armature for joint in robot.joints])
+        gap = max(gap, float(np.abs(engine - ours).max() / np.abs(ours).max()))
+    return gap
+
+
+def stored(loaded: Loaded) -> dict[str, Any]:
+    """As JSON takes it."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return value.tolist()
+        if isinstance(value, dict):
+            return {key: plain(each) for key, each in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(each) for each in value]
+        return sorted(value) if isinstance(value, frozenset) else value
+
+    told: dict[str, Any] = plain(asdict(loaded))
+    return told
+
+
+def restored(told: dict[str, Any]) -> Loaded:
+    """What `stored` has made plain."""
+    facts = told["facts"]
+    joints = (
+        JointFacts(**{**joint, "axis": np.array(joint["axis"]), "anchor": np.array(joint["anchor"])})
+        for joint in facts["joints"]
+    )
+    masses = {
+        name: MassFacts(
+            joint=name,
+            members=tuple(solid["members"]),
+            mass=solid["mass"],
+            centre=np.array(solid["centre"]),
+            inertia=np.array(solid["inertia"]),
+        )
+        for name, solid in facts["masses"].items()
+    }
+    laws = tuple((kind, name) for kind, name in facts["laws"])
+    robot = RobotFacts(
+        source=facts["source"], joints=tuple(joints), masses=masses, laws=laws, wordless=frozenset(facts["wordless"])
+    )
+    return Loaded(facts=robot, matrix_gap=told["matrix_gap"], notes=tuple(told["notes"]))

@@ -1,0 +1,115 @@
+"""What a file states of its robot, as the neutral import reads it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.intake.import_wishes import Root, Wishes
+from harness.scene.importers.kinematics import posed
+from harness.scene.importers.merging import grouped
+from harness.scene.importers.poses import IDENTITY, Array
+from harness.scene.importers.reading import robot_of
+from harness.scene.importers.robot import Coordinate, Link, Robot
+from harness.scene.importers.solids import moved
+from harness.scene.parity.facts import FIXED, JointFacts, MassFacts, RobotFacts
+
+__all__ = ["facts_of", "of_robot", "pair_of"]
+
+_DRIVEN = "actuator"
+"""Needs of this kind are of what drives a robot, and are not compared."""
+_MERGED = ("armature", "friction_loss")
+
+
+def pair_of(path_A: Path, path_B: Path, wishes: Wishes) -> tuple[RobotFacts, RobotFacts]:
+    """The facts of two files. Where one does not say how its root is held, it is held as the other's. Raises: RobotError."""
+    read = [robot_of(path, wishes) for path in (path_A, path_B)]
+    roots = [robot.root or wishes.root or companion.root for robot, companion, _ in read]
+    a, b = (
+        _facts(robot, own or other or "fixed", all_wishes, path)
+        for (robot, _, all_wishes), own, other, path in zip(read, roots, roots[::-1], (path_A, path_B), strict=True)
+    )
+    return a, b
+
+
+def facts_of(path: Path, wishes: Wishes) -> RobotFacts:
+    """The facts that a file states; its root is fixed where neither the file nor its user says. Raises: RobotError."""
+    robot, companion, wishes = robot_of(path, wishes)
+    return _facts(robot, robot.root or wishes.root or companion.root or "fixed", wishes, path)
+
+
+def _facts(robot: Robot, root: Root, wishes: Wishes, path: Path) -> RobotFacts:
+    if robot.root is None and root == "floating":
+        free = Coordinate(name=f"{robot.links[0].name}.root", kind="free")
+        robot = replace(robot, links=(replace(robot.links[0], coordinates=(free,)), *robot.links[1:]))
+    return of_robot(robot, wishes.drop, frozenset() if path.suffix.lower() == ".urdf" else frozenset({"speed"}))
+
+
+def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: frozenset[str] = frozenset()) -> RobotFacts:
+    """The facts of a neutral robot. Args: dropped: kinds of elements that are taken out. wordless: as in RobotFacts."""
+    robot = replace(robot, links=tuple(_at_zero(link) for link in robot.links))
+    at = posed(robot, IDENTITY)
+    joints: list[JointFacts] = []
+    last: dict[str, str] = {}
+    for link in robot.links:
+        above = FIXED if link.parent is None else last[link.parent]
+        for line in at.lines[link.name]:
+            joints.append(_joint(line.coordinate, above, line.axis_W, line.anchor_W, dropped))
+            above = line.coordinate.name
+        last[link.name] = above
+    masses = {}
+    for name, group in grouped(robot).items():
+        if group.still or last[name] == FIXED:
+            continue
+        solid = None if group.solid is None else moved(group.solid, at.pose[name])
+        assert solid is None or solid.inertia is not None
+        masses[last[name]] = MassFacts(
+            joint=last[name],
+            members=tuple(group.members),
+            mass=0.0 if solid is None else solid.mass,
+            centre=np.zeros(3) if solid is None else solid.centre,
+            inertia=np.zeros((3, 3)) if solid is None or solid.inertia is None else solid.inertia,
+        )
+    told = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
+    laws: list[tuple[str, str]] = [(need.kind, name) for need in told for name in need.names]
+    laws += [("closure", closure.name) for closure in robot.closures if "equality" not in dropped]
+    return RobotFacts(
+        source=robot.source,
+        joints=tuple(joints),
+        masses=masses,
+        gravity=robot.gravity,
+        laws=tuple(laws),
+        wordless=wordless,
+    )
+
+
+def _at_zero(link: Link) -> Link:
+    """The link with every coordinate at 0, and at W's origin where it is free in W."""
+    coordinates = tuple(
+        replace(c, position=0.0 if c.kind in ("revolute", "prismatic") else None, velocity=0.0, X_start=None)
+        for c in link.coordinates
+    )
+    free = any(c.kind == "free" for c in coordinates)
+    return replace(link, coordinates=coordinates, X_PL=IDENTITY if free else link.X_PL)
+
+
+def _joint(c: Coordinate, parent: str, axis: Array, anchor: Array, dropped: frozenset[str]) -> JointFacts:
+    lower, upper = c.lower, c.upper
+    if c.needs_range:
+        lower, upper = lower or 0.0, upper or 0.0
+    return JointFacts(
+        name=c.name,
+        kind=c.kind,
+        parent=parent,
+        axis=axis,
+        anchor=anchor,
+        lower=lower,
+        upper=upper,
+        damping=c.damping,
+        stiffness=c.stiffness,
+        rest=c.rest if c.stiffness > 0 else 0.0,
+        armature=0.0 if "armature" in dropped else c.armature,
+        friction_loss=0.0 if "friction_loss" in dropped else c.friction_loss,
+        effort=c.effort,
+        speed=c.speed,
+    )

@@ -1,0 +1,110 @@
+"""What engines' own loaders make of a robot file is read back rightly, and what they change is named by its kind."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from harness.adapter import Unsupported
+from harness.cli.main import main
+from harness.intake.import_wishes import Wishes
+from harness.run.robot_loaders import loaded_apart
+from harness.scene.parity.comparison import compare
+from harness.scene.parity.difference import Difference
+from harness.scene.parity.kinds import kind_of
+from harness.scene.parity.stated import facts_of
+from harness.study import plugins
+from tests.two_formats import MJCF, URDF
+
+FROM_FILE = "URDF_USE_INERTIA_FROM_FILE"
+DOUBLE = 1e-9
+QUERIED = 1e-5
+"""pybullet tells turns of frames in double precision, made from single ones: 6e-8 each, some tens of them in a chain."""
+
+
+@pytest.mark.parametrize(
+    ("engine", "loader", "tolerance"), [("mujoco", "", DOUBLE), ("dart", "", DOUBLE), ("bullet", FROM_FILE, QUERIED)]
+)
+def test_a_sound_arm_is_read_as_it_is_stated(engine: str, loader: str, tolerance: float, tmp_path: Path) -> None:
+    """Its facts are the file's, and the engine's own mass matrix is that of its facts."""
+    pytest.importorskip({"bullet": "pybullet", "dart": "dartpy"}.get(engine, engine))
+    path = tmp_path / "arm.urdf"
+    path.write_text(URDF.replace('<axis xyz="1 1 0"/>', '<axis xyz="0.6 0.8 0"/>'))
+    loaded = loaded_apart(engine, loader, path)
+    assert loaded.matrix_gap is not None
+    assert loaded.matrix_gap < tolerance
+    assert compare(facts_of(path, Wishes()), loaded.facts, tolerance) == []
+
+
+def test_mujoco_reads_its_own_format_as_it_is_stated(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    path.write_text(MJCF)
+    assert compare(facts_of(path, Wishes()), loaded_apart("mujoco", "", path).facts, DOUBLE) == []
+
+
+def test_what_bullet_makes_of_the_arm_is_named(tmp_path: Path) -> None:
+    """Inertias are those of the shapes by its defaults, of which the arm has none; an axis of length 1.41 stays one."""
+    pytest.importorskip("pybullet")
+    path = tmp_path / "arm.urdf"
+    path.write_text(URDF)
+    result = CliRunner().invoke(main, ["parity", str(path), "--json"])
+    assert result.exit_code == 1
+    kinds = {(row["loader"], row["kind"]) for row in json.loads(result.stdout) if row["kind"]}
+    assert kinds == {
+        ("bullet", "axis not normalised"),
+        ("bullet", "inertia replaced"),
+        (f"bullet {FROM_FILE}", "axis not normalised"),
+    }
+
+
+def test_a_loader_that_refuses_or_is_not_there_says_why(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xml"
+    path.write_text(MJCF)
+    pytest.importorskip("dartpy")
+    with pytest.raises(Unsupported, match="DartLoader reads URDF alone"):
+        loaded_apart("dart", "", path)
+    with pytest.raises(Unsupported, match="no loader of its own"):
+        plugins.adapter("reference").load_robot(path, "")
+
+
+@pytest.mark.parametrize(
+    ("quantity", "stated", "loaded", "kind"),
+    [
+        ("damping", 0.3, 0.0, "damping dropped"),
+        ("damping", 0.3, 0.1, "damping changed"),
+        ("armature", 0.05, 0.0, "armature ignored"),
+        ("upper", 1.5, None, "limit ignored"),
+        ("lower", None, 0.0, "limit made up"),
+        ("effort", 80.0, None, "effort ignored"),
+        ("inertia", (1.0, 2.0, 2.5, 0.0, 0.0, 0.0), (2.0, 1.0, 2.5, 0.0, 0.0, 0.0), "rotation of the inertia lost"),
+        ("inertia", (1.0, 2.0, 2.5, 0.3, 0.0, 0.0), (1.0, 2.0, 2.5, 0.0, 0.0, 0.0), "inertia made diagonal"),
+        ("inertia", (1.0, 2.0, 2.5, 0.3, 0.0, 0.0), (0.1, 0.1, 0.1, 0.0, 0.0, 0.0), "inertia replaced"),
+        ("axis", (0.0, 0.6, 0.8), (0.0, 1.2, 1.6), "axis not normalised"),
+        ("axis", (0.0, 0.6, 0.8), (0.0, 0.8, 0.6), "axis changed"),
+    ],
+)
+def test_a_change_has_its_kind(quantity: str, stated: object, loaded: object, kind: str) -> None:
+    row = Difference(quantity=quantity, element="j", value_A=stated, value_B=loaded, unit="", tolerance=1e-5)  # type: ignore[arg-type]
+    assert kind_of(row) == kind
+
+
+def test_frames_without_a_mass_and_limits_of_continuous_joints_are_told_apart(tmp_path: Path) -> None:
+    """A frame at the elbow's end weighs a kilogram on DART and Bullet; MuJoCo gives it none, as the file."""
+    for module in ("mujoco", "dartpy", "pybullet"):
+        pytest.importorskip(module)
+    frame = '<link name="eye"/><joint name="mount" type="fixed"><parent link="fore"/><child link="eye"/></joint></robot>'
+    limit = '<limit lower="-0.1" upper="0.1" effort="9" velocity="2"/>'
+    text = URDF.replace("</robot>", frame).replace('<axis xyz="1 1 0"/>', f'<axis xyz="0.6 0.8 0"/>{limit}')
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    stated = facts_of(path, Wishes())
+
+    def causes(engine: str, loader: str) -> set[tuple[str, float | str | tuple[float, ...] | None]]:
+        rows = compare(stated, loaded_apart(engine, loader, path).facts, QUERIED)
+        return {(row.quantity, row.absolute and round(row.absolute, 6)) for row in rows if row.quantity in ("mass", "lower")}
+
+    assert causes("mujoco", "") == set()
+    assert causes("dart", "") == {("mass", 1.0)}
+    assert causes("bullet", FROM_FILE) == {("mass", 1.0)}

@@ -23,6 +23,7 @@ from engine.memory.arena import (
     GYROSCOPIC,
     HIT,
     ITERATIONS,
+    JOINTS,
     LOAD,
     LOCAL_BODY,
     LOCAL_KIND,
@@ -51,7 +52,7 @@ from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.arms import refresh
 from engine.respond.soft import sweep
-from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
+from engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
 from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 
 __all__ = [
@@ -106,7 +107,9 @@ def softness_in(floats: Floats, ints: Ints) -> Softness:
 @kernel
 def patience_of(ints: Ints, stage: int, strikes: int) -> int:
     """Times as many sweeps: after a blow anywhere, and in the first sub-step with a new contact anywhere."""
-    return FRESH if strikes == 1 or (stage == 1 and ints_of(ints, TALLY)[0, AROUSED] > 0) else 1
+    if strikes != 1 and (stage != 1 or ints_of(ints, TALLY)[0, AROUSED] == 0):
+        return 1
+    return FRESH_JOINTED if ints_of(ints, COUNT)[0, JOINTS] > 0 else FRESH
 
 
 @kernel

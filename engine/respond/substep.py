@@ -3,7 +3,7 @@
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, add, axpy, dot, load3, mat_vec, store3, tmat_vec
+from engine.maths.vec import Floats, add, axpy, dot, load3, load6, mat_vec, store3, sym_vec, tmat_vec
 from engine.memory.arena import (
     APPROACH,
     BODY_A,
@@ -13,7 +13,6 @@ from engine.memory.arena import (
     DYNAMIC,
     GRAVITY,
     HELD,
-    INV_MASS,
     LAW,
     MOTION,
     NORMAL,
@@ -24,6 +23,7 @@ from engine.memory.arena import (
     SPIKE,
     SPIN_IMPULSE,
     SPREAD,
+    STOP_BLOCK,
     STRIKES,
     STRUCK,
     SUM,
@@ -107,9 +107,43 @@ def bounce(contacts: Contacts, manifolds: int) -> bool:
 
 
 @kernel
+def unbrace(static: float, first: int, end: int, point: Floats) -> None:
+    """Spread the friction of the points first..end - 1 as their loads are, if that stays within the discs of `static`.
+
+    Points that bear unlike loads fill their discs one after the other, and then push against each other too: part of the discs
+    goes into forces that cancel. With the same sum and moment, friction at (x, y) becomes N (F/n + turn (-y, x)), counted from
+    the centre of load; n is the sum of the loads N.
+    """
+    n, cx, cy, f1, f2, moment, spread = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(first, end):
+        x, y, load, one, two = (
+            point[i, SPREAD], point[i, SPREAD + 1], point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1]
+        )  # fmt: skip
+        n, cx, cy, spread = n + load, cx + load * x, cy + load * y, spread + load * (x * x + y * y)
+        f1, f2, moment = f1 + one, f2 + two, moment + x * two - y * one
+    if n <= 0.0:
+        return
+    cx, cy = cx / n, cy / n
+    about = spread - n * (cx * cx + cy * cy)
+    turn = (moment - cx * f2 + cy * f1) / about if about > 1e-9 * spread else 0.0
+    f1, f2 = f1 / n + turn * cy, f2 / n - turn * cx
+    for i in range(first, end):
+        one, two = f1 - turn * point[i, SPREAD + 1], f2 + turn * point[i, SPREAD]
+        if one * one + two * two > static * static:
+            return
+    for i in range(first, end):
+        point[i, HELD] = point[i, NORMAL_IMPULSE] * (f1 - turn * point[i, SPREAD + 1])
+        point[i, HELD + 1] = point[i, NORMAL_IMPULSE] * (f2 + turn * point[i, SPREAD])
+
+
+@kernel
 def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
-    """Sticking manifolds that use up their static disc start to slip; slipping ones that it can stop stick."""
-    state, body = bodies.state, bodies.body
+    """A manifold slips where what would stop its motion takes more power than its static disc can, else it sticks.
+
+    Of all that friction can give, the discs full against the motion take most power from it (maximum dissipation), so that a
+    force and moment that would take more are out of reach.
+    """
+    state = bodies.state
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for m in range(manifolds):
         static = manifold[m, LAW]
@@ -117,17 +151,15 @@ def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
             continue
         a, b = key[m, BODY_A], key[m, BODY_B]
         v, w = relative_motion(centre_of(manifold, m), motion_of(state, a, b))
-        used, needed, room = 0.0, 0.0, 0.0
-        share = 1.0 / (max(body[a, INV_MASS] + body[b, INV_MASS], 1e-300) * max(key[m, POINTS], 1))
+        slide = (v[0], v[1], w[2])
+        needed, most = dot(slide, sym_vec(load6(manifold, m, STOP_BLOCK), slide)), 0.0
         for i in range(4 * m, 4 * m + key[m, POINTS]):
-            one, two = point[i, HELD], point[i, HELD + 1]
-            used += math.sqrt(one * one + two * two)
-            one -= share * (v[0] - point[i, SPREAD + 1] * w[2])
-            two -= share * (v[1] + point[i, SPREAD] * w[2])
-            needed += math.sqrt(one * one + two * two)
-            room += static * point[i, NORMAL_IMPULSE]
-        if room > 0.0:
-            key[m, SLIPS] = int(used >= STUCK * room) if key[m, SLIPS] == 0 else int(needed >= STUCK * room)
+            one, two = v[0] - point[i, SPREAD + 1] * w[2], v[1] + point[i, SPREAD] * w[2]
+            needed -= one * point[i, HELD] + two * point[i, HELD + 1]
+            most += static * point[i, NORMAL_IMPULSE] * math.sqrt(one * one + two * two)
+        key[m, SLIPS] = int(needed > STUCK * most)
+        if key[m, SLIPS] == 0:
+            unbrace(static, 4 * m, 4 * m + key[m, POINTS], point)
 
 
 @kernel

@@ -3,11 +3,11 @@
 from engine.compile.jit import kernel
 from engine.contact.find_contacts import find_contacts, keep_contacts
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, NEW, REST, SETTING
+from engine.memory.arena import COUNT, JOINTS, NEW, REST, SETTING
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
 from engine.memory.tables import Bodies, Contacts
-from engine.respond.softness import FRESH
+from engine.respond.softness import FRESH, FRESH_JOINTED
 
 __all__ = ["meet", "patience"]
 
@@ -24,4 +24,6 @@ def meet(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts) -> int:
 @kernel
 def patience(count: Ints, substep: int, strikes: int) -> int:
     """Times as many sweeps: after a blow, and in the first sub-step with a new contact."""
-    return FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
+    if strikes == 0 and (substep > 0 or count[0, NEW] == 0):
+        return 1
+    return FRESH_JOINTED if count[0, JOINTS] > 0 else FRESH

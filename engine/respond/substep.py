@@ -2,8 +2,8 @@
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.vec import Floats, add, axpy, dot, load3, load6, mat_vec, store3, sym_vec, tmat_vec
+from engine.compile.jit import kernel, rounding_kernel
+from engine.maths.vec import Floats, add, axpy, dot, load3, mat_vec, store3, tmat_vec
 from engine.memory.arena import (
     APPROACH,
     BODY_A,
@@ -13,6 +13,7 @@ from engine.memory.arena import (
     DYNAMIC,
     GRAVITY,
     HELD,
+    INV_MASS,
     LAW,
     MOTION,
     NORMAL,
@@ -23,7 +24,6 @@ from engine.memory.arena import (
     SPIKE,
     SPIN_IMPULSE,
     SPREAD,
-    STOP_BLOCK,
     STRIKES,
     STRUCK,
     SUM,
@@ -106,13 +106,14 @@ def bounce(contacts: Contacts, manifolds: int) -> bool:
     return False
 
 
-@kernel
+@rounding_kernel
 def unbrace(static: float, first: int, end: int, point: Floats) -> None:
     """Spread the friction of the points first..end - 1 as their loads are, if that stays within the discs of `static`.
 
     Points that bear unlike loads fill their discs one after the other, and then push against each other too: part of the discs
     goes into forces that cancel. With the same sum and moment, friction at (x, y) becomes N (F/n + turn (-y, x)), counted from
-    the centre of load; n is the sum of the loads N.
+    the centre of load; n is the sum of the loads N. Each operation is rounded by itself, so that every program that holds it
+    gives the same bits.
     """
     n, cx, cy, f1, f2, moment, spread = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(first, end):
@@ -143,7 +144,7 @@ def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
     Of all that friction can give, the discs full against the motion take most power from it (maximum dissipation), so that a
     force and moment that would take more are out of reach.
     """
-    state = bodies.state
+    state, body = bodies.state, bodies.body
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for m in range(manifolds):
         static = manifold[m, LAW]
@@ -151,11 +152,11 @@ def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
             continue
         a, b = key[m, BODY_A], key[m, BODY_B]
         v, w = relative_motion(centre_of(manifold, m), motion_of(state, a, b))
-        slide = (v[0], v[1], w[2])
-        needed, most = dot(slide, sym_vec(load6(manifold, m, STOP_BLOCK), slide)), 0.0
+        needed, most = 0.0, 0.0
+        share = 1.0 / (max(body[a, INV_MASS] + body[b, INV_MASS], 1e-300) * max(key[m, POINTS], 1))
         for i in range(4 * m, 4 * m + key[m, POINTS]):
             one, two = v[0] - point[i, SPREAD + 1] * w[2], v[1] + point[i, SPREAD] * w[2]
-            needed -= one * point[i, HELD] + two * point[i, HELD + 1]
+            needed += one * (share * one - point[i, HELD]) + two * (share * two - point[i, HELD + 1])
             most += static * point[i, NORMAL_IMPULSE] * math.sqrt(one * one + two * two)
         key[m, SLIPS] = int(needed > STUCK * most)
         if key[m, SLIPS] == 0:

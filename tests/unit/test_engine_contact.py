@@ -113,6 +113,40 @@ def test_static_friction_holds_what_kinetic_friction_would_not() -> None:
     assert abs(world.state()[1, 7]) < 1e-9
 
 
+@pytest.mark.parametrize("substeps", [4, 16])
+def test_corners_that_bear_unlike_loads_hold_what_static_friction_can(substeps: int) -> None:
+    """tan = .599 of .6: there the lower corners bear four times what the upper ones do (1 + tan against 1 - tan); sweeps that
+    start from nothing leave a thousandth."""
+    world = _world([GROUND, _cube(p_WB=(0, 0, 0.1))], _rough(0.6, 0.4), _incline(0.599), substeps=substeps)
+    world.step(480)
+    assert abs(world.state()[1, 7]) < 1e-9
+
+
+def test_a_drawn_body_breaks_away_within_a_step_of_when_its_pull_is_static_friction() -> None:
+    """k v t = mu_static m g at 1.4715 s, whatever the step: the pull grows by 4 N/s, a step of it is 1e-4 of the threshold."""
+    block = engine.Body(
+        name="block", mass=1.0, inertia=np.diag([0.015, 0.015, 0.025]), p_WB=(0, 0, 0.05),
+        shapes=[engine.Placed(engine.Box((0.2, 0.2, 0.05)))],
+    )  # fmt: skip
+    puller = engine.Body(name="puller", motion="kinematic", p_WB=(1, 0, 0.05), v_WB=(0.2, 0, 0))
+    line = engine.Distance(
+        name="line",
+        parent="puller",
+        child="block",
+        anchor_W=(1, 0, 0.05),
+        child_anchor_W=(0, 0, 0.05),
+        spring=engine.Spring(stiffness=20.0, rest=1.0),
+    )
+    world = engine.World(
+        [GROUND, block, puller], [line], {DEFAULT: _rough(0.6, 0.4)}, options=engine.Options(dt=1 / 1920, substeps=8)
+    )
+    due = 0.6 * G / (20.0 * 0.2)
+    world.step(int(due * 1920) - 1)
+    assert abs(world.state()[1, 7]) < 1e-6
+    world.step(4)
+    assert world.state()[1, 7] > 1e-4
+
+
 def test_beyond_static_friction_a_box_slides_under_kinetic_friction() -> None:
     """tan = .61: v = g (sin - mu_kinetic cos) t; one sub-step under mu_static costs .2 g h = 2 mm/s of 1.76 m/s."""
     gravity = _incline(0.61)

@@ -10,6 +10,7 @@ from harness.metrics.foot_slip import FOOT_SLIP
 from harness.metrics.pose import POSE_ERROR_MAX
 from harness.metrics.stack import STANDING_HEIGHT
 from harness.metrics.vibration import VIBRATION_RMS
+from harness.props.robots.floor import PRESSED
 from harness.scene import EARTH_GRAVITY
 
 __all__ = ["SHARE", "feet_stay", "holds_its_pose", "stands_up", "still"]
@@ -28,9 +29,9 @@ def stands_up() -> tuple[Check, ...]:
         Check(metric=STANDING_HEIGHT, at_most=0.5, because="the definition of a collapse: the top below half its height"),
         Check(
             metric=HELD_ENERGY_GAIN,
-            at_most=lambda dt: (G * dt) ** 2 / 2,
+            at_most=lambda dt: (G * dt) ** 2 / 2 + G * PRESSED,
             because="drives that hold a target take energy and give none; (g dt)^2/2 is what one step of gravity gives before "
-            "the ground takes it away",
+            "the ground takes it away, and g times a micrometre what the ground gives back of the depth that feet begin at",
         ),
     )
 

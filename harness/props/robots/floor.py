@@ -3,7 +3,7 @@
 from harness.props.robots.robot import MATERIAL
 from harness.scene import Body, Box, PlacedShape, Surface
 
-__all__ = ["floor", "grip"]
+__all__ = ["PRESSED", "floor", "grip"]
 
 SLAB_DEPTH = 0.5
 PRESSED = 1e-6

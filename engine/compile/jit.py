@@ -90,7 +90,7 @@ def stream(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """As `kernel`, put in place of every call, before anything is optimised: for what costs less than handing over its arrays."""
+    """As `kernel`, in place of every call before anything is optimised: for what costs less than handing over its arrays."""
     return for_all_values(_compiled(function, **inlined_options()))
 
 

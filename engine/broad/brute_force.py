@@ -20,13 +20,13 @@ __all__ = ["find_pairs"]
 
 
 @kernel
-def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints) -> int:
-    """Write the pairs of bounded shapes, of which one of a range is the lower, whose widened bounds overlap.
+def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints, shapes: int) -> int:
+    """Write the pairs of bounded shapes, of so many, of which one of a range is the lower, whose widened bounds overlap.
 
     Returns: their number, perhaps beyond the room.
     """
     fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
-    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    shape_kind, kind = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND)
     found = 0
     for i in range(first, last):
         if shape[i, BALL_RADIUS] == math.inf:
@@ -44,7 +44,8 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     if bounds_are_stale(floats, ints):
-        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
+        shapes = ints_of(ints, COUNT)[0, SHAPES]
+        found = search_range(floats, ints, 0, shapes, ints_of(ints, CANDIDATE), shapes)
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != DONE:
             return status

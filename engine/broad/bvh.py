@@ -96,7 +96,7 @@ def build_tree(floats: Floats, ints: Ints) -> Tree:
 
 
 @kernel
-def search_range(floats: Floats, ints: Ints, tree: Tree, first: int, last: int, candidate: Ints) -> int:
+def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints, tree: Tree) -> int:
     """Write the pairs that a range of shapes finds in the tree, whose widened bounds overlap.
 
     Returns: their number, perhaps beyond the room.
@@ -136,7 +136,7 @@ def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     if bounds_are_stale(floats, ints):
         tree = build_tree(floats, ints)
-        found = search_range(floats, ints, tree, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
+        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), tree)
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != DONE:
             return status

@@ -131,10 +131,10 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
 
 
 @kernel
-def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: Ints) -> int:
+def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: Ints, candidate: Ints) -> int:
     """Write the candidates of a range whose bounds of this step overlap. Returns: their number, perhaps beyond the room."""
     pose, bounds, shape_kind = floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS), ints_of(ints, SHAPE_KIND)
-    candidate, found = ints_of(ints, CANDIDATE), 0
+    found = 0
     for c in range(first, last):
         i, j = candidate[c, 0], candidate[c, 1]
         if overlap(bounds, shape_kind, pose, i, j):
@@ -148,6 +148,6 @@ def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: 
 def write_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     pair = ints_of(ints, PAIR)
-    found = compare_candidates(floats, ints, 0, ints_of(ints, PROGRESS)[0, CANDIDATES], pair)
+    found = compare_candidates(floats, ints, 0, ints_of(ints, PROGRESS)[0, CANDIDATES], pair, ints_of(ints, CANDIDATE))
     ints_of(ints, COUNT)[0, PAIRS], ints_of(ints, TALLY)[0, SEARCHED] = found, 1
     return FULL if found > pair.shape[0] else DONE

@@ -64,7 +64,7 @@ def sort_shapes(floats: Floats, ints: Ints) -> int:
 
 
 @kernel
-def search_range(floats: Floats, ints: Ints, axis: int, first: int, last: int, candidate: Ints) -> int:
+def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints, axis: int) -> int:
     """Write the pairs that a range of shapes finds behind them on the axis, whose widened bounds overlap.
 
     Returns: their number, perhaps beyond the room.
@@ -93,7 +93,7 @@ def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     if bounds_are_stale(floats, ints):
         axis = sort_shapes(floats, ints)
-        found = search_range(floats, ints, axis, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
+        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), axis)
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != DONE:
             return status

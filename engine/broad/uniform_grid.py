@@ -100,7 +100,7 @@ def fill_grid(floats: Floats, ints: Ints) -> Grid:
 
 
 @kernel
-def search_range(floats: Floats, ints: Ints, grid: Grid, first: int, last: int, candidate: Ints) -> int:
+def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints, grid: Grid) -> int:
     """Write the pairs that a range of shapes finds in the grid, whose widened bounds overlap.
 
     Returns: their number, perhaps beyond the room.
@@ -150,7 +150,7 @@ def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     if bounds_are_stale(floats, ints):
         grid = fill_grid(floats, ints)
-        found = search_range(floats, ints, grid, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE))
+        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), grid)
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != DONE:
             return status

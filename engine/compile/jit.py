@@ -42,6 +42,7 @@ __all__ = [
     "parallel_entry",
     "rounding_kernel",
     "stream",
+    "template",
 ]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -89,8 +90,17 @@ def stream(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """As `kernel`, put in place of every call: for what costs less than handing over its arrays."""
-    return _compiled(function, **inlined_options())
+    """As `kernel`, in place of every call before anything is optimised: for what costs less than handing over its arrays."""
+    return for_all_values(_compiled(function, **inlined_options()))
+
+
+def template(function: Function) -> Function:
+    """A body that entries share, written into each of them with the functions that it is handed before anything is compiled.
+
+    Its loops over `numba.prange` are shared out where the entry's are, and the entry is kept on disk as if it had been written
+    out; a kernel could not have either.
+    """
+    return _compiled(function, inline="always")
 
 
 def entry(function: Function) -> Function:
@@ -115,7 +125,7 @@ def parallel_entry(function: Function) -> Function:
     return _kept(function, parallel=parallel, **entry_options())
 
 
-def _compiled(function: Function, **options: bool | type | dict[str, bool] | set[str]) -> Function:
+def _compiled(function: Function, **options: bool | str | type | dict[str, bool] | set[str]) -> Function:
     """The function under Numba, by default with the flags of this package; its stubs do not know all options, hence Any."""
     import numba
 

@@ -48,6 +48,17 @@ NEW: Final = 0
 KNOWN: Final = 1
 
 
+NOBODY: Final = -1
+"""In place of a body that does not move."""
+
+
+@kernel
+def mover(rows: Rows, r: int, side: int, body: Floats) -> int:
+    """The body on a side of row r, or NOBODY: what does not move couples no rows."""
+    b = int(rows.body[r, side])
+    return b if body[b, INV_MASS] > 0.0 else NOBODY
+
+
 @kernel
 def assemble(rows: Rows, n: int, bodies: Bodies) -> None:
     """Write M^-1 J^T into `reach` and J M^-1 J^T + diag(softness) into `matrix`, for the first n rows."""
@@ -57,11 +68,12 @@ def assemble(rows: Rows, n: int, bodies: Bodies) -> None:
             b = rows.body[r, side]
             store3(reach, r, 6 * side, scale(bodies.body[b, INV_MASS], load3(row, r, 6 * side)))
             store3(reach, r, 6 * side + 3, sym_vec(load6(bodies.turned, b, 0), load3(row, r, 6 * side + 3)))
+        movers = mover(rows, r, 0, bodies.body), mover(rows, r, 1, bodies.body)
         for s in range(r + 1):
             total = 0.0
             for i in range(2):
                 for k in range(2):
-                    if rows.body[r, i] == rows.body[s, k]:
+                    if movers[i] == rows.body[s, k]:
                         for c in range(6):
                             total += row[r, 6 * i + c] * reach[s, 6 * k + c]
             matrix[r, s] = total

@@ -32,18 +32,22 @@ from engine.memory.arena import (
     AXIS_A,
     AXIS_B,
     BALL,
+    BIAS,
     CHILD,
     CURVATURE,
     DISTANCE,
     FIXED,
     GAP,
     HAS,
+    HIGH,
     JACOBIAN,
     JOINT_TYPE,
     LENGTH,
+    LOW,
     PARENT,
     PRISMATIC,
     REVOLUTE,
+    SOFTNESS,
     TURN_AB,
     P,
     Q,
@@ -71,8 +75,7 @@ def put_row(rows: Rows, r: int, a: int, b: int, jacobian: Jacobian, gap: float, 
     store3(row, r, JACOBIAN + 9, jacobian[3])
     row[r, GAP] = gap
     row[r, CURVATURE] = curvature
-    for c in range(CURVATURE + 1, row.shape[1]):
-        row[r, c] = 0.0
+    row[r, SOFTNESS] = row[r, BIAS] = row[r, LOW] = row[r, HIGH] = 0.0
 
 
 @kernel
@@ -95,6 +98,7 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
     for j in range(joint.shape[0]):
         kind, a, b = joints.kind[j, JOINT_TYPE], joints.kind[j, PARENT], joints.kind[j, CHILD]
         ra, rb, d = anchors(state, joint, j, a, b)
+        turn_a, turn_b = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
         va, wa = load3(state, a, V), load3(state, a, W)
         vb, wb = load3(state, b, V), load3(state, b, W)
         centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
@@ -112,17 +116,17 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
                 put_row(rows, r, a, b, (zero, neg(e), zero, e), sign * turn[k + 1], 0.0)
                 r += 1
         if kind == REVOLUTE:
-            axis_a = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
-            axis_b = mat_vec(quat_mat(load4(state, b, Q)), load3(joint, j, AXIS_B))
+            axis_a = mat_vec(turn_a, load3(joint, j, AXIS_A))
+            axis_b = mat_vec(turn_b, load3(joint, j, AXIS_B))
             tilt = cross(axis_a, axis_b)
-            t = mat_vec(quat_mat(load4(state, a, Q)), perpendicular(load3(joint, j, AXIS_A)))
+            t = mat_vec(turn_a, perpendicular(load3(joint, j, AXIS_A)))
             for _ in range(2):
                 put_row(rows, r, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
                 t = cross(axis_a, t)
                 r += 1
         if kind == PRISMATIC:
-            axis_a = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
-            t = mat_vec(quat_mat(load4(state, a, Q)), perpendicular(load3(joint, j, AXIS_A)))
+            axis_a = mat_vec(turn_a, load3(joint, j, AXIS_A))
+            t = mat_vec(turn_a, perpendicular(load3(joint, j, AXIS_A)))
             rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             for _ in range(2):
                 curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from engine.compile.jit import kernel
+from engine.compile.jit import inlined
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
     BODY,
@@ -91,7 +91,7 @@ class Rows(NamedTuple):
     vector: Floats
 
 
-@kernel
+@inlined
 def bodies_of(floats: Floats, ints: Ints) -> Bodies:
     """The tables of the bodies of an arena."""
     return Bodies(
@@ -103,7 +103,7 @@ def bodies_of(floats: Floats, ints: Ints) -> Bodies:
     )
 
 
-@kernel
+@inlined
 def contacts_of(floats: Floats, ints: Ints) -> Contacts:
     """The tables of the contacts of an arena."""
     return Contacts(
@@ -114,19 +114,19 @@ def contacts_of(floats: Floats, ints: Ints) -> Contacts:
     )
 
 
-@kernel
+@inlined
 def shapes_of(floats: Floats, ints: Ints) -> Shapes:
     """The tables of the shapes of an arena."""
     return Shapes(floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), ints_of(ints, SHAPE_KIND))
 
 
-@kernel
+@inlined
 def joints_of(floats: Floats, ints: Ints) -> Joints:
     """The tables of the joints of an arena."""
     return Joints(floats_of(floats, ints, JOINT), ints_of(ints, JOINT_KIND))
 
 
-@kernel
+@inlined
 def rows_of(floats: Floats, ints: Ints) -> Rows:
     """The tables of the rows of an arena."""
     return Rows(

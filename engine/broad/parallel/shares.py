@@ -3,12 +3,19 @@
 Each thread writes to rows of its own, and the shares follow one another, so the result is that of one thread.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+from numba import prange
 
-from engine.compile.jit import kernel
-from engine.maths.vec import Ints
+from engine.broad.candidates import add_unbounded, keep_candidates
+from engine.compile.jit import kernel, template
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import CANDIDATE, COUNT, SHAPES
+from engine.memory.carve import ints_of
 
-__all__ = ["join", "new_parts", "share"]
+__all__ = ["search_in_shares", "search_shapes"]
 
 
 @kernel
@@ -32,3 +39,28 @@ def join(part: Ints, found: Ints, table: Ints) -> int:
             table[total + k, 0], table[total + k, 1] = part[t, k, 0], part[t, k, 1]
         total += found[t]
     return total
+
+
+@template
+def search_in_shares(
+    floats: Floats, ints: Ints, threads: int, length: int, table: Ints, search: Callable[..., int], among: Any
+) -> int:
+    """Write the pairs that a search finds into a table, with a share of the rows that it goes through on each thread.
+
+    Args: length: of what is gone through; search: (floats, ints, first, last, pairs, among) -> number of pairs found; among:
+    what it searches: a tuple of tables, a table, or a number.
+    Returns: the number of all pairs, perhaps beyond the room.
+    """
+    part, found = new_parts(table, threads)
+    for t in prange(threads):
+        first, last = share(length, threads, t)
+        found[t] = search(floats, ints, first, last, part[t], among)
+    return join(part, found, table)
+
+
+@template
+def search_shapes(floats: Floats, ints: Ints, threads: int, search: Callable[..., int], among: Any) -> int:
+    """Search all shapes for candidates, as `search_in_shares`. Returns: DONE, or FULL where the arena has no room for them."""
+    shapes = ints_of(ints, COUNT)[0, SHAPES]
+    found = search_in_shares(floats, ints, threads, shapes, ints_of(ints, CANDIDATE), search, among)
+    return keep_candidates(floats, ints, add_unbounded(floats, ints, found))

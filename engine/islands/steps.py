@@ -1,0 +1,63 @@
+"""The loop over the steps of a world that is solved island by island: one after the other, or on several threads."""
+
+from collections.abc import Callable
+
+from numba import prange
+
+from engine.compile.jit import template
+from engine.islands.islands import share
+from engine.islands.stages import any_hit, end_islands, next_meeting, skip_sleep
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import COUNT, ISLANDS, SPAN_OF_ISLAND, SUBSTEPS, TALLY, THREADS
+from engine.memory.carve import ints_of
+from engine.memory.status import DONE
+
+__all__ = ["in_turn", "on_threads", "step_by_islands"]
+
+Advance = Callable[[Floats, Ints, int, int, int, int], None]
+"""The stages first..end - 1 of the step of an island: (floats, ints, island, first, end, whether any was hit)."""
+
+
+@template
+def in_turn(floats: Floats, ints: Ints, advance: Advance, first: int, end: int, hit: int) -> None:
+    """Advance all islands, one after the other."""
+    for i in range(ints_of(ints, TALLY)[0, ISLANDS]):
+        advance(floats, ints, i, first, end, hit)
+
+
+@template
+def on_threads(floats: Floats, ints: Ints, advance: Advance, first: int, end: int, hit: int) -> None:
+    """As `in_turn`, to the last bit, with neighbouring islands of about as many contacts on each thread."""
+    span, tally = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, TALLY)
+    for t in prange(tally[0, THREADS]):
+        for i in range(share(span, tally, t), share(span, tally, t + 1)):
+            advance(floats, ints, i, first, end, hit)
+
+
+@template
+def step_by_islands(
+    floats: Floats, ints: Ints, steps: int, begin: Callable[[Floats, Ints], int], run: Callable[..., None], advance: Advance
+) -> tuple[int, int]:
+    """Advance a world by `steps` steps.
+
+    A blow anywhere gives all islands more sweeps, so they meet in every sub-step, and twice where surfaces bounce.
+
+    Args: begin: finds the contacts of a step and groups the bodies, as `begin_islands`; run: `in_turn` or `on_threads`.
+    Returns: steps done, and the status of the last one.
+    """
+    stages = ints_of(ints, COUNT)[0, SUBSTEPS] * 2 + 1
+    for step in range(steps):
+        if skip_sleep(floats, ints, steps - step):
+            return steps, DONE
+        status = begin(floats, ints)
+        if status != DONE:
+            return step, status
+        first, hit = 0, 0
+        while first < stages:
+            end = next_meeting(ints, first)
+            run(floats, ints, advance, first, end, hit)
+            first, hit = end, any_hit(ints)
+        status = end_islands(floats, ints)
+        if status != DONE:
+            return step + 1, status
+    return steps, DONE

@@ -10,8 +10,9 @@ Integration, section IV.4.
 import numpy as np
 
 from engine.compile.jit import kernel
+from engine.constrain.bounded import NEW, solve_bounded
 from engine.constrain.coordinate import implicit_rows
-from engine.constrain.direct import NEW, apply_all, assemble, factor, is_careful, solve, solve_bounded
+from engine.constrain.direct import apply_all, assemble, factor, is_careful, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.vec import Floats, add, axpy, load3, load4, quat_turn, store3, store4

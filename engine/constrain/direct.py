@@ -13,7 +13,7 @@ import numpy as np
 
 from engine.compile.jit import kernel
 from engine.constrain.careful import careful_apply, careful_solve
-from engine.constrain.dependence import SUSPECT, lies_in_span
+from engine.constrain.dependence import LOW_PIVOT, SUSPECT, lies_in_span
 from engine.maths.vec import Floats, axpy, dot, load3, load6, scale, store3, sym_vec
 from engine.memory.arena import (
     CAREFUL,
@@ -84,10 +84,13 @@ def factor(rows: Rows, n: int, body: Floats) -> None:
                 total -= low[i, k] * low[j, k]
             low[i, j] = total / low[j, j]
             diagonal -= low[i, j] * low[i, j]
-        if diagonal > SUSPECT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
+        carried = diagonal > SUSPECT * matrix[i, i]
+        if diagonal > LOW_PIVOT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
             low[i, i] = math.sqrt(diagonal)
-        elif row[i, SOFTNESS] > 0.0 or lies_in_span(rows, i, body):
+        elif row[i, SOFTNESS] > 0.0 or lies_in_span(rows, i, body, diagonal / matrix[i, i]):
             vector[PIVOT, i] = 1.0
+        elif carried:
+            low[i, i] = math.sqrt(diagonal)
         else:
             vector[CAREFUL, 0] = 1.0
             return

@@ -32,7 +32,8 @@ ROUND_OFF = 1e-12
 """As in `bounded`."""
 
 TIE = 1e-9
-"""Rows whose times differ by less than this share change sides together: the newest one does, and the other stays."""
+"""Where the times of two rows differ by less than this share, the newest one changes sides alone; and an impulse that takes
+less than this share in that of the newest, each by what it does to its own row, takes none."""
 
 EVENTS = 20
 """Changes of sides a row, on average, that one row's coming in may cause."""
@@ -175,7 +176,7 @@ def advance(bounded: Bounded, impulse: Floats, left: Floats, known: Floats, r: i
         elif known[k] == 0.0:
             continue
         elif side[k] == 0.0:
-            if way[k] == 0.0:
+            if abs(way[k]) * math.sqrt(S[k, k]) <= TIE * math.sqrt(S[r, r]):
                 continue
             bound = bounded.high[k] if way[k] > 0.0 else bounded.low[k]
             time, to = (bound - impulse[k]) / way[k], 1.0 if way[k] > 0.0 else -1.0

@@ -17,7 +17,7 @@ from engine.maths.vec import Floats, add, load3, load4, quat_turn, store3, store
 from engine.memory.arena import DYNAMIC, GAP, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
-__all__ = ["project", "widest_gap"]
+__all__ = ["close_gaps", "project", "widest_gap"]
 
 ROUND_OFF = 1e-14
 """A gap [m or rad] below this is as good as closed."""
@@ -35,12 +35,13 @@ def widest_gap(row: Floats, n: int) -> float:
 
 
 @kernel
-def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: float) -> None:
-    """Close the gaps of all joints, then remove velocities that would open them.
+def close_gaps(bodies: Bodies, joints: Joints, rows: Rows, change: Floats) -> int:
+    """Move the bodies until the gaps of all joints are closed, in MAX_ROUNDS at most.
 
     What the rows turn a body by is summed before the body turns: about thin links each may be a whole turn, all of them none.
 
     Args: change (bodies + 1, 13): room for what moves the bodies.
+    Returns: the number of rows, which are those of the last pose.
     """
     state, kind, vector = bodies.state, bodies.kind, rows.vector
     n = equality_rows(state, joints, rows)
@@ -63,6 +64,13 @@ def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: floa
                 store4(state, b, Q, quat_turn(load4(state, b, Q), load3(change, b, W), 1.0))
                 turn_inertia(state, bodies.body, bodies.turned, b)
         n = equality_rows(state, joints, rows)
-    every = implicit_rows(state, joints, rows, n, dt)
+    return n
+
+
+@kernel
+def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: float) -> None:
+    """Close the gaps of all joints, then remove velocities that would open them. Args: change: as of `close_gaps`."""
+    n = close_gaps(bodies, joints, rows, change)
+    every = implicit_rows(bodies.state, joints, rows, n, dt)
     assemble(rows, every, bodies)
     solve_bounded(bodies, rows, n, every, NEW)

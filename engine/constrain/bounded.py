@@ -53,7 +53,7 @@ def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: i
         if matrix == NEW:
             off = r >= equalities and row[r, SOFTNESS] == 0.0 and row[r, LOW] == 0.0 and vector[WORK, r] < -FAR
             vector[BOUND, r] = -1.0 if off else 0.0
-    solve_held(bodies, rows, equalities, n, matrix == KNOWN)
+    solve_held(bodies, rows, equalities, n, factored=matrix == KNOWN)
     fewest, patience = n + 1, PATIENCE
     while equalities < n:
         changed, stuck = change_sides(bodies, rows, equalities, n)
@@ -64,7 +64,7 @@ def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: i
         one_by_one = changed == 0 or patience == 0
         if one_by_one:
             settle_bounds(bodies, rows, equalities, n)
-        solve_held(bodies, rows, equalities, n, False)
+        solve_held(bodies, rows, equalities, n, factored=False)
         if one_by_one:
             break
     apply_all(bodies.state, rows, n, bodies, IMPULSE, 1.0)

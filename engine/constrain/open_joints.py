@@ -60,10 +60,10 @@ def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
     Returns: 0, or OPEN_JOINT plus the number of the joint that is open furthest beyond its bound; its gap goes to OPEN_GAP.
     """
     state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
-    joint, gap = widest_joint(floats, ints, state, SUSPECT if touching else CLOSED, False)
+    joint, gap = widest_joint(floats, ints, state, SUSPECT if touching else CLOSED, moving=False)
     if touching and joint >= 0:
         suspect, narrow = joint, gap
-        joint, gap = widest_joint(floats, ints, state, CONTACT_CLOSED, True)
+        joint, gap = widest_joint(floats, ints, state, CONTACT_CLOSED, moving=True)
         if joint < 0 and not closes(floats, ints):
             joint, gap = suspect, narrow
     if joint < 0:
@@ -83,7 +83,7 @@ def closes(floats: Floats, ints: Ints) -> bool:
     trial, change = Bodies(state, bodies.body, turned, bodies.load, bodies.kind), np.zeros(state.shape)
     for _ in range(TRIES):
         close_gaps(trial, joints, rows, change)
-    joint, _ = widest_joint(floats, ints, state, SUSPECT, False)
+    joint, _ = widest_joint(floats, ints, state, SUSPECT, moving=False)
     return joint < 0
 
 

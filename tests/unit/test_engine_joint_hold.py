@@ -271,6 +271,21 @@ def test_a_joint_that_cannot_close_is_diverged_by_name(integrator: str) -> None:
         _walk(batch, 3000)
 
 
+def test_a_gap_beside_contacts_that_nothing_closes_is_diverged_by_name() -> None:
+    """The same pull, and a ball that rolls about elsewhere: named once the gap is more than a thousandth of the rod's levers.
+
+    Until it is stretched, at 1.38 s, the arm is in no one's way; then the carrier opens .3 mm in a step of 1e-3 s.
+    """
+    bodies, joints = _pulled()
+    ground = engine.Body(name="ground", motion="static", shapes=(engine.Placed(engine.Plane()),), p_WB=(0, 0, -5))
+    ball = engine.Body(
+        name="ball", inertia=4e-3 * np.eye(3), p_WB=(5, 0, -4.9), v_WB=(0.3, 0, 0), shapes=(engine.Placed(engine.Sphere(0.1)),)
+    )
+    world = _world([*bodies, ground, ball], joints, "semi_implicit_euler")
+    with pytest.raises(engine.Diverged, match=r"joint '(hip|rod)' stays open by 0\.00\d* m or rad after step 1[34]\d\d"):
+        _walk(world, 3000)
+
+
 FORBIDDEN = [
     (engine.Ball(name="hook", parent=engine.WORLD, child="bob", anchor_W=(0, 0, 0)), (0.0, 0.1, 0.0), (0.0, 0.0, 0.0), "m/s"),
     (

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import engine
 from engine.constrain.principal_pivoting import Bounded, settle
+from tests.loops import bennett
 
 G = 9.81
 TRACKS = pytest.mark.parametrize("integrator", ["rk4", "semi_implicit_euler"])
@@ -346,37 +347,10 @@ def test_equal_limits_of_all_cranks_of_a_parallelogram_chain_act_as_one(integrat
     assert np.abs(state[:, 7:]).max() < 0.05
 
 
-def _bennett(limits: engine.Limits | None, integrator: str) -> engine.World:
-    """Four hinges in space, whose thirty rows for eighteen freedoms leave one: links a, b, a, b with twists alpha, beta.
-
-    Source: Bennett, A new mechanism, Engineering 76, 1903: sin(alpha)/a = sin(beta)/b, tan(u/2) tan(v/2) =
-    sin((beta + alpha)/2) / sin((beta - alpha)/2) for the angles u, v, 2 pi - u, 2 pi - v.
-    """
-    alpha, beta, a, u = 0.6, 1.2, 0.3, 1.1
-    b = a * math.sin(beta) / math.sin(alpha)
-    v = 2 * math.atan(math.sin((beta + alpha) / 2) / math.sin((beta - alpha) / 2) / math.tan(u / 2))
-    places, axes, turn, place = [], [], Rotation.identity(), np.zeros(3)
-    for length, twist, angle in ((a, alpha, u), (b, beta, v), (a, alpha, -u), (b, beta, -v)):
-        places.append(place)
-        axes.append(turn.apply((0, 0, 1)))
-        turn = turn * Rotation.from_euler("z", angle)
-        place = place + turn.apply((length, 0, 0))
-        turn = turn * Rotation.from_euler("x", twist)
-    assert place == pytest.approx(np.zeros(3), abs=1e-12)
-    assert turn.apply((0, 0, 1)) == pytest.approx(axes[0], abs=1e-12)
-    names = [engine.WORLD, "one", "two", "three", engine.WORLD]
-    bodies = [engine.Body(name=names[k], p_WB=(places[k - 1] + places[k]) / 2, inertia=0.02 * np.eye(3)) for k in (1, 2, 3)]
-    joints = [
-        engine.Revolute(name=f"pin{k}", parent=names[k], child=names[k + 1], anchor_W=places[k], axis_W=axes[k], limits=limits)
-        for k in range(4)
-    ]
-    return engine.World(bodies, joints, options=engine.Options(integrator=integrator, dt=1e-3))
-
-
 @TRACKS
 def test_a_spatial_loop_with_constraints_too_many_has_limits_too(integrator: str) -> None:
     """Bennett's linkage: far ranges change nothing, bit for bit; a range of .2 rad of all hinges is kept, to w dt of a step."""
-    worlds = [_bennett(limits, integrator) for limits in (None, WIDE, engine.Limits(lower=-0.2, upper=0.2))]
+    worlds = [bennett(limits, integrator) for limits in (None, WIDE, engine.Limits(lower=-0.2, upper=0.2))]
     for _ in range(1500):
         for world in worlds:
             world.step()

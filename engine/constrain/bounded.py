@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from engine.compile.jit import kernel
+from engine.compile.jit import inlined, kernel
 from engine.constrain.careful import careful_solve
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
 from engine.constrain.principal_pivoting import settle_bounds
@@ -37,40 +37,21 @@ ROUND_OFF = 1e-12
 
 
 @kernel
-def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int) -> None:
-    """Change the velocities so that J v + softness * impulse + bias = 0 on free rows, each impulse between its bounds.
-
-    The impulses go to IMPULSE; the first `equalities` of the n rows have no bounds.
-
-    Args: matrix: NEW, or KNOWN if it is that of the last call, whose factor then serves until a row changes sides.
-    """
+def unmet(change: Floats, rows: Rows, r: int, n: int, careful: bool) -> tuple[float, float]:
+    """What row r still asks for, -(J v + softness * impulse + bias) after all impulses, and what of it may be round-off."""
     row, vector = rows.row, rows.vector
-    for r in range(n):
-        vector[WORK, r] = -(rate(bodies.state, rows, r) + row[r, BIAS])
-        vector[LOWEST, r] = row[r, LOW] if r >= equalities else -math.inf
-        vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
-        vector[IMPULSE, r] = 0.0
-        if matrix == NEW:
-            off = r >= equalities and row[r, SOFTNESS] == 0.0 and row[r, LOW] == 0.0 and vector[WORK, r] < -FAR
-            vector[BOUND, r] = -1.0 if off else 0.0
-    solve_held(bodies, rows, equalities, n, factored=matrix == KNOWN)
-    fewest, patience = n + 1, PATIENCE
-    while equalities < n:
-        changed, stuck = change_sides(bodies, rows, equalities, n)
-        if changed == 0 and stuck == 0:
-            break
-        patience = PATIENCE if changed < fewest else patience - 1
-        fewest = min(fewest, changed)
-        one_by_one = changed == 0 or patience == 0
-        if one_by_one:
-            settle_bounds(bodies, rows, equalities, n)
-        solve_held(bodies, rows, equalities, n, factored=False)
-        if one_by_one:
-            break
-    apply_all(bodies.state, rows, n, bodies, IMPULSE, 1.0)
+    left, largest = vector[WORK, r], abs(vector[WORK, r])
+    if careful:
+        left -= rate(change, rows, r) + row[r, SOFTNESS] * vector[IMPULSE, r]
+    else:
+        for s in range(n):
+            term = rows.matrix[r, s] * vector[IMPULSE, s]
+            left -= term
+            largest = max(largest, abs(term))
+    return left, ROUND_OFF * (1.0 + largest)
 
 
-@kernel
+@inlined
 def solve_held(bodies: Bodies, rows: Rows, equalities: int, n: int, factored: bool) -> None:
     """Solve the rows that BOUND leaves free, into IMPULSE. Args: factored: whether the factor for them is at hand."""
     vector = rows.vector
@@ -97,7 +78,7 @@ def solve_held(bodies: Bodies, rows: Rows, equalities: int, n: int, factored: bo
         careful_solve(rows, n, bodies, WORK, IMPULSE, np.zeros((bodies.body.shape[0], 6)))
 
 
-@kernel
+@inlined
 def change_sides(bodies: Bodies, rows: Rows, equalities: int, n: int) -> tuple[int, int]:
     """Hold free rows beyond a bound, and free held ones that are pressed away from theirs.
 
@@ -126,15 +107,34 @@ def change_sides(bodies: Bodies, rows: Rows, equalities: int, n: int) -> tuple[i
 
 
 @kernel
-def unmet(change: Floats, rows: Rows, r: int, n: int, careful: bool) -> tuple[float, float]:
-    """What row r still asks for, -(J v + softness * impulse + bias) after all impulses, and what of it may be round-off."""
+def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int) -> None:
+    """Change the velocities so that J v + softness * impulse + bias = 0 on free rows, each impulse between its bounds.
+
+    The impulses go to IMPULSE; the first `equalities` of the n rows have no bounds.
+
+    Args: matrix: NEW, or KNOWN if it is that of the last call, whose factor then serves until a row changes sides.
+    """
     row, vector = rows.row, rows.vector
-    left, largest = vector[WORK, r], abs(vector[WORK, r])
-    if careful:
-        left -= rate(change, rows, r) + row[r, SOFTNESS] * vector[IMPULSE, r]
-    else:
-        for s in range(n):
-            term = rows.matrix[r, s] * vector[IMPULSE, s]
-            left -= term
-            largest = max(largest, abs(term))
-    return left, ROUND_OFF * (1.0 + largest)
+    for r in range(n):
+        vector[WORK, r] = -(rate(bodies.state, rows, r) + row[r, BIAS])
+        vector[LOWEST, r] = row[r, LOW] if r >= equalities else -math.inf
+        vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
+        vector[IMPULSE, r] = 0.0
+        if matrix == NEW:
+            off = r >= equalities and row[r, SOFTNESS] == 0.0 and row[r, LOW] == 0.0 and vector[WORK, r] < -FAR
+            vector[BOUND, r] = -1.0 if off else 0.0
+    factored, one_by_one, fewest, patience = matrix == KNOWN, False, n + 1, PATIENCE
+    while True:
+        solve_held(bodies, rows, equalities, n, factored=factored)
+        if equalities == n or one_by_one:
+            break
+        changed, stuck = change_sides(bodies, rows, equalities, n)
+        if changed == 0 and stuck == 0:
+            break
+        factored = False
+        patience = PATIENCE if changed < fewest else patience - 1
+        fewest = min(fewest, changed)
+        one_by_one = changed == 0 or patience == 0
+        if one_by_one:
+            settle_bounds(bodies, rows, equalities, n)
+    apply_all(bodies.state, rows, n, bodies, IMPULSE, 1.0)

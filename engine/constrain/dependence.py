@@ -85,22 +85,25 @@ def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
                 turning = dot(load3(row, r, 6 * side + 3), load3(row, r, 6 * side + 3))
                 rest[b, 6] = max(rest[b, 6], math.sqrt(turning / straight))
                 longest = max(longest, rest[b, 6])
-    own, left, spread, opened = 0.0, 0.0, 0.0, 0.0
+    own, left = 0.0, 0.0
     for b in range(rest.shape[0]):
         rest[b, 6] = max(rest[b, 6], NEAREST * longest) if longest > 0.0 else 1.0
         left += dot(load3(rest, b, 0), load3(rest, b, 0)) + dot(load3(rest, b, 3), load3(rest, b, 3)) / rest[b, 6] ** 2
+        for side in range(2):
+            if rows.body[i, side] == b + lowest:
+                along, about = load3(row, i, 6 * side), load3(row, i, 6 * side + 3)
+                own += dot(along, along) + dot(about, about) / rest[b, 6] ** 2
+    if pivot <= SUSPECT and left <= VANISHED * VANISHED * own:
+        return True
+    spread, opened = 0.0, 0.0
     for r in range(first, i + 1):
-        if mu[r] == 0.0:
-            continue
         size, lever = 0.0, 1.0
         for side in range(2):
             b = rows.body[r, side]
-            if body[b, INV_MASS] > 0.0:
+            if mu[r] != 0.0 and body[b, INV_MASS] > 0.0:
                 along, about = load3(row, r, 6 * side), load3(row, r, 6 * side + 3)
                 size += dot(along, along) + dot(about, about) / rest[b - lowest, 6] ** 2
                 lever = longest if dot(along, along) > 0.0 else lever
         spread += abs(mu[r]) * math.sqrt(size)
-        opened = max(opened, abs(row[r, GAP]) / lever)
-        own = size
-    explained = OPENED * opened * spread
-    return left <= max(VANISHED * VANISHED * own if pivot <= SUSPECT else 0.0, explained * explained)
+        opened = max(opened, abs(row[r, GAP]) / lever if size > 0.0 else 0.0)
+    return left <= (OPENED * opened * spread) ** 2

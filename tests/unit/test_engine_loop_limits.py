@@ -360,7 +360,7 @@ def test_a_spatial_loop_with_constraints_too_many_has_limits_too(integrator: str
     assert np.abs(worlds[2].state()[:, 7:]).max() < 0.05
 
 
-@numba.njit  # type: ignore[misc]
+@numba.njit
 def _settled(matrix: Floats, asked: Floats, low: Floats, high: Floats) -> Floats:
     """Sides of rows with bounds."""
     side = np.zeros(len(asked))

@@ -106,7 +106,7 @@ def test_a_parallelogram_stays_one_in_its_flat_pose(
     """
     masses = (1.0, 3.0, 1.0)
     world = _parallelogram(start, rate, masses, integrator, beside)
-    before = _energy(world, masses, G)
+    before, furthest = _energy(world, masses, G), 0.0
     for _ in range(100):
         world.step()
         q = world.state()[:3, 3:7]
@@ -114,7 +114,8 @@ def test_a_parallelogram_stays_one_in_its_flat_pose(
         assert abs(turned[0] - turned[1]) < (5e-3 if beside else 1e-5)
         assert abs(turned[2]) < (5e-3 if beside else 1e-5)
         assert _energy(world, masses, G) == pytest.approx(before, abs=1e-3 if integrator == "rk4" else 0.1)
-    assert abs(turned[0]) > 0.1
+        furthest = max(furthest, abs(turned[0]))
+    assert furthest > 0.1
 
 
 @SOLVED

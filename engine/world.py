@@ -13,6 +13,7 @@ from engine.broad.choice import choose_broad_phase, load_search, load_volume, se
 from engine.build.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
 from engine.build.initial_rates import check_initial_rates
 from engine.build.joint_order import elimination_order
+from engine.build.slenderness import check_slenderness
 from engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from engine.describe.bodies import Body, Surface
 from engine.describe.check import finite, number, whole
@@ -53,8 +54,8 @@ class World:
         never touch. sun: the light that pictures are taken in.
     Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for open meshes at a level
         of detail, for an integrator of free bodies where there are joints or contacts, for initial velocities that a joint
-        forbids, for what the exact solver lacks, and for joints beside contacts where these are swept or solved by sequential
-        impulses.
+        forbids, for bodies too thin for joints (`build.slenderness`), for what the exact solver lacks, and for joints beside
+        contacts where these are swept or solved by sequential impulses.
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class World:
         islands = self.touching and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
         check_initial_rates(bodies, joints)
+        check_slenderness(bodies, joints)
         self._joint_names = [joint.name for joint in joints]
         self._joints = {name: j for j, name in enumerate(self._joint_names)}
         self._names = [body.name for body in bodies]

@@ -16,6 +16,8 @@ Deviations:
     * Bodies that nothing touches in a step follow the integrator; touched ones follow semi-implicit Euler in sub-steps.
     * The integrators of free bodies (all but semi-implicit Euler and Runge-Kutta) build no scene with joints or contacts.
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
+    * Limits stop without a rebound. A joint holds no body whose principal moments of inertia differ by more than 1e10, as of a
+      rod a metre long and 4 micrometres thick: `build` raises `Unsupported`.
     * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
       With the option 'level_of_detail' it collides, and meets rays, as its sphere, box, hull or convex pieces; an open mesh has
       none, and decomposition needs CoACD: both are `Unsupported`.

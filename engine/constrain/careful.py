@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from engine.compile.jit import kernel
-from engine.constrain.dependence import SUSPECT, lies_in_span
+from engine.constrain.dependence import LOW_PIVOT, lies_in_span
 from engine.maths.double_double import Double, add2, div2, dot2, less2, mul2, product
 from engine.maths.vec import Floats, Sym, add, load3, load6, store3
 from engine.memory.arena import ENVELOPE, INV_MASS, LOW_PART, PIVOT, SOFTNESS, V, W
@@ -103,8 +103,8 @@ def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, forc
             pivot = less2(pivot, mul2(total, share))
             low[i, j] = total[0] / math.sqrt(pivot_high[j])
         lost = pivot[0] <= NOISE * whole[0]
-        if not lost and pivot[0] <= SUSPECT * whole[0] and row[i, SOFTNESS] == 0.0:
-            lost = lies_in_span(rows, i, bodies.body)
+        if not lost and pivot[0] <= LOW_PIVOT * whole[0] and row[i, SOFTNESS] == 0.0:
+            lost = lies_in_span(rows, i, bodies.body, pivot[0] / whole[0])
         if lost:
             vector[PIVOT, i] = 1.0
             vector[out, i] = 0.0

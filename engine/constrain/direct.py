@@ -1,51 +1,35 @@
-"""Solve the rows' impulses directly: J M^-1 J^T lambda = right-hand side, by a Cholesky factorisation with bounds.
+"""Solve the rows' impulses directly: J M^-1 J^T lambda = right-hand side, by a Cholesky factorisation.
 
 Dependent rows, as in closed loops, are left out. Where a pivot is small but the row does not depend on others, floats do not
-carry the system: it is then solved in double-double arithmetic. Bounds are met by moving rows between free and held until
-every sign is right.
+carry the system: it is then solved in double-double arithmetic.
 
 Source: Golub, Van Loan, Matrix Computations, section 4.2; George, Liu, Computer Solution of Large Sparse Positive Definite
-Systems (1981), chapter 4 (envelope); Cottle, Pang, Stone, The Linear Complementarity Problem, section 4.2
-(principal pivoting).
+Systems (1981), chapter 4 (envelope).
 """
 
 import math
-from typing import Final
 
 import numpy as np
 
 from engine.compile.jit import kernel
 from engine.constrain.careful import careful_apply, careful_solve
-from engine.constrain.dependence import SUSPECT, lies_in_span
+from engine.constrain.dependence import LOW_PIVOT, SUSPECT, lies_in_span
 from engine.maths.vec import Floats, axpy, dot, load3, load6, scale, store3, sym_vec
 from engine.memory.arena import (
-    BIAS,
-    BOUND,
     CAREFUL,
     ENVELOPE,
-    HIGH,
-    HIGHEST,
-    IMPULSE,
     INV_MASS,
-    LOW,
-    LOWEST,
     PIVOT,
-    RIGHT,
     SOFTNESS,
-    WORK,
     V,
     W,
 )  # fmt: skip
 from engine.memory.tables import Bodies, Rows
 
-__all__ = ["KNOWN", "NEW", "apply", "apply_all", "assemble", "factor", "is_careful", "rate", "solve", "solve_bounded"]
+__all__ = ["apply", "apply_all", "assemble", "factor", "is_careful", "rate", "solve"]
 
 NOISE = 1e-11
 """Pivots of soft rows below this share of their diagonal are round-off."""
-
-# Whether the matrix has been solved since it was assembled.
-NEW: Final = 0
-KNOWN: Final = 1
 
 
 NOBODY: Final = -1
@@ -112,10 +96,13 @@ def factor(rows: Rows, n: int, body: Floats) -> None:
                 total -= low[i, k] * low[j, k]
             low[i, j] = total / low[j, j]
             diagonal -= low[i, j] * low[i, j]
-        if diagonal > SUSPECT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
+        carried = diagonal > SUSPECT * matrix[i, i]
+        if diagonal > LOW_PIVOT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
             low[i, i] = math.sqrt(diagonal)
-        elif row[i, SOFTNESS] > 0.0 or lies_in_span(rows, i, body):
+        elif row[i, SOFTNESS] > 0.0 or lies_in_span(rows, i, body, diagonal / matrix[i, i]):
             vector[PIVOT, i] = 1.0
+        elif carried:
+            low[i, i] = math.sqrt(diagonal)
         else:
             vector[CAREFUL, 0] = 1.0
             return
@@ -187,75 +174,3 @@ def apply_all(table: Floats, rows: Rows, n: int, bodies: Bodies, which: int, sig
         return
     for r in range(n):
         apply(table, rows, r, sign * rows.vector[which, r])
-
-
-@kernel
-def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int) -> None:
-    """Change the velocities so that J v + softness * impulse + bias = 0 on free rows, each impulse between its bounds.
-
-    The impulses go to IMPULSE; the first `equalities` of the n rows have no bounds.
-
-    Args: matrix: NEW, or KNOWN if it is that of the last call, whose factor serves again where no bound held a row then.
-    Raises: nothing; after 20 changes of the free set the last one stands.
-    """
-    state, row, vector = bodies.state, rows.row, rows.vector
-    for r in range(n):
-        vector[WORK, r] = -(rate(state, rows, r) + row[r, BIAS])
-        vector[LOWEST, r] = row[r, LOW] if r >= equalities else -math.inf
-        vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
-        vector[IMPULSE, r] = 0.0
-    held = vector[BOUND]
-    factored = matrix == KNOWN
-    for r in range(n):
-        factored = factored and held[r] == 0.0
-        held[r] = 0.0
-    for _ in range(20):
-        for r in range(n):
-            if not factored:
-                vector[PIVOT, r] = 1.0 if held[r] != 0.0 else 0.0
-            total = vector[WORK, r]
-            for s in range(equalities, n):
-                if held[s] != 0.0:
-                    total -= rows.matrix[r, s] * (vector[LOWEST, s] if held[s] < 0.0 else vector[HIGHEST, s])
-            vector[RIGHT, r] = total
-        if not factored:
-            factor(rows, n, bodies.body)
-        factored = False
-        careful = is_careful(rows, n)
-        if careful:
-            for r in range(n):
-                vector[IMPULSE, r] = 0.0
-                if held[r] != 0.0:
-                    vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
-            careful_solve(rows, n, bodies, WORK, IMPULSE, np.zeros((bodies.body.shape[0], 6)))
-        else:
-            solve(rows, n, bodies, RIGHT, IMPULSE)
-        changed = False
-        for r in range(equalities, n):
-            if held[r] == 0.0:
-                if vector[IMPULSE, r] < vector[LOWEST, r]:
-                    held[r] = -1.0
-                    changed = True
-                elif vector[IMPULSE, r] > vector[HIGHEST, r]:
-                    held[r] = 1.0
-                    changed = True
-            else:
-                vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
-        change = state
-        if careful and equalities < n:
-            change = np.zeros((bodies.body.shape[0], 13))
-            apply_all(change, rows, n, bodies, IMPULSE, 1.0)
-        for r in range(equalities, n):
-            if held[r] != 0.0:
-                left = vector[WORK, r]
-                if careful:
-                    left -= rate(change, rows, r) + row[r, SOFTNESS] * vector[IMPULSE, r]
-                else:
-                    for s in range(n):
-                        left -= rows.matrix[r, s] * vector[IMPULSE, s]
-                if left * held[r] < -1e-12 * (1.0 + abs(vector[WORK, r])):
-                    held[r] = 0.0
-                    changed = True
-        if not changed:
-            break
-    apply_all(state, rows, n, bodies, IMPULSE, 1.0)

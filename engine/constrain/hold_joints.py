@@ -7,8 +7,9 @@ Source: Catto, Soft Constraints, GDC 2011 (accumulated impulses).
 """
 
 from engine.compile.jit import kernel
+from engine.constrain.bounded import KNOWN, NEW, solve_bounded
 from engine.constrain.coordinate import bounded_rows
-from engine.constrain.direct import KNOWN, NEW, assemble, solve_bounded
+from engine.constrain.direct import assemble
 from engine.constrain.joint_rows import equality_rows
 from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, LOW, SOFTNESS
 from engine.memory.tables import Bodies, Joints, Rows

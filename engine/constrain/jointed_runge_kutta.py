@@ -202,4 +202,4 @@ def jointed_runge_kutta(
                     state[b, c] = start[b, c] + dt / 6.0 * total[b, c]
                 store4(state, b, Q, quat_unit(load4(state, b, Q)))
             turn_inertia(state, bodies.body, bodies.turned, b)
-    project(bodies, joints, rows, dt)
+    project(bodies, joints, rows, slope, dt)

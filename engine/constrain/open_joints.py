@@ -1,17 +1,27 @@
-"""Whether a joint stays open after a step: the last look at what the solvers were asked to close."""
+"""Whether a joint stays open after a step: the last look at what the solvers were asked to close.
+
+Beside contacts a joint may be open by what the last sub-step turned, and the next one closes that. So a gap is looked into that
+is wider than it has any need to be: where no motion of the bodies closes it, it stays.
+"""
+
+import numpy as np
 
 from engine.compile.jit import kernel
 from engine.constrain.joint_rows import anchors, equality_rows
+from engine.constrain.projection import close_gaps
+from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.vec import Floats, Ints, dot, load3, norm
 from engine.memory.arena import (
     BODY,
     CHILD,
     COUNT,
     DT,
+    DYNAMIC,
     EXTENT,
     GAP,
     JACOBIAN,
     LENGTH,
+    MOTION,
     OPEN_GAP,
     PARENT,
     SETTING,
@@ -23,7 +33,7 @@ from engine.memory.arena import (
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import OPEN_JOINT
-from engine.memory.tables import Joints, Rows, joints_of, rows_of
+from engine.memory.tables import Bodies, Joints, Rows, bodies_of, joints_of, rows_of
 
 __all__ = ["open_joint"]
 
@@ -32,6 +42,12 @@ CLOSED = 1e-6
 
 CONTACT_CLOSED = 0.1
 """The same beside contacts, whose sub-steps close a gap of the last one: turning by w h opens (w h)^2 / 2 of the lever."""
+
+SUSPECT = 1e-3
+"""Beside contacts, a wider gap is looked into: it is what a turn of .045 in a sub-step opens, or one that nothing closes."""
+
+TRIES = 3
+"""Times that closing a gap is tried, of four rounds each; the number of right digits doubles in a round."""
 
 ROUND_OFF = 1e-12
 """What floats lose of a place, by its distance from the origin, over the sums that make a gap; and of any gap [m or rad]."""
@@ -43,12 +59,47 @@ def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
 
     Returns: 0, or OPEN_JOINT plus the number of the joint that is open furthest beyond its bound; its gap goes to OPEN_GAP.
     """
-    state, body, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, SETTING)
+    state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
+    joint, gap = widest_joint(floats, ints, state, SUSPECT if touching else CLOSED, moving=False)
+    if touching and joint >= 0:
+        suspect, narrow = joint, gap
+        joint, gap = widest_joint(floats, ints, state, CONTACT_CLOSED, moving=True)
+        if joint < 0 and not closes(floats, ints):
+            joint, gap = suspect, narrow
+    if joint < 0:
+        return 0
+    setting[0, OPEN_GAP] = gap
+    return OPEN_JOINT + joint
+
+
+@kernel
+def closes(floats: Floats, ints: Ints) -> bool:
+    """Whether some motion of the bodies, tried on copies, closes the gaps of all joints."""
+    bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
+    state, turned = bodies.state.copy(), bodies.turned.copy()
+    for b in range(state.shape[0]):
+        if bodies.kind[b, MOTION] == DYNAMIC:
+            turn_inertia(state, bodies.body, turned, b)
+    trial, change = Bodies(state, bodies.body, turned, bodies.load, bodies.kind), np.zeros(state.shape)
+    for _ in range(TRIES):
+        close_gaps(trial, joints, rows, change)
+    joint, _ = widest_joint(floats, ints, state, SUSPECT, moving=False)
+    return joint < 0
+
+
+@kernel
+def widest_joint(floats: Floats, ints: Ints, state: Floats, share: float, moving: bool) -> tuple[int, float]:
+    """The joint that is open furthest beyond a share of its levers, or an angle of that size, in this state, and its gap.
+
+    Args: moving: whether the sizes of its bodies count as levers, and what its bodies go and turn in a sub-step is granted.
+    Returns: -1 where none is.
+    """
+    body, setting = floats_of(floats, ints, BODY), floats_of(floats, ints, SETTING)
     joints, every = joints_of(floats, ints), rows_of(floats, ints)
     joint, kind, spare = joints.joint, joints.kind, every.row.shape[0] // 2
     rows = Rows(every.row[spare:], every.body[spare:], every.reach, every.matrix, every.factor, every.vector)
-    h, share = setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS], CONTACT_CLOSED if touching else CLOSED
-    worst, furthest = 0, 1.0
+    h = setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS]
+    widest, furthest, gap = -1, 1.0, 0.0
     for j in range(joint.shape[0]):
         a, b = kind[j, PARENT], kind[j, CHILD]
         n = equality_rows(state, Joints(joint[j : j + 1], kind[j : j + 1]), rows)
@@ -56,16 +107,15 @@ def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
         wa, wb = norm(load3(state, a, W)), norm(load3(state, b, W))
         way = h * (norm(load3(state, a, V)) + norm(load3(state, b, V)) + wa * norm(ra) + wb * norm(rb))
         lever = norm(ra) + norm(rb) + joint[j, LENGTH]
-        if touching:
+        if moving:
             lever += body[a, EXTENT] + body[b, EXTENT] + way / share
         length = (
             share * lever + CLOSED * way + ROUND_OFF * (1.0 + norm(load3(state, a, P)) + norm(load3(state, b, P)) + norm(d))
         )
-        angle = share + (h * (wa + wb) if touching else 0.0)
+        angle = share + (h * (wa + wb) if moving else 0.0)
         for r in range(n):
             turns = dot(load3(rows.row, r, JACOBIAN), load3(rows.row, r, JACOBIAN)) == 0.0
             excess = abs(rows.row[r, GAP]) / (angle if turns else length)
             if excess > furthest:
-                worst, furthest = OPEN_JOINT + j, excess
-                setting[0, OPEN_GAP] = abs(rows.row[r, GAP])
-    return worst
+                widest, furthest, gap = j, excess, abs(rows.row[r, GAP])
+    return widest, gap

@@ -7,18 +7,17 @@ Source: Hairer, Wanner, Solving Ordinary Differential Equations II, section VII.
 Integration, section IV.4.
 """
 
-import numpy as np
-
 from engine.compile.jit import kernel
+from engine.constrain.bounded import NEW, solve_bounded
 from engine.constrain.coordinate import implicit_rows
-from engine.constrain.direct import NEW, apply_all, assemble, factor, is_careful, solve, solve_bounded
+from engine.constrain.direct import apply_all, assemble, factor, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import Floats, add, axpy, load3, load4, quat_turn, store3, store4
+from engine.maths.vec import Floats, add, load3, load4, quat_turn, store3, store4
 from engine.memory.arena import DYNAMIC, GAP, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
-__all__ = ["project", "widest_gap"]
+__all__ = ["close_gaps", "project", "widest_gap"]
 
 ROUND_OFF = 1e-14
 """A gap [m or rad] below this is as good as closed."""
@@ -36,8 +35,14 @@ def widest_gap(row: Floats, n: int) -> float:
 
 
 @kernel
-def project(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
-    """Close the gaps of all joints, then remove velocities that would open them."""
+def close_gaps(bodies: Bodies, joints: Joints, rows: Rows, change: Floats) -> int:
+    """Move the bodies until the gaps of all joints are closed, in MAX_ROUNDS at most.
+
+    What the rows turn a body by is summed before the body turns: about thin links each may be a whole turn, all of them none.
+
+    Args: change (bodies + 1, 13): room for what moves the bodies.
+    Returns: the number of rows, which are those of the last pose.
+    """
     state, kind, vector = bodies.state, bodies.kind, rows.vector
     n = equality_rows(state, joints, rows)
     for _ in range(MAX_ROUNDS):
@@ -49,25 +54,23 @@ def project(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
             vector[RIGHT, r] = -rows.row[r, GAP]
         factor(rows, n, bodies.body)
         solve(rows, n, bodies, RIGHT, WORK)
-        careful = is_careful(rows, n)
-        if careful:
-            change = np.zeros(state.shape)
-            apply_all(change, rows, n, bodies, WORK, 1.0)
-            for b in range(state.shape[0]):
-                if kind[b, MOTION] == DYNAMIC:
-                    store3(state, b, P, add(load3(change, b, V), load3(state, b, P)))
-                    store4(state, b, Q, quat_turn(load4(state, b, Q), load3(change, b, W), 1.0))
-        for r in range(0 if careful else n):
-            mu = vector[WORK, r]
-            for side in range(2):
-                b = rows.body[r, side]
-                if kind[b, MOTION] == DYNAMIC:
-                    store3(state, b, P, axpy(mu, load3(rows.reach, r, 6 * side), load3(state, b, P)))
-                    store4(state, b, Q, quat_turn(load4(state, b, Q), load3(rows.reach, r, 6 * side + 3), mu))
+        for b in range(state.shape[0]):
+            store3(change, b, V, (0.0, 0.0, 0.0))
+            store3(change, b, W, (0.0, 0.0, 0.0))
+        apply_all(change, rows, n, bodies, WORK, 1.0)
         for b in range(state.shape[0]):
             if kind[b, MOTION] == DYNAMIC:
+                store3(state, b, P, add(load3(change, b, V), load3(state, b, P)))
+                store4(state, b, Q, quat_turn(load4(state, b, Q), load3(change, b, W), 1.0))
                 turn_inertia(state, bodies.body, bodies.turned, b)
         n = equality_rows(state, joints, rows)
-    every = implicit_rows(state, joints, rows, n, dt)
+    return n
+
+
+@kernel
+def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: float) -> None:
+    """Close the gaps of all joints, then remove velocities that would open them. Args: change: as of `close_gaps`."""
+    n = close_gaps(bodies, joints, rows, change)
+    every = implicit_rows(bodies.state, joints, rows, n, dt)
     assemble(rows, every, bodies)
     solve_bounded(bodies, rows, n, every, NEW)

@@ -17,8 +17,9 @@ section VII.1.4.
 import math
 
 from engine.compile.jit import kernel
+from engine.constrain.bounded import NEW, solve_bounded
 from engine.constrain.coordinate import bounded_rows
-from engine.constrain.direct import NEW, apply_all, assemble, factor, solve, solve_bounded
+from engine.constrain.direct import apply_all, assemble, factor, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import ROUND_OFF, widest_gap
 from engine.integrate.semi_implicit_euler import drift, kick

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from harness.adapter import Adapter
 from harness.case import Case
@@ -26,6 +27,7 @@ from harness.run.campaign import carry_out
 from harness.store.store import Store
 from harness.study.experiment import Experiment
 from harness.study.study import Study
+from tests.in_process import in_this_process
 
 __all__ = [
     "LADDER",
@@ -128,13 +130,13 @@ def over_the_ladder(steps: Iterable[Comparison]) -> float:
     return float(np.exp(np.mean(np.log(np.clip([one.ratio for one in steps], LEAST, 1 / LEAST)))))
 
 
-def run_both_tracks(
-    folder: Path, cases: Mapping[str, Case], engines: Mapping[str, Adapter], ladder: bool, workers: int = 2
-) -> Store:
-    """Every case on both tracks of every engine, each trial in a process of its own, without clocks and recordings."""
+def run_both_tracks(folder: Path, cases: Mapping[str, Case], engines: Mapping[str, Adapter], ladder: bool) -> Store:
+    """Every case on both tracks of every engine, in this process, without clocks and recordings."""
     experiment = Experiment(name="tracks", dt="ladder" if ladder else "case", timing=False, deadline=300.0)
     study = Study(name="tracks", recordings=False, experiments=(experiment,))
-    return carry_out(study, folder, cases, engines, workers=workers, resume=False)
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        return carry_out(study, folder, cases, engines, workers=1, resume=False)
 
 
 def comparisons(store: Store, cases: Mapping[str, Case]) -> dict[str, list[Comparison]]:

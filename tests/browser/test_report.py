@@ -94,18 +94,26 @@ def html_files(report: Path) -> list[Path]:
     return found
 
 
-def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(plain: Path, visit: Any) -> None:
-    assert len(html_files(plain)) == 6
-    for path in html_files(plain):
-        seen = visit(path)
+@pytest.fixture(scope="module")
+def opened(browser: Any, plain: Path) -> Iterator[dict[Path, Visit]]:
+    """Each page of the report, open: for what is read off it and leaves it as it is."""
+    pages = {path: Visit(browser, path) for path in html_files(plain)}
+    yield pages
+    for one in pages.values():
+        one.close()
+
+
+def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(opened: dict[Path, Visit]) -> None:
+    assert len(opened) == 6
+    for path, seen in opened.items():
         assert seen.said == [], path.name
         assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}, path.name
 
 
-def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(plain: Path, visit: Any) -> None:
+def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(opened: dict[Path, Visit]) -> None:
     followed = 0
-    for path in html_files(plain):
-        for href in visit(path).page.eval_on_selector_all("[href], [src]", "all => all.map(one => one.href || one.src)"):
+    for path, seen in opened.items():
+        for href in seen.page.eval_on_selector_all("[href], [src]", "all => all.map(one => one.href || one.src)"):
             address = urlsplit(href)
             if address.scheme in ("http", "https", "data"):
                 continue
@@ -233,11 +241,10 @@ def test_hovering_a_point_tells_its_trial(plain: Path, visit: Any) -> None:
 
 
 @pytest.mark.parametrize("width", [390, 1280])
-def test_no_page_is_wider_than_the_screen(plain: Path, visit: Any, width: int) -> None:
-    for path in html_files(plain):
-        page = visit(path).page
-        page.set_viewport_size({"width": width, "height": 800})
-        assert page.evaluate("document.documentElement.scrollWidth") <= width, path.name
+def test_no_page_is_wider_than_the_screen(opened: dict[Path, Visit], width: int) -> None:
+    for path, seen in opened.items():
+        seen.page.set_viewport_size({"width": width, "height": 800})
+        assert seen.page.evaluate("document.documentElement.scrollWidth") <= width, path.name
 
 
 def test_names_that_attack_run_no_script_and_open_no_dialog(hostile: Path, visit: Any) -> None:

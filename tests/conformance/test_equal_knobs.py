@@ -21,7 +21,7 @@ def test_one_and_a_half_times_as_many_settings_are_alike_and_more_are_not() -> N
     assert unequal(some) == ["c: 19 settings of d, 30 of a"]
 
 
-@pytest.fixture(scope="module", params=["friction_slip_to_roll", "impact_oblique"])
+@pytest.fixture(scope="module", params=["impact_oblique", pytest.param("friction_slip_to_roll", marks=pytest.mark.slow)])
 def tried(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Sequence[Tried]:
     """A cheap case with contact, in which every engine has knobs that matter; and MuJoCo once more without a knob."""
     case = plugins.case(request.param)

@@ -1,4 +1,7 @@
-"""Small studies of limits, effects and determinism, run for real through the command line, on engines that come compiled."""
+"""Small studies of limits, effects and determinism, run through the command line, on engines that come compiled.
+
+That of limits has its trials in the test's own process; the others, and a trial of limits again, have processes of their own.
+"""
 
 import json
 from collections.abc import Mapping
@@ -16,6 +19,7 @@ from harness.study.study import Study
 from harness.trial.ensemble import endure
 from tests.charts import checked
 from tests.conftest import Command
+from tests.in_process import in_this_process
 
 LIMITS = """
 name = "small-limits"
@@ -63,9 +67,9 @@ determinism = true
 """
 
 
-def carried_out(text: str, folder: Path, plumbline: Command) -> Path:
+def carried_out(text: str, folder: Path, call: Command) -> Path:
     (folder / "study.toml").write_text(text)
-    done = plumbline("run", str(folder / "study.toml"), "--out", str(folder / "run"), "--workers", "2")
+    done = call("run", str(folder / "study.toml"), "--out", str(folder / "run"), "--workers", "2")
     assert done.returncode == 0, done.stderr
     return folder / "run"
 
@@ -76,12 +80,14 @@ def table(folder: Path, name: str, printed: Command) -> list[dict[str, Any]]:
 
 
 @pytest.fixture(scope="module")
-def limits(plumbline: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return carried_out(LIMITS, tmp_path_factory.mktemp("limits"), plumbline)
+def limits(printed: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        return carried_out(LIMITS, tmp_path_factory.mktemp("limits"), printed)
 
 
 def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> None:
-    """Twelve speeds, one by one, without any search: the first that breaks lies where the bracket says."""
+    """Up to twelve speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = plugins.case("tunnel_sphere_wall")
     sought = [row for row in table(limits, "limits", printed) if row["where"] == "continuous False"]
     assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
@@ -91,13 +97,14 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> No
         experiment = Experiment(name="scan", tracks=("tuned",), timing=False, limit=Limit(members=2))
         study = Study(name="scan", experiments=(experiment,))
         (start,) = study.trials({case.name: case}, {engine.name: engine}, {engine.name: "1"})
-        held = []
-        for speed in np.geomspace(row["easy"], row["extreme"], 12):
-            parameters = {**start.parameters, "continuous": False, "speed": float(speed)}
-            record = endure(start.probing(case, parameters=parameters), case, engine, None)
-            held.append((float(speed), record.status == "passed"))
-        first = next(speed for speed, whole in held if not whole)
-        before = max((speed for speed, whole in held if whole and speed < first), default=0.0)
+        before, first = 0.0, None
+        for speed in map(float, np.geomspace(row["easy"], row["extreme"], 12)):
+            parameters = {**start.parameters, "continuous": False, "speed": speed}
+            if endure(start.probing(case, parameters=parameters), case, engine, None).status != "passed":
+                first = speed
+                break
+            before = speed
+        assert first is not None
         assert row["held"] < first
         assert row["broke"] > before
         assert row["broke"] <= 1.1 * row["held"] * (1 + 1e-9)

@@ -44,9 +44,12 @@ LONG = frozenset(
         "stack_overlap_recovery",
         "stack_stirred",
         "stack_ten_minutes",
+        "stand_humanoid",
+        "system_rays",
+        "tunnel_thin_mesh",
     }
 )
-"""The cases that take two thirds of the time of the whole catalogue; `make test-all` runs them."""
+"""The cases that take most of the time of the whole catalogue; `make test-all` runs them."""
 ENGINES = pytest.mark.parametrize("name", NAMES)
 
 
@@ -115,7 +118,7 @@ def test_a_list_of_trade_offs_is_held_to_both_ways() -> None:
 
 def test_an_engine_that_was_deliberately_detuned_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two planted engines whose default errs by the first order: one is tuned to the second, one to an error that stays."""
-    monkeypatch.syspath_prepend(PLUGINS)  # children inherit the path
+    monkeypatch.syspath_prepend(PLUGINS)
     engines = {name: plugins.adapter(name) for name in ("spinner", "detuned")}
     case = {"flight_projectile": CASES["flight_projectile"]}
     compared = comparisons(run_both_tracks(tmp_path / "run", case, engines, ladder=False), case)

@@ -202,12 +202,12 @@ def test_a_broken_file_is_refused_naming_file_element_field_and_value(fault: str
 
 @pytest.mark.parametrize("fault", BROKEN)
 def test_the_command_line_refuses_a_broken_scene_before_any_engine_and_writes_nothing(
-    fault: str, tmp_path: Path, plumbline: Command
+    fault: str, tmp_path: Path, printed: Command
 ) -> None:
     before, after, words = BROKEN[fault]
     path = tmp_path / "scene.toml"
     path.write_text(SOUND.replace(before, after, 1))
-    done = plumbline("run", path, "--out", tmp_path / "out")
+    done = printed("run", path, "--out", tmp_path / "out")
     assert done.returncode == 2, done.stderr
     for word in words:
         assert word in done.stderr
@@ -220,12 +220,14 @@ def test_the_schema_accepts_what_the_reader_accepts() -> None:
     jsonschema.validate(json.loads(dump_json(parse(SOUND, "scene.toml"))), schema())
 
 
-def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(tmp_path: Path, plumbline: Command) -> None:
+def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(
+    tmp_path: Path, plumbline: Command, printed: Command
+) -> None:
     path = tmp_path / "ball.toml"
     path.write_text(SOUND.partition("[[joints]]")[0] + "[[surfaces]]" + SOUND.partition("[[surfaces]]")[2])
     done = plumbline("run", path, "--engine", "mujoco", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    rows = json.loads(plumbline("show", tmp_path / "out", "--format", "json").stdout)
+    rows = json.loads(printed("show", tmp_path / "out", "--format", "json").stdout)
     assert {row["status"] for row in rows} == {"passed"}
     for track in ("default", "tuned"):
         steps = {row["dt"] for row in rows if row["experiment"] == "ladder" and row["track"] == track}

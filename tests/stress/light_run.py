@@ -10,14 +10,14 @@ import pytest
 
 from harness.findings.summary import write_summary
 from harness.run import campaign
-from harness.store.record import Record, Sample, Timing
+from harness.store.record import Sample, Timing
 from harness.store.store import TABLES, Store
 from harness.study import plugins
 from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.study.trial import Trial
-from harness.trial.accuracy import run_trial
 from tests.conftest import PLUGINS
+from tests.in_process import in_this_process
 
 __all__ = ["STUDY", "carry_out", "light", "same_tables", "tables"]
 
@@ -26,11 +26,6 @@ STUDY = Study(
     recordings=False,
     experiments=(Experiment(name="light", cases=("stress_fall",), engines=("sound",), dt=(0.05,)),),
 )
-
-
-def _in_this_process(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
-    for trial in trials:
-        yield run_trial(trial, plugins.case(trial.case), plugins.adapter(trial.engine), folder)
 
 
 def _by_formula(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
@@ -42,7 +37,7 @@ def _by_formula(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random)
 def light(patch: pytest.MonkeyPatch) -> None:
     """Run trials in this process from here on, and let nothing be clocked."""
     patch.syspath_prepend(str(PLUGINS))
-    patch.setattr(campaign, "run_isolated", _in_this_process)
+    in_this_process(patch)
     patch.setattr(campaign, "clock_group", _by_formula)
 
 

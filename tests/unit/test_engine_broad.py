@@ -3,8 +3,9 @@
 import math
 import subprocess
 import sys
+from collections.abc import Iterator
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 import engine
 from engine.broad.choice import FEW, choose_broad_phase
+from engine.build import solids
 from engine.build.assembly import grow
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
@@ -27,6 +29,22 @@ OCTAHEDRON = engine.ConvexHull(
     [(sign * R * (k == 0), sign * R * (k == 1), sign * R * (k == 2)) for k in range(3) for sign in (-1, 1)]
 )
 SEARCHES = tuple(name for name in BROAD_PHASES if name != "brute_force")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _hulls_found_once() -> Iterator[None]:
+    """Worlds of the same bodies are built for each search: the faces of equal hulls are found once."""
+    find, found = solids.hull_polyhedron, dict[bytes, Any]()
+
+    def once(vertices: Any) -> Any:
+        key = np.asarray(vertices, float).tobytes()
+        if key not in found:
+            found[key] = find(vertices)
+        return found[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solids, "hull_polyhedron", once)
+        yield
 
 
 def _random_bodies(seed: int, number: int, spread: float, ratio: float, planes: int) -> list[engine.Body]:

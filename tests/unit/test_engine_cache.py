@@ -49,16 +49,20 @@ print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
 """
 """As TUMBLE, of two heaps, each on a thread."""
 KICK = "g = load3(setting, 0, GRAVITY)"
-UNIT = ("test_engine_motion.py", "test_engine_input.py", "test_engine_world.py")
-"""Tests of every stage of a step, that pass within a minute as plain Python."""
+FEW = ("test_engine_motion.py", "test_engine_input.py")
+"""Tests of free bodies and of every solver's contacts that pass within seconds as plain Python."""
+
+
+def _copied(root: Path) -> Path:
+    source = Path(engine.__file__).parent
+    shutil.copytree(source, root / "engine", ignore=shutil.ignore_patterns("__pycache__"))
+    return root
 
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     """A copy of the engine of one's own, with an empty cache beside it."""
-    source = Path(engine.__file__).parent
-    shutil.copytree(source, tmp_path / "engine", ignore=shutil.ignore_patterns("__pycache__"))
-    return tmp_path
+    return _copied(tmp_path)
 
 
 def _run(root: Path, script: str) -> tuple[str, int]:
@@ -80,6 +84,14 @@ def _fall(root: Path) -> tuple[float, int]:
     return float(velocity), hits
 
 
+@pytest.fixture(scope="module")
+def fallen(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy whose step of free fall is in the cache; each test leaves it so."""
+    root = _copied(tmp_path_factory.mktemp("fallen"))
+    assert _fall(root) == (pytest.approx(-9.81 / 240), 0)
+    return root
+
+
 @pytest.mark.parametrize("script", [TUMBLE, pytest.param(ROLL, marks=pytest.mark.slow)])
 def test_the_process_that_compiles_gets_the_bits_of_those_that_load(copy: Path, script: str) -> None:
     compiled, loaded = _run(copy, script), _run(copy, script)
@@ -87,22 +99,20 @@ def test_the_process_that_compiles_gets_the_bits_of_those_that_load(copy: Path, 
     assert compiled[0] == loaded[0]
 
 
-def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_cache(copy: Path) -> None:
+def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_cache(fallen: Path) -> None:
     """The edit turns gravity round in a function that the compiled step calls from another module. A cache that looks at the
     step's own file alone would go on to fall down.
     """
-    assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
-    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
-    motion = copy / "engine" / "integrate" / "semi_implicit_euler.py"
+    assert _fall(fallen) == (pytest.approx(-9.81 / 240), 1)
+    motion = fallen / "engine" / "integrate" / "semi_implicit_euler.py"
     text = motion.read_text()
     assert text.count(KICK) == 1
     motion.write_text(text.replace(KICK, KICK.replace("load3", "scale(-1.0, load3") + ")"))
-    assert _fall(copy) == (pytest.approx(9.81 / 240), 0)
+    assert _fall(fallen) == (pytest.approx(9.81 / 240), 0)
     motion.write_text(text)
-    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
-    with (copy / "engine" / "rays" / "tiles.py").open("a") as rays:
+    with (fallen / "engine" / "rays" / "tiles.py").open("a") as rays:
         rays.write("# no step is made of this\n")
-    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
+    assert _fall(fallen) == (pytest.approx(-9.81 / 240), 1)
 
 
 def _stored(folder: Path) -> Any:
@@ -135,20 +145,20 @@ def test_damaged_code_is_named_never_loaded_and_replaced(tmp_path: Path, kind: s
     assert files.load("key") is None
 
 
-def test_a_step_whose_stored_code_is_damaged_is_compiled_anew(copy: Path) -> None:
-    assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
-    (path,) = (copy / "cache").rglob("*.nbc")
-    whole = path.read_bytes()
-    path.write_bytes(whole[:-100] + bytes([whole[-100] ^ 1]) + whole[-99:])
-    assert _fall(copy) == (pytest.approx(-9.81 / 240), 0)
-    assert _fall(copy) == (pytest.approx(-9.81 / 240), 1)
+def test_a_step_whose_stored_code_is_damaged_is_compiled_anew(fallen: Path) -> None:
+    for path in (fallen / "cache").rglob("*.nbc"):
+        whole = path.read_bytes()
+        path.write_bytes(whole[:-100] + bytes([whole[-100] ^ 1]) + whole[-99:])
+    assert _fall(fallen) == (pytest.approx(-9.81 / 240), 0)
+    assert _fall(fallen) == (pytest.approx(-9.81 / 240), 1)
 
 
-def test_the_unit_tests_pass_without_the_compiler() -> None:
-    """A part that takes less than a minute; `make test-nojit` runs them all."""
+@pytest.mark.parametrize("files", [FEW, pytest.param(("test_engine_world.py",), marks=pytest.mark.slow)])
+def test_the_unit_tests_pass_without_the_compiler(files: tuple[str, ...]) -> None:
+    """Some that take seconds; `make test-nojit` runs them all."""
     here = Path(__file__).parent
     ran = subprocess.run(
-        [sys.executable, "-m", "pytest", *(str(here / name) for name in UNIT)],
+        [sys.executable, "-m", "pytest", *(str(here / name) for name in files)],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
         capture_output=True,
         text=True,

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -41,10 +42,19 @@ ELL = _prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], [(0, 1, 2), (0, 2
 """Three cubes of 1 m in an L."""
 
 
-def _built(mesh: engine.TriangleMesh, level: str) -> engine.build.level_of_detail.Detail:  # type: ignore[name-defined]
+TORUS = _torus()
+MESHES = {"L": ELL, "torus": TORUS}
+
+
+def _built(mesh: str, level: str) -> engine.build.level_of_detail.Detail:  # type: ignore[name-defined]
     if level == "decomposition":
         pytest.importorskip("coacd")
-    return collision_shapes(mesh, level)
+    return _built_once(mesh, level)
+
+
+@cache
+def _built_once(mesh: str, level: str) -> engine.build.level_of_detail.Detail:  # type: ignore[name-defined]
+    return collision_shapes(MESHES[mesh], level)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -70,7 +80,7 @@ def test_the_error_of_an_l_is_that_of_geometry(level: str) -> None:
     of the cut lies .5 from either inner face, as near as the inner edge is not (.71). Two convex pieces make it up exactly.
     Sphere: its radius is at least that of the circle about the hull's top and bottom, sqrt(.5 + 2) for the box's corners.
     """
-    found = _built(ELL, level)
+    found = _built("L", level)
     if level == "sphere":
         assert found.volume_ratio > 4 / 3 * math.pi * 2.25**1.5 / 3 * 0.99
         assert found.lack < 1e-12
@@ -90,8 +100,7 @@ def test_finer_levels_of_a_torus_are_better() -> None:
     """The hull has the volume pi 1^2 .6 + the outer half of the torus, 1.6 times the whole; its top's middle lies
     sqrt(1 + .3^2) - .3 = .744 m off the ring. The polygon of 24 x 12 differs by a few per cent.
     """
-    pytest.importorskip("coacd")
-    hull, pieces = (collision_shapes(_torus(), level) for level in ("hull", "decomposition"))
+    hull, pieces = (_built("torus", level) for level in ("hull", "decomposition"))
     assert hull.volume_ratio == pytest.approx(1.625, rel=0.05)
     assert 0.6 < hull.excess < 0.75
     assert 0.9 < pieces.volume_ratio < 1.25
@@ -103,7 +112,7 @@ def test_finer_levels_of_a_torus_are_better() -> None:
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_ball_falls_through_a_ring_from_the_decomposition_on(level: str) -> None:
     """The hole has a radius of .7 m, the ball of .3 m: at coarser levels it lies on top, after 1 s of fall from 1 m."""
-    ring = engine.Body(name="ring", motion="static", shapes=_built(_torus(), level).shapes)
+    ring = engine.Body(name="ring", motion="static", shapes=_built("torus", level).shapes)
     ball = engine.Body(name="ball", shapes=[engine.Placed(engine.Sphere(0.3))], p_WB=(0, 0, 1.7), inertia=np.eye(3) * 0.036)
     world = engine.World([ring, ball])
     world.step(240)
@@ -113,11 +122,10 @@ def test_a_ball_falls_through_a_ring_from_the_decomposition_on(level: str) -> No
 
 def test_a_dynamic_ring_takes_its_pieces_and_comes_to_rest() -> None:
     """As a mesh it is refused; as pieces it lies flat on the ground, its middle .3 m high but for what CoACD cuts off (5 %)."""
-    ring = _torus()
     ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
     with pytest.raises(engine.NotSupported, match="triangle mesh of body 'ring'"):
-        engine.World([ground, engine.Body(name="ring", shapes=[engine.Placed(ring)])])
-    pieces = _built(ring, "decomposition").shapes
+        engine.World([ground, engine.Body(name="ring", shapes=[engine.Placed(TORUS)])])
+    pieces = _built("torus", "decomposition").shapes
     body = engine.Body(name="ring", shapes=pieces, inertia=np.diag([0.55, 0.55, 1.07]), p_WB=(0, 0, 0.35))
     world = engine.World([ground, body], surfaces={("default", "default"): engine.Surface()})
     world.step(240)

@@ -82,7 +82,7 @@ def test_an_order_as_promised_or_above_is_none(order: int) -> None:
         assert not _broken([dt**order for dt in LADDER[:6]], promised)
 
 
-@pytest.mark.parametrize("noise", [0.01, 0.1, 0.3, 0.7])
+@pytest.mark.parametrize("noise", [0.1, 0.7, *(pytest.param(noise, marks=pytest.mark.slow) for noise in (0.01, 0.3))])
 @pytest.mark.parametrize("order", [1, 2, 4])
 def test_noise_makes_hardly_a_false_finding_in_a_thousand_ladders(order: int, noise: float) -> None:
     """Student's interval lies below the true order in 2.5 %; half an order lower yet it lies less often.

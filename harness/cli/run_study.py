@@ -13,7 +13,7 @@ from harness.cli.installed import left_out
 from harness.cli.options import limited
 from harness.cli.own_import import refuse_two_frictions, scene_to_run
 from harness.cli.own_scene import closing_count, closing_words
-from harness.cli.robot_options import is_scene, robot_options
+from harness.cli.robot_options import NAMES, is_scene, robot_options, run_options
 from harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def _once(name: str, given: "Sequence[str]") -> None:
         raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
 
 
-def _study_and_cases(name: str, own: bool, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
+def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> "tuple[Study, dict[str, Case]]":
     from fnmatch import fnmatchcase
 
     from harness.study import plugins
@@ -54,7 +54,7 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...]) -> "tuple[Stu
         case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
         if globs:
             raise click.BadParameter(f"{quoted(globs[0])}: a scene file is one case, expected none", param_hint="--case")
-        return study_of(case), {case.name: case}
+        return study_of(case, budget), {case.name: case}
     study = load_study(name)
     _once("--case", globs)
     for sentence in left_out("cases", "metrics", "pages"):
@@ -116,6 +116,7 @@ class _Resumable(click.Command):
 @click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
 @click.option(_MERGE, "resume", flag_value="merge", hidden=True)
 @robot_options
+@run_options
 @limited
 def run(
     study: str,
@@ -125,17 +126,15 @@ def run(
     workers: int,
     shard: tuple[int, int],
     resume: Literal["same", "merge"] | None,
+    budget: float | None,
     **robot: Any,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
     own = is_scene(study)
     if own:
         study = scene_to_run(study, out or Path("build") / "scene", robot)
-    elif any(robot.values()):
-        raise click.BadParameter(
-            f"for scene and robot files alone; {quoted(study)} is none",
-            param_hint="--drop, --package, --root, --scenario, --one-friction",
-        )
+    elif any(robot.values()) or budget is not None:
+        raise click.BadParameter(f"for scene and robot files alone; {quoted(study)} is none", param_hint=NAMES)
     _once("--engine", engine_names)
 
     from harness.run.campaign import carry_out
@@ -143,7 +142,7 @@ def run(
     from harness.study.experiment import StudyError
 
     try:
-        plan, chosen = _study_and_cases(study, own, globs)
+        plan, chosen = _study_and_cases(study, own, globs, budget)
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
     adapters = {name: plugins.adapter(name) for name in engine_names} if engine_names else plugins.adapters()

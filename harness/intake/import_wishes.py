@@ -46,8 +46,8 @@ DROPPABLE: Mapping[Drop, str] = {
 }
 
 Root = Literal["fixed", "floating"]
-Scenario = Literal["drop", "hold", "swing"]
-SCENARIOS: tuple[Scenario, ...] = ("drop", "hold", "swing")
+Scenario = Literal["drop", "hold", "swing", "sweep"]
+SCENARIOS: tuple[Scenario, ...] = ("drop", "hold", "swing", "sweep")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -33,7 +33,7 @@ def keep(folder: Path, imported: Imported) -> Path:
         "links": dict(imported.links),
         "rows": [plain(row) for row in imported.fidelity],
     }
-    wishes = {key: value for key in ("duration", "seed") if (value := getattr(imported, key)) is not None}
+    wishes = {key: value for key in ("duration", "dt", "seed") if (value := getattr(imported, key)) is not None}
     if imported.look_at:
         wishes["look_at"] = list(imported.look_at)
     scene = dump_toml(imported.scene)

@@ -17,7 +17,7 @@ class Imported:
         name: of the robot or the scene. source: the file, in words. fidelity: what became of each element. coordinates: by the
         name of each joint of the file, its value at the start [rad or m]; joints that were merged away are not among them.
         links: by the name of each link, the body that it is part of. dropped: kinds of elements that the user left out.
-        duration [s], look_at, seed: what the companion says of the run.
+        duration [s], dt [s], look_at, seed: what the companion says of the run.
     """
 
     name: str
@@ -28,5 +28,6 @@ class Imported:
     links: Mapping[str, str] = field(default_factory=dict)
     dropped: tuple[str, ...] = ()
     duration: float | None = None
+    dt: float | None = None
     look_at: tuple[str, ...] = ()
     seed: int | None = None

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from harness.intake.import_wishes import Drop
-from harness.scene import Matrix3, Shape, Surface, Vector3
+from harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 
@@ -43,13 +43,14 @@ class Geometry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Servo:
-    """A drive: stiffness (target - x) + damping (target_velocity - x'), cut off at limit."""
+    """A drive: stiffness (target - x) + damping (target_velocity - x'), cut off at limit; motion: how its target moves."""
 
     stiffness: float = 0.0
     damping: float = 0.0
     target: float = 0.0
     target_velocity: float = 0.0
     limit: float | None = None
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -145,7 +146,7 @@ class Robot:
         links: parents before children. root: how the root is held, None where the format does not say. gravity [m/s2]: None
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
-        rows: what was settled while it was read.
+        sensors: of the file, with a link for their body. rows: what was settled while it was read.
         needs: what has to be dropped by the user.
     """
 
@@ -157,6 +158,7 @@ class Robot:
     contacts: Contacts | None = None
     filter_world: bool = True
     collide: bool = False
+    sensors: tuple[Sensor, ...] = ()
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
     source: str = ""

@@ -8,6 +8,7 @@ They stay defined where no two runs can be compared any more.
 from pathlib import Path
 
 from harness.case import Case, Check
+from harness.case.own_titles import title_of
 from harness.intake.documents import named
 from harness.intake.refusal import RobotError
 from harness.metrics import contact_residuals, divergence, energy, joint_gap, limits, momentum, own_readings, penetration
@@ -34,12 +35,6 @@ OBSERVED = (
     penetration.PENETRATION,
     *contact_residuals.METRIC,
 )
-
-
-def title_of(path: Path) -> str:
-    """'My arm' of my_arm.toml."""
-    words = " ".join(path.stem.replace("_", " ").replace("-", " ").split()) or path.stem
-    return words[:1].upper() + words[1:]
 
 
 def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:

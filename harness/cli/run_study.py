@@ -1,6 +1,7 @@
 """The command that runs a study, or a scene file of one's own."""
 
 import re
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -91,6 +92,15 @@ def publish(store: "Store", recordings: bool) -> Path:
     return build(store.folder)
 
 
+def _propose(store: "Store", case: "Case") -> None:
+    """Write the scene with what it needs alone, where the audit proposes one, and say how it is run."""
+    from harness.cli.minimal_scene import write_minimal
+
+    written = write_minimal(store, case)
+    if written is not None:
+        say(f"without {', '.join(written[1])}: plumbline run {shlex.quote(str(written[0]))}", err=True)
+
+
 _MERGE = "--resume-with-another-study"
 
 
@@ -164,5 +174,7 @@ def run(
         say(sentence, err=True)
     for sentence in closing_words(store) if own else []:
         say(sentence, err=True)
+    if own:
+        _propose(store, next(iter(chosen.values())))
     if failed:
         sys.exit(GATE)

@@ -1,7 +1,7 @@
 """Readings against an engine's own motion: ideal signals beside what the recorded states say that a sensor has to tell.
 
-The trajectory carries both (`harness.trial.readings_due`): '<sensor>/gyroscope_due' and '<sensor>/range_due' at those readings
-whose places stand in '<sensor>/due'.
+The trajectory carries both (`harness.trial.readings_due`): '<sensor>/gyroscope_due' and '<sensor>/range_due' beside the
+readings, NaN where no state was recorded at a reading's instant.
 """
 
 import numpy as np
@@ -23,7 +23,8 @@ def _pairs(scene: Scene, actual: Trajectory, channel: str) -> list[tuple[Floats,
     for sensor in scene.sensors:
         due, reading = (actual.streams.get(f"{sensor.name}/{channel}_{word}") for word in ("due", "ideal"))
         if due is not None and reading is not None:
-            found.append((reading[actual.streams[f"{sensor.name}/due"].astype(np.int64)], due))
+            told = ~np.isnan(due).reshape(len(due), -1).all(axis=1)
+            found.append((reading[told], due[told]))
     if not found:
         raise NotMeasurable(f"nothing is known of what a {channel} has to read")
     return found

@@ -15,9 +15,11 @@ from harness.scene.importers.imported import Imported
 from harness.store import disk
 from harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
 
-__all__ = ["FOLDER", "fidelity_of", "keep", "kept", "unsound"]
+__all__ = ["FOLDER", "MINIMAL", "fidelity_of", "keep", "kept", "kept_by", "unsound"]
 
 FOLDER = "scenes"
+MINIMAL = "minimal"
+"""The folder of scenes that the audit of effects proposes; made from the rest, like a report."""
 _TABLE = "fidelity.json"
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
@@ -51,12 +53,18 @@ def keep(folder: Path, imported: Imported) -> Path:
 
 def kept(folder: Path) -> Iterator[dict[str, Any]]:
     """The fidelity tables of a run folder, each with the name and source of its robot. Raises: Damaged."""
+    for _, table in kept_by(folder):
+        yield table
+
+
+def kept_by(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The same by the name of the folder that each lies in. Raises: Damaged."""
     for path in sorted((folder / FOLDER).glob(f"*/{_TABLE}")):
         content = disk.read(path)
         if not check_seal(path, content):
             raise Damaged(f"{path}: it has no checksum")
         table: dict[str, Any] = json.loads(content)
-        yield table
+        yield path.parent.name, table
 
 
 def fidelity_of(folder: Path) -> list[dict[str, Any]]:

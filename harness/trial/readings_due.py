@@ -4,7 +4,8 @@ A gyroscope reads its body's angular velocity in its own frame; a beam is as lon
 in closed form. Both are told at the readings' instants that were recorded too, the start left out.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -22,28 +23,31 @@ SAME = 1e-9
 
 
 def readings_due(scene: Scene, actual: Trajectory) -> dict[str, Floats]:
-    """Streams '<sensor>/due' (k,), the places of the readings that are told of, and '<sensor>/gyroscope_due' (k, 3) rad/s or
-    '<sensor>/range_due' (k, channels, columns) m; none of a sensor with a latency, that spins, or meets shapes without a
-    closed form."""
+    """Streams '<sensor>/gyroscope_due' (k, 3) rad/s and '<sensor>/range_due' (k, channels, columns) m, as many as there are
+    readings, NaN where a reading has no state beside it; none of a sensor with a latency, that spins, or meets shapes without
+    a closed form."""
     found: dict[str, Floats] = {}
     for sensor in scene.sensors:
-        if isinstance(sensor, Imu) and sensor.latency == 0:
-            told = [(k, _turning(scene, sensor, state)) for k, state in _instants(sensor, actual)]
-            found |= _streams(sensor.name, "gyroscope_due", told)
-        elif isinstance(sensor, Lidar) and not sensor.spinning:
-            try:
-                told = [(k, _ranges(scene, sensor, state)) for k, state in _instants(sensor, actual)]
-            except TypeError:
-                continue
-            found |= _streams(sensor.name, "range_due", told)
+        try:
+            if isinstance(sensor, Imu) and sensor.latency == 0:
+                found |= _stream(scene, sensor, actual, "gyroscope", _turning)
+            elif isinstance(sensor, Lidar) and not sensor.spinning:
+                found |= _stream(scene, sensor, actual, "range", _ranges)
+        except TypeError:  # of `first_hits`: a shape without a closed form
+            continue
     return found
 
 
-def _streams(name: str, channel: str, told: list[tuple[int, Floats]]) -> dict[str, Floats]:
-    if not told:
+def _stream(
+    scene: Scene, sensor: Any, actual: Trajectory, channel: str, law: Callable[[Scene, Any, State], Floats]
+) -> dict[str, Floats]:
+    read = actual.streams.get(f"{sensor.name}/{channel}_ideal")
+    if read is None:
         return {}
-    places, values = zip(*told, strict=True)
-    return {f"{name}/due": np.array(places, dtype=np.float64), f"{name}/{channel}": np.array(values)}
+    due = np.full(read.shape, np.nan)
+    for k, state in _instants(sensor, actual):
+        due[k] = law(scene, sensor, state)
+    return {f"{sensor.name}/{channel}_due": due}
 
 
 def _instants(sensor: Sensor, actual: Trajectory) -> Iterator[tuple[int, State]]:

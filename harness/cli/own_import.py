@@ -29,7 +29,7 @@ def scene_to_run(name: str, folder: Path, told: "dict[str, Any]") -> str:
 
     from harness.store.imported_scenes import keep
 
-    imported = imported_from(path, told)
+    imported = imported_from(path, told, looks=True)
     of_run = {key: told[key] for key in ("dt", "duration") if told.get(key) is not None}
     imported = replace(imported, **of_run)
     counts = {word: sum(row.outcome == word for row in imported.fidelity) for word in ("exact", "approximated", "left_out")}

@@ -1,6 +1,7 @@
 """Options that every command which reads a robot takes, and the import that they ask for."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -78,9 +79,9 @@ def is_scene(name: str) -> bool:
     return path.suffix == ".json" or "bodies" in told
 
 
-def imported_from(path: Path, told: dict[str, Any]) -> "Imported":
-    """The import of a file under these options. Raises: RobotError, SceneError."""
-    wishes = wishes_of(told)
+def imported_from(path: Path, told: dict[str, Any], *, looks: bool = False) -> "Imported":
+    """The import of a file under these options. Args: looks: read how it looks too. Raises: RobotError, SceneError."""
+    wishes = replace(wishes_of(told), looks=looks)
 
     from harness.scene.importers.reading import read
 

@@ -11,7 +11,7 @@ from harness.intake.documents import named
 from harness.intake.import_wishes import Wishes
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
-from harness.scene import EARTH_GRAVITY, WORLD, Samples, Scene, Surface
+from harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
 from harness.scene.importers import mjcf, own, scenarios, urdf
 from harness.scene.importers.commands import load_commands
 from harness.scene.importers.companion import Base, Companion, beside, load_companion
@@ -21,6 +21,7 @@ from harness.scene.importers.files import Folders, text_of
 from harness.scene.importers.imported import Imported
 from harness.scene.importers.joint_tree import Tree, tree_of
 from harness.scene.importers.kinematics import Posed, Twist, posed
+from harness.scene.importers.looks import coloured, drawn_bodies, looks_of
 from harness.scene.importers.materials import Laws, laws_of, one_friction
 from harness.scene.importers.merging import Group, grouped
 from harness.scene.importers.mounting import mounted
@@ -147,6 +148,10 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
         rows += more
     links = {link: made.tree.body[lead] for lead, group in made.groups.items() for link in group.members}
     scene = _scene(robot, companion, made, surfaces, links)
+    looks, seen = _looks(robot, made, scene, links, wishes)
+    rows = [*(row for row in rows if not seen or row.element != "visual"), *seen]
+    if looks and any(isinstance(sensor, Camera | DepthCamera) for sensor in scene.sensors):
+        scene = replace(scene, bodies=drawn_bodies(scene.bodies, looks))
     if wishes.scenario == "drop":
         scene = scenarios.lifted(scene, made.tree.bodies[-1].name, robot.source)
     return Imported(
@@ -161,6 +166,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
             if c.kind in ("revolute", "prismatic")
         },
         links=links,
+        looks=looks,
         dropped=tuple(sorted(wishes.drop)),
         duration=companion.duration,
         dt=companion.dt,
@@ -174,6 +180,11 @@ class _Made:
 
     def __init__(self, groups: dict[str, Group], at: Posed, laws: Laws, tree: Tree) -> None:
         self.groups, self.at, self.laws, self.tree = groups, at, laws, tree
+
+    @property
+    def where(self) -> dict[str, Pose]:
+        """The pose in W of each link."""
+        return {link: self.at.pose[lead] @ X for lead, group in self.groups.items() for link, X in group.members.items()}
 
 
 def _made(robot: Robot, companion: Companion) -> _Made:
@@ -203,11 +214,10 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surf
             f"{robot.source}: nothing moves and nothing can be touched: the root is fixed, no joint moves, no shape is left; "
             "--root floating lets it move"
         )
-    at = {link: made.at.pose[lead] @ X for lead, group in made.groups.items() for link, X in group.members.items()}
-    sensors = mounted((*robot.sensors, *companion.sensors), links, at, made.tree.bodies, robot.source)
+    sensors = mounted((*robot.sensors, *companion.sensors), links, made.where, made.tree.bodies, robot.source)
     try:
         return Scene(
-            bodies=made.tree.bodies,
+            bodies=coloured(made.tree.bodies, robot.links, links),
             sensors=sensors,
             joints=made.tree.joints,
             surfaces=surfaces,
@@ -217,6 +227,17 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surf
     except ValueError as error:
         said = error.errors()[0]["msg"].removeprefix("Value error, ") if isinstance(error, ValidationError) else str(error)
         raise RobotError(f"{robot.source}: {readable(said, 600)}") from None
+
+
+def _looks(
+    robot: Robot, made: _Made, scene: Scene, links: Mapping[str, str], wishes: Wishes
+) -> tuple[Mapping[str, tuple[PlacedShape, ...]], tuple[Fidelity, ...]]:
+    """What is drawn of each body, where that is asked for or a camera looks on; and what is to be said of it."""
+    seen = any(isinstance(sensor, Camera | DepthCamera) for sensor in scene.sensors)
+    if not (wishes.looks or seen) or not any(link.looks for link in robot.links):
+        return {}, ()
+    drawn = looks_of(robot.links, links, made.where, scene.bodies)
+    return drawn.shapes, drawn.rows
 
 
 def _apart(made: _Made) -> tuple[tuple[str, str], ...]:

@@ -9,6 +9,7 @@ A link without coordinates is fixed to its parent.
 """
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -18,7 +19,20 @@ from harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 
-__all__ = ["Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "symmetric"]
+__all__ = [
+    "Closure",
+    "Contacts",
+    "Coordinate",
+    "Geometry",
+    "Link",
+    "Kind",
+    "Look",
+    "Need",
+    "Robot",
+    "Servo",
+    "Solid",
+    "symmetric",
+]
 
 Kind = Literal["revolute", "prismatic", "ball", "free"]
 
@@ -39,6 +53,24 @@ class Geometry:
     shape: Shape
     X_LG: Pose
     contact: str = "robot"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Look:
+    """What is drawn of a link in place of what touches: a shape, or the mesh of a file that is not read yet.
+
+    Terms: file, scale (3,), where: of the mesh; in the file that names it. vertices, faces: of a mesh that is at hand.
+    colour [1]: as the file states it, red, green, blue; None where it states none.
+    """
+
+    X_LG: Pose
+    shape: Shape | None = None
+    file: Path | None = None
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    where: str = ""
+    vertices: Array | None = None
+    faces: Array | None = None
+    colour: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +121,12 @@ class Coordinate:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Link:
-    """One link. Terms: parent: None for the world. geometries: what touches; drawn: what is drawn too. where: in the file."""
+    """One link.
+
+    Terms:
+        parent: None for the world. geometries: what touches; drawn: what is drawn too. looks: what is drawn instead, where
+        pictures are made. where: in the file.
+    """
 
     name: str
     parent: str | None
@@ -98,6 +135,7 @@ class Link:
     solid: Solid | None = None
     geometries: tuple[Geometry, ...] = ()
     drawn: tuple[Geometry, ...] = ()
+    looks: tuple[Look, ...] = ()
     where: str = ""
 
 

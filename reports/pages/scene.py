@@ -15,6 +15,7 @@ from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
 from reports.departures import departures
+from reports.film_strip import film_of
 from reports.laws import laws_of_case
 from reports.own_scenes import by_case, horizon_chart, parting_chart, shown, summary
 from reports.page import Page
@@ -82,6 +83,7 @@ def render(store: "Store") -> Mapping[str, str]:
             file=file_of(name),
             robot=robots.get(folder_of(name)),
             found=[judged(store, one) for one in found],
+            film=film_of(store, found[0]),
             summary=summary(store, name),
             meanings=VERDICTS,
             figures=charts,

@@ -176,7 +176,7 @@ def stage_of(store: Store, name: str) -> Stage:
                 note=note,
             )
         )
-    scene = _dressed(json.loads(str(runs[0].arrays["scene"])), looks_of(store.folder, name)) if runs else {}
+    scene = dressed(json.loads(str(runs[0].arrays["scene"])), looks_of(store.folder, name)) if runs else {}
     return Stage(
         name=name,
         case=case,
@@ -189,7 +189,7 @@ def stage_of(store: Store, name: str) -> Stage:
     )
 
 
-def _dressed(scene: dict[str, Any], drawn: Mapping[str, Any]) -> dict[str, Any]:
+def dressed(scene: dict[str, Any], drawn: Mapping[str, Any]) -> dict[str, Any]:
     """A scene whose bodies look as their robot's file says."""
     for body in scene.get("bodies", []):
         if body["name"] in drawn:

@@ -1,6 +1,7 @@
 """A film strip of a scene: what the engine that is known best made of it, at a few instants, as pictures in the page."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from harness.store.imported_scenes import looks_of
+from reports.contents import ours
 from reports.drawing import drawn, view_of
 from reports.pixels import data_uri
 from reports.recordings.rotation import Floats, rotate
@@ -60,13 +62,10 @@ class Film:
 
 def film_of(store: "Store", one: "Agreement") -> Film | None:
     """The strip of the finest run of the side whose limit is known best; None where no run has an answer to draw."""
+    yardsticks = ours(store)
     ranked = sorted(
         (side for side in one.sides if any(rung.run is not None for rung in side.limit.rungs)),
-        key=lambda side: (
-            side.word != "agrees",
-            -side.limit.until,
-            side.limit.bar_at(1e9) if side.limit.bar is not None else 1.0,
-        ),
+        key=lambda side: (side.engine in yardsticks, side.word != "agrees", -side.limit.until, _bar(side)),
     )
     if not ranked:
         return None
@@ -78,6 +77,11 @@ def film_of(store: "Store", one: "Agreement") -> Film | None:
     scene = dressed(json.loads(str(arrays["scene"])), looks_of(store.folder, one.case))
     frames = _frames(scene.get("bodies", []), arrays)
     return Film(frames, side.engine, side.track, rung.dt) if frames else None
+
+
+def _bar(side: Any) -> float:
+    """How far off a side's limit may be; infinite where it has none."""
+    return math.inf if side.limit.bar is None else float(side.limit.bar_at(side.limit.until))
 
 
 def _frames(bodies: Sequence[Mapping[str, Any]], arrays: Mapping[str, Any]) -> tuple[Frame, ...]:

@@ -13,8 +13,19 @@ from harness.intake.import_wishes import Drop, Root
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
-from harness.scene import Quaternion, Sensor, Surface, Vector3
-from harness.scene.motion import Motion
+from harness.scene import (
+    Camera,
+    DepthCamera,
+    Imu,
+    Lidar,
+    Motion,
+    Quaternion,
+    Samples,
+    Sensor,
+    Sinusoid,
+    Surface,
+    Vector3,
+)
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
 
 __all__ = ["Base", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
@@ -131,6 +142,9 @@ class Companion:
 _ADAPTER: TypeAdapter[Companion] = TypeAdapter(Companion)
 _TABLES: dict[str, Any] = {"base": Base, "ground": Ground, "drives": Drives, "massless": Massless, "units": Units}
 
+_MOTIONS: dict[str, Any] = {"sinusoid": Sinusoid, "samples": Samples}
+_SENSORS: dict[str, Any] = {"imu": Imu, "lidar": Lidar, "camera": Camera, "depth_camera": DepthCamera}
+
 
 def beside(path: Path) -> Path:
     """Where the companion of a file lies, whether it is there or not: arm.urdf has arm.plumb.toml."""
@@ -147,6 +161,12 @@ def _misspelt(told: Any, form: Any, within: str) -> str:
             hint = f"; did you mean {near[0]}?" if near else ""
             return f"{within}{quoted(key, 80)} is unknown, expected one of {', '.join(valid)}{hint}"
     return ""
+
+
+def _misspelt_kind(told: Any, forms: dict[str, Any], within: str) -> str:
+    """The same of a table whose form its `type` says."""
+    form = forms.get(str(told.get("type"))) if isinstance(told, dict) else None
+    return "" if form is None else _misspelt(told, form, within)
 
 
 def load_companion(path: Path) -> Companion:
@@ -170,6 +190,10 @@ def load_companion(path: Path) -> Companion:
     for name, wish in joints.items() if isinstance(joints, dict) else ():
         if not said and isinstance(wish, dict):
             said = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
+            said = said or _misspelt_kind(wish.get("motion"), _MOTIONS, f"joints > {quoted(name, 80)} > motion > ")
+    sensors = told.get("sensors")
+    for place, sensor in enumerate(sensors if isinstance(sensors, list) else ()):
+        said = said or _misspelt_kind(sensor, _SENSORS, f"sensors[{place}] > ")
     if said:
         raise RobotError(f"{where}: {said}")
     try:

@@ -168,6 +168,8 @@ def _coordinate(
             kind=kind,
             anchor=np.array(model.jnt_pos[j]),
             X_start=_displaced(model, j, kind, start.qpos[at : at + 7]),
+            w_start=np.array(start.qvel[here][-3:], dtype=np.float64),
+            v_start=np.array(start.qvel[here][:3], dtype=np.float64) if kind == "free" else None,
             where=where,
             armature=armature,
             friction_loss=friction_loss,

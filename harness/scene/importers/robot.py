@@ -94,7 +94,8 @@ class Coordinate:
         passive spring. armature [kg m2 or kg]; friction_loss [N m or N]; effort [N m or N]; speed [rad/s or m/s]: its bound.
         velocity: at the start. position: at the start, None for the reference. needs_range: the format asks for a range, and
         the file gives none or half of one. X_start: the pose of a free link in its parent at the start, and of a ball's turn;
-        None for the reference. where: file and line.
+        None for the reference. w_start, v_start: of a free or ball joint at the start, angular velocity [rad/s] in the link and
+        velocity [m/s] of its origin in W; None for none. where: file and line.
     """
 
     name: str
@@ -116,6 +117,8 @@ class Coordinate:
     servo: Servo | None = None
     needs_range: bool = False
     X_start: Pose | None = None
+    w_start: Array | None = None
+    v_start: Array | None = None
     where: str = ""
 
 

@@ -42,7 +42,7 @@ def _range(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
         both = np.isfinite(due) & ~np.isinf(reading)
         with np.errstate(invalid="ignore"):
             same = both & ~(np.abs(reading - due) > OTHER_SURFACE * due)
-        off.append(np.abs(reading - due)[same])
+        off.append(np.abs(reading[same] - due[same]))
     told = np.concatenate(off)
     if len(told) == 0:
         raise NotMeasurable("no beam meets the surface that it has to meet")

@@ -65,7 +65,13 @@ def film_of(store: "Store", one: "Agreement") -> Film | None:
     yardsticks = ours(store)
     ranked = sorted(
         (side for side in one.sides if any(rung.run is not None for rung in side.limit.rungs)),
-        key=lambda side: (side.engine in yardsticks, side.word != "agrees", -side.limit.until, _bar(side)),
+        key=lambda side: (
+            side.engine in yardsticks,
+            side.word != "agrees",
+            side.track != "tuned",
+            -side.limit.until,
+            _bar(side),
+        ),
     )
     if not ranked:
         return None

@@ -113,7 +113,14 @@ class _Resumable(click.Command):
             value = word.removeprefix("--resume=")
             if value not in (word, "merge"):
                 raise click.BadParameter(f"'{value}', expected merge, or --resume alone", param_hint="--resume")
-        return super().parse_args(ctx, [_MERGE if word == "--resume=merge" else word for word in args])
+        try:
+            return super().parse_args(ctx, [_MERGE if word == "--resume=merge" else word for word in args])
+        except click.NoSuchOption as error:
+            known = sorted(name for option in self.params for name in option.opts if name.startswith("--") and name != _MERGE)
+            near = f"; did you mean {' or '.join(error.possibilities)}?" if error.possibilities else ""
+            raise click.UsageError(
+                f"no option {quoted(error.option_name, 60)}, expected some of {', '.join(known)}{near}", ctx
+            ) from None
 
 
 @click.command(cls=_Resumable)
@@ -169,7 +176,8 @@ def run(
     index = publish(store, plan.recordings)
     say(closing_count(store), err=True)
     say(str(index))
-    failed = failures(store, audited=not own)
+    # On a robot of the user's own nobody is gated: an engine that fails it, ours too, is a finding.
+    failed = [] if own else failures(store)
     for sentence in failed:
         say(sentence, err=True)
     for sentence in closing_words(store) if own else []:

@@ -26,5 +26,5 @@ def study_of(case: Case, budget: float | None = None) -> Study:
     refined = refined if budget is None else replace(refined, budget=budget)
     ladder = Experiment(name="ladder", dt="ladder", refine=refined, sample_seconds=SAMPLE)
     # Effects are told from an engine's own error, so that they are asked about at a step at which it is small.
-    needs = Experiment(name="effects", tracks=("tuned",), dt=(case.ladder[-1],), effects=True, samples=3, sample_seconds=SAMPLE)
+    needs = Experiment(name="effects", tracks=("tuned",), dt=(case.ladder[1],), effects=True, samples=3, sample_seconds=SAMPLE)
     return Study(name="scene", title=case.title, purpose=case.question, experiments=(ladder, needs))

@@ -6,15 +6,22 @@ from typing import Any
 
 import pandas as pd
 
+from harness.case.alteration import EVERYTHING
+
 __all__ = ["departures"]
 
 
 def departures(rows: pd.DataFrame) -> Mapping[str, str]:
-    """Of each trial whose scene departs from its case's: in what, in words."""
+    """Of each trial whose scene departs from its case's: in what, in words; and of one that does not, where it stands beside
+    such as do, in an experiment of its own, whose."""
+    names = [_name(str(text)) for text in rows["alteration"]]
+    switched = {experiment for experiment, name in zip(rows["experiment"], names, strict=True) if name == EVERYTHING}
     found = {}
-    for trial, text in zip(rows["trial"], rows["alteration"], strict=True):
-        if name := _name(str(text)):
+    for trial, experiment, name in zip(rows["trial"], rows["experiment"], names, strict=True):
+        if name:
             found[str(trial)] = name
+        elif experiment in switched and len(set(rows["experiment"])) > 1:
+            found[str(trial)] = f"as it is ({experiment})"
     return found
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from harness.case.alteration import EVERYTHING
+from harness.case.own_titles import called
 from harness.findings.tables.effects import Verdict
 from reports.contents import cases
 from reports.figure import Figure
@@ -34,7 +35,7 @@ def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
             "cost": one.cost,
             "low": one.low,
             "high": one.high,
-            "case": f"{one.case} {one.where}".strip(),
+            "case": f"{called(one.case)} {one.where}".strip(),
             "trial": one.trial,
         }
         for one in _priced(found)

@@ -53,7 +53,8 @@ def studied(store: "Store") -> list[str]:
     if told := farthest(store):
         written.append(told)
     if found := effects.rows(store):
-        written += effects.sentences(found, accusing=False)
+        titles = {name: str(engine["title"]) for name, engine in engines(store).items()}
+        written += effects.sentences(found, accusing=False, titles=titles)
     if found := determinism.rows(store):
         written += determinism.sentences(found)
     return written

@@ -8,6 +8,7 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from harness.case.own_titles import called
 from reports.contents import engines
 from reports.page import navigation
 from reports.palette import looks
@@ -56,6 +57,7 @@ def environment() -> Environment:
     )
     made.filters |= {
         "amount": amount,
+        "called": called,
         "case_file": case_file,
         "cite": cite,
         "outcome": outcome,

@@ -4,8 +4,10 @@ import json
 import math
 import re
 from collections.abc import Iterable, Mapping
+from pathlib import PurePath
 from typing import Any
 
+from harness.case.own_titles import OWN
 from harness.intake import safe_text
 from harness.intake.safe_text import LONGEST
 from harness.store.record import digest
@@ -82,9 +84,14 @@ def join_words(words: Iterable[str]) -> str:
 
 
 def slug(name: str) -> str:
-    """A file name from any string: itself where it is plain, otherwise its plain characters and a digest."""
+    """A file name from any string: itself where it is plain, otherwise its plain characters and a digest.
+
+    Of a scene of one's own it has the file's name, not its path.
+    """
     if re.fullmatch(r"[A-Za-z0-9_-]{1,80}", name):
         return name
+    if name.startswith(OWN):
+        return f"scene_{re.sub(r'[^A-Za-z0-9_-]+', '_', PurePath(name).stem)[:40].strip('_')}-{digest(name)[:8]}"
     return f"{re.sub(r'[^A-Za-z0-9_-]+', '_', name)[:40].strip('_')}-{digest(name)[:8]}"
 
 

@@ -57,8 +57,8 @@ def check_rays(origins: Floats, directions: Floats, max_range: float) -> None:
 
 def check_targets(scene: Scene, targets: Mapping[str, float]) -> None:
     """Finite targets [rad or m] for joints of the scene that have a drive, acting or not. Raises: ValueError."""
+    driven = {j.name: None for j in scene.joints if isinstance(j, Revolute | Prismatic) and j.drive is not None}
     for name, target in targets.items():
-        driven = [j.name for j in scene.joints if isinstance(j, Revolute | Prismatic) and j.drive is not None]
         if name not in driven:
             raise ValueError(f"command: joint {name!r} has no drive, expected one of {', '.join(driven) or 'none'}")
         if not isinstance(target, int | float | np.number) or not isfinite(target):

@@ -1,13 +1,16 @@
-"""Forces from outside: a law that is told to a simulation before its steps.
+"""What acts on a scene from outside: laws of forces and of drives' targets, told to a simulation before its steps.
 
 A force that is held over a step dt moves a body by v' = v + f dt and x' = x + v dt + c f dt^2, where c is 1 for semi-implicit
 Euler and 1/2 where the motion under a constant force is exact. With f asked for at x + (1 - c) v dt that map is a drift, a
 kick and another drift, and keeps phase space whole whatever c; with f asked for elsewhere an orbit spirals. An engine may say
 its 1 - c as `Simulation.force_lead`; where it says nothing the law is shown the state as it is, as c = 1 has it.
 Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., sections I.1.4 and II.5 (Stoermer-Verlet, splitting).
+
+Targets of drives are a signal of time. What is held over a step is taken from its middle, which differs from the mean over the
+step by a term in dt^2 alone: every engine is told the same numbers at the same steps, and all steps follow one signal.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,15 +25,21 @@ __all__ = ["Control", "Controlled", "wrench_after"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
-    """A law of forces.
+    """A law of forces, of targets, or both.
 
     Terms:
         wrench(time [s], state) gives f_B_W (n, 3) N at the centres of mass and tau_B_W (n, 3) N m, and leaves the state alone.
+        targets(time [s]) gives those of drives [rad or m] by the names of their joints.
         interval [s]: how long each answer is held; 0 for a single step.
     """
 
-    wrench: Callable[[float, State], tuple[Floats, Floats]]
+    wrench: Callable[[float, State], tuple[Floats, Floats]] | None = None
+    targets: Callable[[float], Mapping[str, float]] | None = None
     interval: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.wrench is None and self.targets is None:
+            raise ValueError("control: neither wrench nor targets, expected at least one of them")
 
 
 class Controlled:
@@ -38,19 +47,23 @@ class Controlled:
 
     def __init__(self, simulation: Simulation, control: Control, dt: float, bodies: int) -> None:
         self.simulation = simulation
-        self._law, self._dt, self._reading = control.wrench, dt, State.empty(bodies)
+        self._control, self._dt, self._reading = control, dt, State.empty(bodies)
         self._every = max(1, round(control.interval / dt))
         # What is held for longer than a step is a law of time: it is asked at the start of its interval.
         self._lead = 0.0 if control.interval > 0.0 else float(getattr(simulation, "force_lead", 0.0)) * dt
         self._here = 0
 
     def renew(self, most: int) -> int:
-        """Tell the wrench if it is due, and count `most` steps, or those until it is due again, as taken; how many they are."""
+        """Tell what is due, and count `most` steps, or those until it is due again, as taken; how many they are."""
         if self._here % self._every == 0:
-            self.simulation.state(self._reading)
-            if self._lead > 0.0:
-                _drift(self._reading, self._lead)
-            self.simulation.wrench(*self._law(self._here * self._dt + self._lead, self._reading))
+            time, law = self._here * self._dt, self._control
+            if law.wrench is not None:
+                self.simulation.state(self._reading)
+                if self._lead > 0.0:
+                    _drift(self._reading, self._lead)
+                self.simulation.wrench(*law.wrench(time + self._lead, self._reading))
+            if law.targets is not None:
+                self.simulation.command(law.targets(time + (self._dt / 2 if law.interval <= 0.0 else 0.0)))
         count = min(most, self._every - self._here % self._every)
         self._here += count
         return count
@@ -61,6 +74,16 @@ class Controlled:
             part = self.renew(count)
             self.simulation.step(part)
             count -= part
+
+    def save(self) -> object:
+        """The simulation's own, with the step that it stands at. Raises: Unsupported."""
+        return self._here, self.simulation.save()
+
+    def restore(self, saved: object) -> None:
+        """Back to a saved state and its step. Raises: Unsupported."""
+        assert isinstance(saved, tuple)
+        self._here, inner = saved
+        self.simulation.restore(inner)
 
     def __getattr__(self, name: str) -> Any:
         """All else is the simulation's own."""
@@ -80,4 +103,10 @@ def _drift(state: State, time: float) -> None:
 
 def wrench_after(control: Control, state: State) -> bytes:
     """The bits of what a control answers to a state at the start and a second later: what tells it from another one."""
-    return b"".join(np.ascontiguousarray(part).tobytes() for time in (0.0, 1.0) for part in control.wrench(time, state))
+    told = b""
+    for time in (0.0, 1.0):
+        if control.wrench is not None:
+            told += b"".join(np.ascontiguousarray(part).tobytes() for part in control.wrench(time, state))
+        if control.targets is not None:
+            told += repr(sorted(control.targets(time).items())).encode()
+    return told

@@ -8,17 +8,24 @@ They stay defined where no two runs can be compared any more.
 from pathlib import Path
 
 from harness.case import Case, Check
-from harness.metrics import contact_residuals, divergence, energy, joint_gap, limits, momentum, penetration
+from harness.case.own_titles import title_of
+from harness.intake.documents import named
+from harness.intake.refusal import RobotError
+from harness.metrics import contact_residuals, divergence, energy, joint_gap, limits, momentum, own_readings, penetration
 from harness.scene import Effect, Scene
-from harness.scene.file import load
 from harness.scene.importers.companion import beside, load_companion
+from harness.scene.importers.reading import read
+from harness.sensors.recorder import steps_between_readings, steps_of_latency
 
 __all__ = ["HEADLINE", "LADDER", "OBSERVED", "own_case", "title_of"]
 
 HEADLINE = "distance_from_limit"
 """Not measured in a trial: how far it is from what all end at is known when all have run (`harness.findings.agreement`)."""
 LADDER = (1 / 240, 1 / 480, 1 / 960)
-"""The time steps [s] that a ladder begins with; it goes on from there (`harness.search.refined_ladder`)."""
+"""The time steps [s] that a ladder begins with; it goes on from there (`harness.search.refined_ladder`). A companion's own
+`dt` is the first, and the others are the same parts of it."""
+SAMPLED = 1 / 60
+"""About how far apart samples are [s]."""
 OBSERVED = (
     *energy.METRIC,
     momentum.MOMENTUM_MAX,
@@ -30,22 +37,18 @@ OBSERVED = (
 )
 
 
-def title_of(path: Path) -> str:
-    """'My arm' of my_arm.toml."""
-    words = " ".join(path.stem.replace("_", " ").replace("-", " ").split()) or path.stem
-    return words[:1].upper() + words[1:]
-
-
 def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
     """The case that asks every engine to carry a scene file through `duration` [s]; its name is `prefix` and the path.
 
-    What the companion file beside it, `NAME.plumb.toml`, says of the duration goes before.
+    What the companion file beside it, `NAME.plumb.toml`, says of duration, time step and commands goes before.
 
     Raises:
-        SceneError: where the file is no scene. RobotError: where its companion is none.
+        SceneError: where the file is no scene. RobotError: where its companion is none, or a sensor cannot be read at the step.
     """
-    scene: Scene = load(path)
-    duration = load_companion(beside(path)).duration or duration
+    companion = load_companion(beside(path))
+    scene: Scene = read(path, companion=companion).scene
+    duration, dt = companion.duration or duration, companion.dt or LADDER[0]
+    _check_rates(scene, dt, named(path))
     return Case(
         name=f"{prefix}{path}",
         title=title_of(path),
@@ -60,9 +63,22 @@ def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
                 because="every number of every sampled state has to be finite; whether it is right, engines have to agree on",
             ),
         ),
-        observe=OBSERVED,
+        observe=(*OBSERVED, *own_readings.METRIC) if scene.sensors else OBSERVED,
         duration=duration,
+        dt=dt,
+        # Whole steps, so that the runs of all steps are sampled at the same instants.
+        sample_interval=dt * max(1, round(SAMPLED / dt)),
         headline=HEADLINE,
-        ladder=LADDER,
+        ladder=tuple(dt / (LADDER[0] / step) for step in LADDER),
         with_contacts=Effect.CONTACT in scene.effects,
     )
+
+
+def _check_rates(scene: Scene, dt: float, where: str) -> None:
+    """Refuse sensors that are not read at whole numbers of the coarsest steps. Raises: RobotError."""
+    for sensor in scene.sensors:
+        try:
+            steps_between_readings(sensor, dt)
+            steps_of_latency(sensor, dt)
+        except ValueError as error:
+            raise RobotError(f"{where}: {error}; --dt X sets another step") from None

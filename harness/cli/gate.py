@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 __all__ = ["failures"]
 
 
-def failures(store: "Store", audited: bool) -> list[str]:
+def failures(store: "Store") -> list[str]:
     """What the gate is about: our own engine's checks on the tuned track and its determinism, and the audit of effects."""
     from harness.findings.effects_audit import JUDGE, audit
     from harness.findings.tables import determinism
@@ -25,8 +25,6 @@ def failures(store: "Store", audited: bool) -> list[str]:
         for row in broken.itertuples()
     ]
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]
-    if audited:
-        # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
-        judged = audit([row for row in rows(store) if row["engine"] == JUDGE])
-        sentences += [f"audit: {sentence}" for sentence in judged.sentences]
-    return sentences
+    # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
+    judged = audit([row for row in rows(store) if row["engine"] == JUDGE])
+    return sentences + [f"audit: {sentence}" for sentence in judged.sentences]

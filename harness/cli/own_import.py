@@ -1,5 +1,6 @@
 """Between a robot file and a run of it: the import, kept in the run folder, and what is refused before anything runs."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,9 @@ def scene_to_run(name: str, folder: Path, told: "dict[str, Any]") -> str:
 
     from harness.store.imported_scenes import keep
 
-    imported = imported_from(path, told)
+    imported = imported_from(path, told, looks=True)
+    of_run = {key: told[key] for key in ("dt", "duration") if told.get(key) is not None}
+    imported = replace(imported, **of_run)
     counts = {word: sum(row.outcome == word for row in imported.fidelity) for word in ("exact", "approximated", "left_out")}
     summary = ", ".join(f"{count} kinds of elements {word.replace('_', ' ')}" for word, count in counts.items())
     say(f"{imported.source}: {summary}; show --table fidelity lists them", err=True)

@@ -1,18 +1,20 @@
 """Options that every command which reads a robot takes, and the import that they ask for."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from harness.cli.seconds import Seconds
 from harness.intake.documents import document
 from harness.intake.import_wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
 
 if TYPE_CHECKING:
     from harness.scene.importers.imported import Imported
 
-__all__ = ["ROBOT_ENDINGS", "imported_from", "is_scene", "robot_options", "wishes_of"]
+__all__ = ["NAMES", "ROBOT_ENDINGS", "imported_from", "is_scene", "robot_options", "run_options", "wishes_of"]
 
 ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
 """Endings of robot files; what they hold is found out by reading them."""
@@ -29,7 +31,23 @@ _OPTIONS = (
     ),
     click.option("--one-friction", is_flag=True, help="Take static friction to be the kinetic one."),
 )
+NAMES = "--drop, --package, --root, --scenario, --one-friction, --dt, --duration, --budget"
+"""All that is for scenes and robots alone."""
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+_RUN = (
+    click.option("--dt", type=Seconds(1e-9, 1.0), metavar="X", help="The coarsest time step [s] of the ladder [1/240]."),
+    click.option("--duration", type=Seconds(1e-6, 1e6), metavar="X", help="How long the scene runs [s] [5]."),
+    click.option("--budget", type=Seconds(0.0, 1e7), metavar="T", help="CPU time of the ladder, like 90, 5m, 2h [120 s]."),
+)
+
+
+def run_options(command: Command) -> Command:
+    """The command with --dt, --duration and --budget."""
+    for option in reversed(_RUN):
+        command = option(command)
+    return command
 
 
 def robot_options(command: Command) -> Command:
@@ -61,9 +79,9 @@ def is_scene(name: str) -> bool:
     return path.suffix == ".json" or "bodies" in told
 
 
-def imported_from(path: Path, told: dict[str, Any]) -> "Imported":
-    """The import of a file under these options. Raises: RobotError, SceneError."""
-    wishes = wishes_of(told)
+def imported_from(path: Path, told: dict[str, Any], *, looks: bool = False) -> "Imported":
+    """The import of a file under these options. Args: looks: read how it looks too. Raises: RobotError, SceneError."""
+    wishes = replace(wishes_of(told), looks=looks)
 
     from harness.scene.importers.reading import read
 

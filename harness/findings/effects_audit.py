@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from harness.case.alteration import EVERYTHING
+from harness.case.own_titles import called
 
 __all__ = [
     "AS_IT_IS",
@@ -19,6 +20,7 @@ __all__ = [
     "Audit",
     "Saving",
     "audit",
+    "idle",
     "named_scene",
     "proposed",
     "savings",
@@ -99,7 +101,7 @@ def scenes_of(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
 
 def named_scene(row: Mapping[str, Any]) -> str:
     """The scene of a row: its case, and where it stands beside it."""
-    return f"{row['case']} {row['where']}".strip()
+    return f"{called(row['case'])} {row['where']}".strip()
 
 
 def _accusation(row: Mapping[str, Any]) -> str:
@@ -150,10 +152,17 @@ def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
     return made
 
 
-def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
+def idle(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The effects that a scene can do without, all together; none where nothing is known to be idle."""
     mine = [row for row in rows if (row["case"], row["where"]) == scene]
     together = [row["effect"].split(TOGETHER) for row in mine if row["verdict"] == "left out together"]
     single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
-    idle: list[str] = max(together + single, key=len, default=[])
-    return f"Proposed for {' '.join(scene).strip()}: narrow = {json.dumps(idle)}." if idle else ""
+    most: list[str] = max(together + single, key=len, default=[])
+    return most
+
+
+def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
+    without = idle(scene, rows)
+    name = " ".join((called(scene[0]), scene[1])).strip()
+    return f"Proposed for {name}: narrow = {json.dumps(without)}." if without else ""

@@ -46,8 +46,8 @@ DROPPABLE: Mapping[Drop, str] = {
 }
 
 Root = Literal["fixed", "floating"]
-Scenario = Literal["drop", "hold", "swing"]
-SCENARIOS: tuple[Scenario, ...] = ("drop", "hold", "swing")
+Scenario = Literal["drop", "hold", "swing", "sweep"]
+SCENARIOS: tuple[Scenario, ...] = ("drop", "hold", "swing", "sweep")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +56,8 @@ class Wishes:
 
     Terms:
         drop: kinds of elements that may be left out. packages: folder by the name of a package. root: how the root is held.
-        one_friction: static friction is taken to be the kinetic one. scenario: what happens to the robot.
+        one_friction: static friction is taken to be the kinetic one. scenario: what happens to the robot. looks: read how it
+        looks too, for pictures.
     """
 
     drop: frozenset[Drop] = frozenset()
@@ -64,6 +65,7 @@ class Wishes:
     root: Root | None = None
     one_friction: bool = False
     scenario: Scenario | None = None
+    looks: bool = False
 
 
 def package_roots(given: "tuple[str, ...]") -> dict[str, Path]:

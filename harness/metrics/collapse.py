@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.metric import Metric, NotMeasurable
-from harness.scene import Body, Revolute, Scene, width
+from harness.scene import Body, Drive, Revolute, Scene, width
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.depths import pair_depths
 from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
@@ -106,7 +106,15 @@ def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.b
         yield "height", np.any(actual.p_WB[:, highest, 2] < top / 2, axis=1)
     for joint in scene.joints:
         if isinstance(joint, Revolute) and joint.drive is not None:
-            yield "drive", np.abs(joint_coordinate(scene, joint, actual) - joint.drive.target) > OFF_TARGET
+            yield "drive", np.abs(joint_coordinate(scene, joint, actual) - _targets(joint.drive, actual)) > OFF_TARGET
+
+
+def _targets(drive: Drive, actual: Trajectory) -> Floats:
+    """Where a drive wants its joint at each sample [rad], (t,)."""
+    motion = drive.motion
+    if motion is None:
+        return np.full(len(actual), drive.target)
+    return np.array([motion.at(float(time), drive.target) for time in actual.time])
 
 
 def first_break(scene: Scene, actual: Trajectory, signs: Collection[str] = SIGNS) -> tuple[float, str]:

@@ -16,6 +16,7 @@ import tomli_w
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.case.alteration import ALONE, REFINED
+from harness.case.own_titles import called
 from harness.run.isolated import run_isolated
 from harness.run.progress import Progress
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
@@ -81,7 +82,7 @@ def _accuracy(
                     lost.append(record.reason)
                 else:
                     journal.append(replace(record, answered_on=machine))
-                progress.advance(f"{record.case} {record.engine}/{record.track} {record.status}")
+                progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
 
@@ -111,7 +112,7 @@ def _timing(
             for timing in clock_group(tuple(group), folder, shuffle):
                 journal.append(replace(timing, clocked_on=here))
                 troubles += [timing.note] if timing.note else []
-                progress.advance(f"{records[timing.trial].case} {records[timing.trial].engine}")
+                progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
 

@@ -15,7 +15,7 @@ from harness.run.resume import merged
 from harness.store import disk
 from harness.store.arrays import read_arrays
 from harness.store.imported_scenes import FOLDER as SCENES
-from harness.store.imported_scenes import unsound
+from harness.store.imported_scenes import MINIMAL, unsound
 from harness.store.journal import DamagedFile, StoreError, Written, read_written
 from harness.store.machine_fingerprint import circumstances
 from harness.store.seal import Damaged, check_seal
@@ -28,7 +28,7 @@ _ANEW = "--resume makes it anew"
 _DELETE = "nothing needs it; delete it"
 _TRUTH = re.compile(r"[0-9a-f]{16}\.(npz|json)")
 _KEPT = ("study.toml", "catalogue.json", "machine.json")
-_SHOWN = ("report", "recordings")
+_SHOWN = ("report", "recordings", MINIMAL)
 """Folders that hold what people look at: made from the others alone, and not checked."""
 
 

@@ -9,6 +9,7 @@ from harness.scene.imu import AxisNoise, Imu, ImuNoise
 from harness.scene.inertia import box_inertia, capsule_inertia, cylinder_inertia, principal_inertia, sphere_inertia
 from harness.scene.joint import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from harness.scene.lidar import Lidar, LidarNoise
+from harness.scene.motion import Motion, Samples, Sinusoid, sampled
 from harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
 from harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
 from harness.scene.sensor import Sensor
@@ -42,15 +43,18 @@ __all__ = [
     "LidarNoise",
     "Limits",
     "Matrix3",
+    "Motion",
     "PlacedShape",
     "Plane",
     "Prismatic",
     "Quaternion",
     "Revolute",
+    "Samples",
     "Scene",
     "SceneError",
     "Sensor",
     "Shape",
+    "Sinusoid",
     "Sphere",
     "Spring",
     "StereoNoise",
@@ -68,6 +72,7 @@ __all__ = [
     "principal_inertia",
     "rotate",
     "rotation_matrix",
+    "sampled",
     "sphere_inertia",
     "width",
 ]

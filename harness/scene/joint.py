@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.scene.motion import Motion
 from harness.scene.values import FROZEN, Axis, Finite, Name, NonNegative, Positive, Vector3
 
 __all__ = ["WORLD", "Ball", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
@@ -40,13 +41,21 @@ class Spring:
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Drive:
-    """A PD drive: stiffness (target - x) + damping (target_velocity - x'), cut off at `limit` [N or N m] (None: none)."""
+    """A PD drive: stiffness (target - x) + damping (target_velocity - x'), cut off at `limit` [N or N m] (None: none).
+
+    Terms: motion: how the target moves; None where it stays.
+    """
 
     stiffness: NonNegative = 0.0
     damping: NonNegative = 0.0
     target: Finite = 0.0
     target_velocity: Finite = 0.0
     limit: Positive | None = None
+    motion: Motion | None = None
+
+    def __post_init__(self) -> None:
+        if self.motion is not None and self.stiffness == 0:
+            raise ValueError("drive: its target moves and its stiffness is 0, expected a stiffness that follows it")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

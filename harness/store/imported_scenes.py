@@ -8,17 +8,24 @@ from pathlib import Path
 from typing import Any
 
 import tomli_w
+from pydantic import TypeAdapter
 
+from harness.case.own_titles import OWN
+from harness.scene import PlacedShape
 from harness.scene.file import dump_toml
 from harness.scene.importers.fidelity import plain
 from harness.scene.importers.imported import Imported
 from harness.store import disk
 from harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
 
-__all__ = ["FOLDER", "fidelity_of", "keep", "kept", "unsound"]
+__all__ = ["FOLDER", "MINIMAL", "fidelity_of", "keep", "kept", "kept_by", "looks_of", "unsound"]
 
 FOLDER = "scenes"
+MINIMAL = "minimal"
+"""The folder of scenes that the audit of effects proposes; made from the rest, like a report."""
 _TABLE = "fidelity.json"
+_LOOKS = "looks.json"
+_SHAPES: TypeAdapter[dict[str, tuple[PlacedShape, ...]]] = TypeAdapter(dict[str, tuple[PlacedShape, ...]])
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
 
@@ -33,7 +40,7 @@ def keep(folder: Path, imported: Imported) -> Path:
         "links": dict(imported.links),
         "rows": [plain(row) for row in imported.fidelity],
     }
-    wishes = {key: value for key in ("duration", "seed") if (value := getattr(imported, key)) is not None}
+    wishes = {key: value for key in ("duration", "dt", "seed") if (value := getattr(imported, key)) is not None}
     if imported.look_at:
         wishes["look_at"] = list(imported.look_at)
     scene = dump_toml(imported.scene)
@@ -41,6 +48,8 @@ def keep(folder: Path, imported: Imported) -> Path:
     place = folder / FOLDER / digest
     disk.make_folder(place)
     files = {f"{name}.toml": sealed_toml(f"{name}.toml", scene), _TABLE: sealed_json(_TABLE, table)}
+    if imported.looks:
+        files[_LOOKS] = sealed_json(_LOOKS, _SHAPES.dump_python(dict(imported.looks), mode="json"))
     if wishes:
         files[f"{name}.plumb.toml"] = sealed_toml(f"{name}.plumb.toml", tomli_w.dumps(wishes))
     for file, content in files.items():
@@ -51,12 +60,31 @@ def keep(folder: Path, imported: Imported) -> Path:
 
 def kept(folder: Path) -> Iterator[dict[str, Any]]:
     """The fidelity tables of a run folder, each with the name and source of its robot. Raises: Damaged."""
+    for _, table in kept_by(folder):
+        yield table
+
+
+def kept_by(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The same by the name of the folder that each lies in. Raises: Damaged."""
     for path in sorted((folder / FOLDER).glob(f"*/{_TABLE}")):
         content = disk.read(path)
         if not check_seal(path, content):
             raise Damaged(f"{path}: it has no checksum")
         table: dict[str, Any] = json.loads(content)
-        yield table
+        yield path.parent.name, table
+
+
+def looks_of(folder: Path, case: str) -> dict[str, Any]:
+    """By body, what is drawn of a robot that a case is made of, as a scene file has it; empty where that is not known."""
+    path = folder / FOLDER / Path(case).parent.name / _LOOKS
+    if not case.startswith(OWN) or not path.is_file():
+        return {}
+    content = disk.read(path)
+    if not check_seal(path, content):
+        raise Damaged(f"{path}: it has no checksum")
+    kept_looks: dict[str, Any] = json.loads(content)
+    kept_looks.pop("checksum", None)
+    return kept_looks
 
 
 def fidelity_of(folder: Path) -> list[dict[str, Any]]:

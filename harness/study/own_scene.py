@@ -1,6 +1,8 @@
 """The study of a scene of the user's own: a ladder of time steps on both tracks of every engine, and what the scene calls
 for."""
 
+from dataclasses import replace
+
 from harness.case import Case
 from harness.study.experiment import Experiment
 from harness.study.refinement import Refinement
@@ -8,12 +10,21 @@ from harness.study.study import Study
 
 __all__ = ["study_of"]
 
+HALVED = 16
+"""What part of the first step the ladder is halved down to at least."""
 SAMPLE = 0.01
 """Seconds of a timing sample: runs of many engines and steps have to be clocked within the minutes that one waits."""
 
 
-def study_of(case: Case) -> Study:
-    """Where every engine ends in this scene, what that costs at each step, and which effects the scene needs."""
-    ladder = Experiment(name="ladder", dt="ladder", refine=Refinement(), sample_seconds=SAMPLE)
-    needs = Experiment(name="effects", tracks=("tuned",), effects=True, samples=3, sample_seconds=SAMPLE)
+def study_of(case: Case, budget: float | None = None) -> Study:
+    """Where every engine ends in this scene, what that costs at each step, and which effects the scene needs.
+
+    Args: budget [s]: CPU time of the runs of the ladder, None for that of `Refinement`.
+    """
+    finest = case.dt / HALVED
+    refined = Refinement(finest=finest, member_dt=case.ladder[-1])
+    refined = refined if budget is None else replace(refined, budget=budget)
+    ladder = Experiment(name="ladder", dt="ladder", refine=refined, sample_seconds=SAMPLE)
+    # Effects are told from an engine's own error, so that they are asked about at a step at which it is small.
+    needs = Experiment(name="effects", tracks=("tuned",), dt=(case.ladder[1],), effects=True, samples=3, sample_seconds=SAMPLE)
     return Study(name="scene", title=case.title, purpose=case.question, experiments=(ladder, needs))

@@ -15,6 +15,7 @@ from typing import Any
 
 from harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from harness.case import Case
+from harness.case.own_titles import OWN
 from harness.intake.mendable import Mendable
 from harness.metric import Metric
 from harness.scene import Scene
@@ -35,8 +36,7 @@ __all__ = [
 ]
 
 _LONGEST_VERSION = 100
-SCENE_PREFIX = "scene:"
-"""How the name of a case says that it lies in a file."""
+SCENE_PREFIX = OWN
 
 
 class PluginError(Mendable):

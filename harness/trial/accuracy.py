@@ -13,6 +13,7 @@ from harness.adapter.many_worlds import WorldOf, spread
 from harness.adapter.notice import as_notices
 from harness.adapter.what_comes_out import Answering
 from harness.case import Case, Converged, Rays
+from harness.case.commands import acting
 from harness.case.forces import Controlled
 from harness.case.symmetries import Retelling
 from harness.metric import Metric, NotMeasurable
@@ -23,6 +24,7 @@ from harness.store.trajectory_file import save_trajectory
 from harness.study.trial import Trial
 from harness.trajectory import Floats, Trajectory
 from harness.trial.equivalent_runs import equivalent_run, equivalent_streams
+from harness.trial.readings_due import readings_due
 from harness.trial.simulate import simulate
 from harness.trial.truth_cache import bounded, truth_of
 
@@ -177,9 +179,9 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
         simulation = cast(Simulation, Answering(cast(Simulation, WorldOf(batch, worlds - 1)), scene))
     else:
         simulation = cast(Simulation, Answering(adapter.build(scene, trial.settings), scene))
-        if case.control is not None:
-            acting = case.control(**trial.parameters)
-            simulation = cast(Simulation, Controlled(simulation, acting, dt, len(scene.bodies)))
+        control = acting(scene, None if case.control is None else case.control(**trial.parameters))
+        if control is not None:
+            simulation = cast(Simulation, Controlled(simulation, control, dt, len(scene.bodies)))
     try:
         with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features and batch is None
         seen = {} if case.rays is None else cast_once(simulation, case.rays(**trial.parameters))
@@ -192,6 +194,8 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
             with_contacts=with_contacts,
             seed=trial.seed,
         )
+        if scene.sensors and case.truth == "agreed limit":
+            seen |= readings_due(scene, actual)
         if case.worlds and broke is None:
             apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
             seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}

@@ -17,6 +17,7 @@ from typing import Any
 from harness.adapter import Adapter, Simulation
 from harness.adapter.many_worlds import Batch
 from harness.case import Case, Rays
+from harness.case.commands import acting
 from harness.case.forces import Controlled
 from harness.study.trial import Trial
 from harness.trajectory import State
@@ -82,7 +83,7 @@ class Bench:
         self._rays = None if case.rays is None else case.rays(**trial.parameters)
         if trial.clocks == "casting":
             self._rays = bare_rays(self._scene)
-        self._control = None if case.control is None else case.control(**trial.parameters)
+        self._control = acting(self._scene, None if case.control is None else case.control(**trial.parameters))
         self._worlds = case.count_of_worlds(trial.parameters)
         self.unit, self.dt = case.unit(trial.parameters, trial.clocks), trial.settings.dt
         endless = self._rays is not None or trial.clocks == "call"

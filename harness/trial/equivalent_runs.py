@@ -7,6 +7,8 @@ import numpy as np
 
 from harness.adapter import Adapter, Diverged, Settings, Simulation, Unsupported
 from harness.adapter.what_comes_out import Answering
+from harness.case.commands import acting
+from harness.case.forces import Controlled
 from harness.case.symmetries import Retelling
 from harness.trajectory import Floats, Trajectory
 from harness.trial.simulate import simulate, steps_between_samples
@@ -47,6 +49,9 @@ def equivalent_run(
     """
     dt, clock = settings.dt, retelling.clock
     simulation = cast(Simulation, Answering(adapter.build(retelling.scene, settings.with_dt(dt * clock)), retelling.scene))
+    control = acting(retelling.scene)
+    if control is not None:
+        simulation = cast(Simulation, Controlled(simulation, control, dt * clock, len(retelling.scene.bodies)))
     try:
         since = (
             0.0

@@ -9,10 +9,13 @@ from harness.findings.agreement import Agreement, balances, horizon_of, outlooks
 from harness.findings.agreement.beyond import LAWS
 from harness.findings.agreement.words import metres
 from harness.findings.tables import agreement as agreement_table
+from harness.findings.tables import fidelity as fidelity_table
+from harness.store.imported_scenes import kept_by
 from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
 from reports.departures import departures
+from reports.film_strip import film_of
 from reports.laws import laws_of_case
 from reports.own_scenes import by_case, horizon_chart, parting_chart, shown, summary
 from reports.page import Page
@@ -49,6 +52,10 @@ def render(store: "Store") -> Mapping[str, str]:
     prices = price_list(store) if scenes(store) else []
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
     verdicts = agreement_table.rows(store)
+    robots = {
+        folder: (table, [list(fidelity_table.brief({"robot": "", **row}))[1:] for row in table["rows"]])
+        for folder, table in kept_by(store.folder)
+    }
     for name, found in by_case(store).items():
         case, mine, plain = known[name], in_order(rows[rows["case"] == name], sides), slug(name)
         measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
@@ -73,8 +80,10 @@ def render(store: "Store") -> Mapping[str, str]:
             title=case["title"],
             case=case,
             family=FAMILIES["scene"],
-            file=PurePath(name.partition(":")[2] or name).name,
+            file=file_of(name),
+            robot=robots.get(folder_of(name)),
             found=[judged(store, one) for one in found],
+            film=film_of(store, found[0]),
             summary=summary(store, name),
             meanings=VERDICTS,
             figures=charts,
@@ -92,6 +101,16 @@ def render(store: "Store") -> Mapping[str, str]:
             view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
         )
     return files
+
+
+def file_of(name: str) -> str:
+    """The name of the file that a case lies in."""
+    return PurePath(name.partition(":")[2] or name).name
+
+
+def folder_of(name: str) -> str:
+    """The name of the folder that this file lies in."""
+    return PurePath(name.partition(":")[2] or name).parent.name
 
 
 def judged(store: "Store", one: Agreement) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from harness.store.imported_scenes import looks_of
 from harness.store.store import Store, StoreError
 from reports.palette import looks
 from reports.recordings.layout import run_path
@@ -175,7 +176,7 @@ def stage_of(store: Store, name: str) -> Stage:
                 note=note,
             )
         )
-    scene = json.loads(str(runs[0].arrays["scene"])) if runs else {}
+    scene = dressed(json.loads(str(runs[0].arrays["scene"])), looks_of(store.folder, name)) if runs else {}
     return Stage(
         name=name,
         case=case,
@@ -186,6 +187,14 @@ def stage_of(store: Store, name: str) -> Stage:
         notes=notes,
         dt=runs[0].dt if runs else 0.0,
     )
+
+
+def dressed(scene: dict[str, Any], drawn: Mapping[str, Any]) -> dict[str, Any]:
+    """A scene whose bodies look as their robot's file says."""
+    for body in scene.get("bodies", []):
+        if body["name"] in drawn:
+            body["visual"] = drawn[body["name"]]
+    return scene
 
 
 def _truth(runs: list[Run]) -> dict[str, Floats]:

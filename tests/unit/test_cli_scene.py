@@ -10,6 +10,7 @@ from harness.cli.main import main
 from harness.intake.import_wishes import DROPPABLE
 from harness.intake.refusal import RobotError
 from harness.scene.file import load, parse
+from harness.scene.importers.companion import load_companion
 from harness.store.imported_scenes import fidelity_of, keep, unsound
 from tests.robot_files import INERTIAL, LIMIT, imported, urdf
 
@@ -98,7 +99,8 @@ def test_an_import_is_kept_once_sealed_and_named_by_what_it_says(tmp_path: Path)
 
 def test_a_robot_runs_and_its_folder_says_what_became_of_it(robot: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = command("run", robot, "--drop", "friction_loss", "--engine", "mujoco", "--out", out)
+    of_run = ("--dt", "4ms", "--duration", "0.2", "--budget", "1s")
+    done = command("run", robot, "--drop", "friction_loss", "--engine", "mujoco", *of_run, "--out", out)
     assert done.exit_code == 0, done.output
     assert "dropped by the user: friction_loss" in done.stderr
     table = command("show", out, "--table", "fidelity", "--format", "json")
@@ -106,7 +108,28 @@ def test_a_robot_runs_and_its_folder_says_what_became_of_it(robot: Path, tmp_pat
     trials = json.loads(command("show", out, "--format", "json").stdout)
     assert {row["engine"] for row in trials} == {"mujoco"}
     assert all(row["case"].endswith("/r.toml") for row in trials)
+    assert max(row["dt"] for row in trials) == 0.004
+    (companion,) = out.glob("scenes/*/r.plumb.toml")
+    assert (load_companion(companion).duration, load_companion(companion).dt) == (0.2, 0.004)
+    assert "budget = 1.0" in (out / "study.toml").read_text()
     assert command("verify", out).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [
+        ("--dt", "0", "'0', expected seconds from 1e-09 to 1"),
+        ("--dt", "nan", "'nan', expected seconds"),
+        ("--duration", "-1", "'-1', expected seconds from 1e-06 to 1e+06"),
+        ("--budget", "soon", "'soon', expected seconds from 0 to 1e+07, like 0.002, 2ms, 90s or 5m"),
+        ("--scenaro", "drop", "no option '--scenaro', expected some of --budget, --case, --drop, --dt, --duration"),
+    ],
+)
+def test_an_option_that_is_none_is_refused_by_name(robot: Path, tmp_path: Path, option: str, value: str, said: str) -> None:
+    done = command("run", robot, option, value, "--out", tmp_path / "out")
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert option in done.stderr
 
 
 def test_static_friction_above_kinetic_friction_is_found_before_anything_runs(tmp_path: Path) -> None:

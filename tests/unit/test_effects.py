@@ -12,12 +12,17 @@ import pytest
 from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.case import Case, Check
 from harness.case.alteration import EVERYTHING, FINER, Alteration
+from harness.case.own_titles import called
+from harness.cli.minimal_scene import write_minimal
 from harness.conformance.faults.plant import Wrapped, plant
 from harness.findings.effects_audit import NOT_JUDGED, audit, savings
 from harness.findings.tables.effects import Verdict, rows, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
 from harness.run.campaign import carry_out
+from harness.run.verify import problems
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from harness.scene.file import dump_toml
+from harness.scene.importers.companion import beside, load_companion
 from harness.search.needless_effects import FLOOR, Consequence, Scale, compared, departure, scale_of, weighed
 from harness.store.record import Record
 from harness.store.store import Store
@@ -84,7 +89,7 @@ def studied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Studied:
         monkeypatch.setattr("harness.run.campaign.run_isolated", here)
         experiment = Experiment(name="effects", tracks=("tuned",), effects=True, timing=False)
         study = Study(name="effects", recordings=False, experiments=(experiment,))
-        folder = tmp_path / f"{case.name}-{adapter.name}"
+        folder = tmp_path / f"{called(case.name)}-{adapter.name}"
         return carry_out(study, folder, {case.name: case}, {adapter.name: adapter}, workers=1, resume=False)
 
     return of
@@ -159,6 +164,28 @@ def test_the_minimal_set_is_found_by_leaving_out_together(audited: Audited) -> N
     scene = Scene(bodies=(ground, box), surfaces=(Surface(static_friction=0.5, kinetic_friction=0.5),))
     found = audited(case_of("rest_made", scene))
     assert [one.effect for one in found if one.verdict == "left out together"] == ["friction, gyroscopic"]
+
+
+def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Studied) -> None:
+    """Of a ball in free flight the gyroscopic term that its file asks for does not show."""
+    path = tmp_path / "my_ball.toml"
+    ball = Body(name="ball", inertia=sphere_inertia(1.0, 0.1), p_WB=(0, 0, 1), v_WB=(3, 0, 4), w_WB=(1, 2, 3))
+    path.write_text(dump_toml(Scene(bodies=(ball,), widen=Effect.GYROSCOPIC)))
+    (tmp_path / "my_ball.plumb.toml").write_text("duration = 0.25\nseed = 3\n")
+    case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
+    store = studied(case, plugins.adapter("reference"))
+    told = [sentence for sentence in sentences(rows(store)) if "gyroscopic" in sentence]
+    assert told[0].startswith("Audit: My ball: declares gyroscopic")
+    assert str(path) not in " ".join(told)
+    written = write_minimal(store, case)
+    assert written is not None
+    file, without = written
+    assert without == ["gyroscopic"]
+    assert file.name == "my_ball.minimal.toml"
+    minimal = plugins.case(f"{plugins.SCENE_PREFIX}{file}")
+    assert minimal.scene().effects == Effect.GRAVITY
+    assert (minimal.duration, load_companion(beside(file)).seed) == (0.25, 3)
+    assert all("minimal" not in problem.path.relative_to(store.folder).parts for problem in problems(store.folder))
 
 
 def run(p: list[float], time: list[float] | None = None) -> dict[str, object]:

@@ -322,3 +322,24 @@ def test_shapes_that_touch_nothing_are_drawn(tmp_path: Path) -> None:
     assert not body.collision
     assert body.visual is not None
     assert body.visual[0].shape.type == "sphere"
+
+
+def test_velocities_of_free_and_ball_joints_in_a_keyframe_are_mujocos(tmp_path: Path) -> None:
+    """Every body's velocities at the start, by MuJoCo's own forward kinematics of the same keyframe, at its centre of mass."""
+    import mujoco
+
+    inner = f'<body name="tip" pos=".3 0 .1"><joint type="ball" pos="0 0 .05"/>{BALL}</body>'
+    key = '<keyframe><key name="thrown" qpos="1 2 3 .5 .5 .5 .5 .8 .6 0 0" qvel=".1 .2 .3 1 2 3 -1 .5 2"/></keyframe>'
+    text = mjcf(f'<freejoint/><geom size=".1" pos=".1 0 0" mass="2"/>{inner}', key)
+    scene = imported(tmp_path, text, Companion(keyframe="thrown")).scene
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    for name in ("arm", "tip"):
+        told = np.zeros(6)
+        place = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+        mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, place, told, 0)
+        body = scene.body(name)
+        assert np.array(body.w_WB) == pytest.approx(told[:3], abs=1e-12)
+        assert np.array(body.v_WB) == pytest.approx(told[3:], abs=1e-12)

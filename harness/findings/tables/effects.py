@@ -258,14 +258,20 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
-def sentences(rows: Sequence[Mapping[str, Any]], *, accusing: bool = True) -> list[str]:
-    """What leaving effects out saves, engine by engine, and what the audit says; accusing: of each scene that fails it too."""
+def sentences(
+    rows: Sequence[Mapping[str, Any]], *, accusing: bool = True, titles: Mapping[str, str] | None = None
+) -> list[str]:
+    """What leaving effects out saves, engine by engine, and what the audit says.
+
+    Args: accusing: of each scene that fails it too. titles: what engines are called.
+    """
     said = []
     for saving in savings(rows):
         added = "" if saving.summed is None else f"; a simulated second of each, added up, {saving.summed:.3g} times"
+        several = f" (geometric mean over {saving.scenes} scenes, {saving.low:.3g} to {saving.high:.3g}{added})"
         said.append(
-            f"{saving.engine}: a step with everything on costs {saving.mean:.3g} times that of the scene as it is "
-            f"(geometric mean over {saving.scenes} scenes, {saving.low:.3g} to {saving.high:.3g}{added})."
+            f"{(titles or {}).get(saving.engine, saving.engine)}: a step with everything on costs {saving.mean:.3g} times that "
+            f"of the scene as it is{several if saving.scenes > 1 else ''}."
         )
     audited = audit(rows)
     if audited.scenes:

@@ -13,12 +13,26 @@ from harness.intake.import_wishes import Drop, Root
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
-from harness.scene import Quaternion, Surface, Vector3
+from harness.scene import (
+    Camera,
+    DepthCamera,
+    Imu,
+    Lidar,
+    Motion,
+    Quaternion,
+    Samples,
+    Sensor,
+    Sinusoid,
+    Surface,
+    Vector3,
+)
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
 
 __all__ = ["Base", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
 
 ENDING = ".plumb.toml"
+Seconds = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+Step = Annotated[float, Field(ge=1e-9, le=1, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -58,7 +72,7 @@ class JointWish:
 
     Terms:
         position, velocity: at the start [rad or m, per second]. target, target_velocity, stiffness, damping, limit: of its
-        drive. limits: the range in place of the file's; 'none' for an open one.
+        drive. motion: how the target moves. limits: the range in place of the file's; 'none' for an open one.
     """
 
     position: Finite | None = None
@@ -69,6 +83,7 @@ class JointWish:
     damping: NonNegative | None = None
     limit: Positive | None = None
     limits: tuple[Finite, Finite] | Literal["none"] | None = None
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -94,7 +109,9 @@ class Companion:
     Terms:
         root: how the root is held. start: joints start at zero, or in the middle of their range. keyframe: the name of a pose
         of the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do its own links touch each
-        other? materials: by link, where it is not 'robot'. duration [s], look_at (links or joints), seed: of the run.
+        other? materials: by link, where it is not 'robot'. commands: a CSV file beside it with targets of joints over time.
+        sensors: as a scene has them, with a link for their body and poses in it. duration [s], dt [s] (the coarsest time step),
+        look_at (links or joints), seed: of the run.
     """
 
     root: Root | None = None
@@ -114,13 +131,19 @@ class Companion:
     drop: tuple[Drop, ...] = ()
     packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
     one_friction: bool = False
-    duration: Positive | None = None
+    commands: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
+    sensors: tuple[Sensor, ...] = ()
+    duration: Seconds | None = None
+    dt: Step | None = None
     look_at: tuple[Name, ...] = ()
     seed: Annotated[int, Field(ge=0, lt=2**32)] | None = None
 
 
 _ADAPTER: TypeAdapter[Companion] = TypeAdapter(Companion)
 _TABLES: dict[str, Any] = {"base": Base, "ground": Ground, "drives": Drives, "massless": Massless, "units": Units}
+
+_MOTIONS: dict[str, Any] = {"sinusoid": Sinusoid, "samples": Samples}
+_SENSORS: dict[str, Any] = {"imu": Imu, "lidar": Lidar, "camera": Camera, "depth_camera": DepthCamera}
 
 
 def beside(path: Path) -> Path:
@@ -138,6 +161,12 @@ def _misspelt(told: Any, form: Any, within: str) -> str:
             hint = f"; did you mean {near[0]}?" if near else ""
             return f"{within}{quoted(key, 80)} is unknown, expected one of {', '.join(valid)}{hint}"
     return ""
+
+
+def _misspelt_kind(told: Any, forms: dict[str, Any], within: str) -> str:
+    """The same of a table whose form its `type` says."""
+    form = forms.get(str(told.get("type"))) if isinstance(told, dict) else None
+    return "" if form is None else _misspelt(told, form, within)
 
 
 def load_companion(path: Path) -> Companion:
@@ -161,6 +190,10 @@ def load_companion(path: Path) -> Companion:
     for name, wish in joints.items() if isinstance(joints, dict) else ():
         if not said and isinstance(wish, dict):
             said = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
+            said = said or _misspelt_kind(wish.get("motion"), _MOTIONS, f"joints > {quoted(name, 80)} > motion > ")
+    sensors = told.get("sensors")
+    for place, sensor in enumerate(sensors if isinstance(sensors, list) else ()):
+        said = said or _misspelt_kind(sensor, _SENSORS, f"sensors[{place}] > ")
     if said:
         raise RobotError(f"{where}: {said}")
     try:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from harness.scene import Scene
+from harness.scene import PlacedShape, Scene
 from harness.scene.importers.fidelity import Fidelity
 
 __all__ = ["Imported"]
@@ -17,7 +17,8 @@ class Imported:
         name: of the robot or the scene. source: the file, in words. fidelity: what became of each element. coordinates: by the
         name of each joint of the file, its value at the start [rad or m]; joints that were merged away are not among them.
         links: by the name of each link, the body that it is part of. dropped: kinds of elements that the user left out.
-        duration [s], look_at, seed: what the companion says of the run.
+        looks: by body, what is drawn of it where that is not in the scene itself; empty unless asked for.
+        duration [s], dt [s], look_at, seed: what the companion says of the run.
     """
 
     name: str
@@ -27,6 +28,8 @@ class Imported:
     coordinates: Mapping[str, float] = field(default_factory=dict)
     links: Mapping[str, str] = field(default_factory=dict)
     dropped: tuple[str, ...] = ()
+    looks: Mapping[str, tuple[PlacedShape, ...]] = field(default_factory=dict)
     duration: float | None = None
+    dt: float | None = None
     look_at: tuple[str, ...] = ()
     seed: int | None = None

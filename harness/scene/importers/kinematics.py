@@ -82,12 +82,21 @@ def _moved(c: Coordinate, here: Pose, twist: Twist, anchor: Array, axis: Array) 
     if c.kind in ("free", "ball"):
         X = c.X_start or IDENTITY
         turned = X if c.kind == "free" else Pose(X.R, c.anchor - X.R @ c.anchor)
-        return here @ turned, twist
+        return here @ turned, twist + _rate(c, here @ turned, anchor)
     way = (c.reference if c.position is None else c.position) - c.reference
     if c.kind == "prismatic":
         return here @ screw(c.axis, c.anchor, 0.0, way), Twist(twist.w, twist.v + c.velocity * axis)
     motion = Twist(c.velocity * axis, c.velocity * np.cross(anchor, axis))
     return here @ screw(c.axis, c.anchor, way, 0.0), twist + motion
+
+
+def _rate(c: Coordinate, after: Pose, anchor: Array) -> Twist:
+    """The motion of a free or ball joint: of a ball about its anchor, of a free link with the velocity of its origin."""
+    w: Array = np.zeros(3) if c.w_start is None else after.R @ c.w_start
+    if c.kind == "ball":
+        return Twist(w, np.cross(anchor, w))
+    v = np.zeros(3) if c.v_start is None else c.v_start
+    return Twist(w, v - np.cross(w, after.p))
 
 
 def mass_matrix(columns: Sequence[Array], bodies: Sequence[tuple[float, Array, Array]]) -> Array:

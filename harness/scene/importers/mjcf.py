@@ -11,7 +11,7 @@ import numpy as np
 from harness.intake.documents import named
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
-from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_shapes
+from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_sensors, mjcf_shapes
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders
 from harness.scene.importers.mjcf_model import Model, compile_apart
@@ -46,7 +46,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
     servos, more, needs = mjcf_actuators.read(model, start.ctrl)
     rows += more
     solids = mjcf_shapes.geometries(model, shapes, rows, needs)
-    drawn = mjcf_shapes.drawn(model, shapes)
+    drawn, looks = mjcf_shapes.drawn(model, shapes), mjcf_shapes.looks(model, shapes)
     links = tuple(
         Link(
             name=names[k],
@@ -56,13 +56,15 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
             solid=_solid(model, k),
             geometries=tuple(solids.get(k, ())),
             drawn=tuple(drawn.get(k, ())),
+            looks=tuple(looks.get(k, ())),
             where=f"{source}: <body> {quoted(names[k], 80)}",
         )
         for k in range(len(names))
     )
     closures = _closures(model, names, rows, needs)
     needs += _others(model, text)
-    rows += _beside(model, text)
+    sensors, more = mjcf_sensors.read(model, names)
+    rows += [*more, *_beside(model, text)]
     free = any(c.kind == "free" for link in links for c in link.coordinates)
     gravity = (0.0, 0.0, 0.0) if model.flag("gravity") else tuple(float(g) for g in model.opt_gravity)
     return Robot(
@@ -74,6 +76,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
         contacts=contacts,
         filter_world=False,
         collide=model.flag("filterparent"),
+        sensors=sensors,
         rows=tuple(rows),
         needs=tuple(needs),
         source=source,
@@ -165,6 +168,8 @@ def _coordinate(
             kind=kind,
             anchor=np.array(model.jnt_pos[j]),
             X_start=_displaced(model, j, kind, start.qpos[at : at + 7]),
+            w_start=np.array(start.qvel[here][-3:], dtype=np.float64),
+            v_start=np.array(start.qvel[here][:3], dtype=np.float64) if kind == "free" else None,
             where=where,
             armature=armature,
             friction_loss=friction_loss,
@@ -278,7 +283,7 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
         )
         for tag, count in text.removed.items()
     ]
-    for kind, count in (("sensor", model.nsensor), ("camera", model.ncam), ("light", model.nlight)):
+    for kind, count in (("camera", model.ncam), ("light", model.nlight)):
         if count:
             rows.append(
                 Fidelity(
@@ -286,7 +291,9 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
                     name="",
                     count=int(count),
                     outcome="left_out",
-                    consequence="it measures or shows, and moves nothing",
+                    consequence="it shows, and moves nothing; [[sensors]] of the companion file mount a camera on a link"
+                    if kind == "camera"
+                    else "it shows, and moves nothing",
                 )
             )
     passive = [model.name("tendon", k) for k in range(len(model.tendon_limited)) if not model.tendon_limited[k]]

@@ -10,9 +10,9 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.meshes import hull_of
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import Array, Pose, pose
-from harness.scene.importers.robot import Geometry, Need
+from harness.scene.importers.robot import Geometry, Look, Need
 
-__all__ = ["drawn", "geometries"]
+__all__ = ["drawn", "geometries", "looks"]
 
 
 def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:
@@ -75,6 +75,41 @@ def drawn(model: Model, colliding: Mapping[int, str]) -> dict[int, list[Geometry
             shape, _ = _shape(model, k, word, tuple(float(x) for x in model.geom_size[k]), model.name("geom", k))
             made.setdefault(int(model.geom_bodyid[k]), []).append(Geometry(shape, pose(model.geom_pos[k], model.geom_quat[k])))
     return made
+
+
+def looks(model: Model, colliding: Mapping[int, str]) -> dict[int, list[Look]]:
+    """By body, what is drawn of it where meshes that touch nothing say how it looks; none where no geom is such a mesh."""
+    made: dict[int, list[Look]] = {}
+    meshed: set[int] = set()
+    for k in range(len(model.geom_type)):
+        word, body = model.word("Geom", int(model.geom_type[k])), int(model.geom_bodyid[k])
+        if k in colliding or word not in ("sphere", "capsule", "cylinder", "box", "ellipsoid", "mesh"):
+            continue
+        X, colour = pose(model.geom_pos[k], model.geom_quat[k]), _colour(model, k)
+        if word != "mesh":
+            shape, _ = _shape(model, k, word, tuple(float(x) for x in model.geom_size[k]), model.name("geom", k))
+            made.setdefault(body, []).append(Look(X_LG=X, shape=shape, colour=colour))
+            continue
+        meshed.add(body)
+        mesh = int(model.geom_dataid[k])
+        first, faces = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
+        made.setdefault(body, []).append(
+            Look(
+                X_LG=X,
+                vertices=model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])].astype(np.float64),
+                faces=model.mesh_face[faces : faces + int(model.mesh_facenum[mesh])].astype(np.int64),
+                where=f"<geom> {model.name('geom', k)!r}",
+                colour=colour,
+            )
+        )
+    return {body: found for body, found in made.items() if body in meshed}
+
+
+def _colour(model: Model, k: int) -> tuple[float, float, float]:
+    """Of a geom's material, where it has one, else its own."""
+    material = int(model.geom_matid[k])
+    red, green, blue, _ = (float(c) for c in (model.mat_rgba[material] if material >= 0 else model.geom_rgba[k]))
+    return red, green, blue
 
 
 def _shape(model: Model, k: int, word: str, size: tuple[float, ...], name: str) -> tuple[Shape, float]:

@@ -1,24 +1,28 @@
 """Our own scene files, which say everything themselves."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from harness.intake.documents import named
 from harness.intake.import_wishes import Wishes
-from harness.intake.refusal import RobotError
+from harness.intake.refusal import RobotError, listed
+from harness.intake.safe_text import quoted
+from harness.scene import Prismatic, Revolute, Samples, Scene
 from harness.scene.file import load
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.imported import Imported
 from harness.scene.importers.materials import one_friction
+from harness.scene.importers.settling import NONE
 
-__all__ = ["read"]
+__all__ = ["commanded", "read"]
 
-_OF_A_RUN = ("duration", "look_at", "seed", "one_friction")
+_OF_A_RUN = ("duration", "dt", "look_at", "seed", "one_friction", "commands")
 
 
-def read(path: Path, wishes: Wishes, companion: Companion) -> Imported:
-    """A scene file ending in .toml or .json. Raises: SceneError, RobotError."""
+def read(path: Path, wishes: Wishes, companion: Companion, commands: Mapping[str, Samples] = NONE) -> Imported:
+    """A scene file ending in .toml or .json. Args: commands: targets over time by joint. Raises: SceneError, RobotError."""
     scene = load(path)
     default = Companion()
     for name in Companion.__dataclass_fields__:
@@ -33,6 +37,7 @@ def read(path: Path, wishes: Wishes, companion: Companion) -> Imported:
     if wishes.one_friction or companion.one_friction:
         surfaces, rows = one_friction(scene.surfaces)
         scene = replace(scene, surfaces=surfaces)
+    scene = commanded(scene, commands, f"{named(path)}: {companion.commands}")
     return Imported(
         name=path.stem,
         scene=scene,
@@ -41,6 +46,29 @@ def read(path: Path, wishes: Wishes, companion: Companion) -> Imported:
         coordinates={joint.name: joint.position for joint in scene.joints if joint.type in ("revolute", "prismatic")},
         links={body.name: body.name for body in scene.bodies},
         duration=companion.duration,
+        dt=companion.dt,
         look_at=companion.look_at,
         seed=companion.seed,
     )
+
+
+def commanded(scene: Scene, commands: Mapping[str, Samples], where: str) -> Scene:
+    """The scene whose drives follow these targets. Raises: RobotError, for a joint that has no drive with a stiffness."""
+    driven = [
+        joint.name
+        for joint in scene.joints
+        if isinstance(joint, Revolute | Prismatic) and joint.drive is not None and joint.drive.stiffness > 0
+    ]
+    for name in commands:
+        if name not in driven:
+            raise RobotError(
+                f"{where}: column {quoted(name, 80)} is no joint with a drive that follows, expected one of "
+                f"{listed(driven, 12) or 'none'}"
+            )
+    joints = tuple(
+        replace(joint, drive=replace(joint.drive, motion=commands[joint.name]))
+        if joint.name in commands and isinstance(joint, Revolute | Prismatic) and joint.drive is not None
+        else joint
+        for joint in scene.joints
+    )
+    return replace(scene, joints=joints)

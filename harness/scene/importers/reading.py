@@ -1,5 +1,6 @@
 """From a file of any format to a scene: format by its ending, companion beside it, then merged, posed, joined and told."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,8 +11,9 @@ from harness.intake.documents import named
 from harness.intake.import_wishes import Wishes
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
-from harness.scene import EARTH_GRAVITY, WORLD, Scene, Surface
+from harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
 from harness.scene.importers import mjcf, own, scenarios, urdf
+from harness.scene.importers.commands import load_commands
 from harness.scene.importers.companion import Base, Companion, beside, load_companion
 from harness.scene.importers.consequences import consequences
 from harness.scene.importers.fidelity import Fidelity
@@ -19,15 +21,18 @@ from harness.scene.importers.files import Folders, text_of
 from harness.scene.importers.imported import Imported
 from harness.scene.importers.joint_tree import Tree, tree_of
 from harness.scene.importers.kinematics import Posed, Twist, posed
+from harness.scene.importers.looks import coloured, drawn_bodies, looks_of
 from harness.scene.importers.materials import Laws, laws_of, one_friction
 from harness.scene.importers.merging import Group, grouped
+from harness.scene.importers.mounting import mounted
 from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from harness.scene.importers.robot import Robot
-from harness.scene.importers.settling import rooted, settled, undropped
+from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped
+from harness.scene.importers.sweeping import swept
 from harness.scene.importers.units import scaled, suspected
 from harness.scene.importers.xml_text import elements
 
-__all__ = ["ENDINGS", "ROBOT_ENDINGS", "read", "robot_of"]
+__all__ = ["ENDINGS", "ROBOT_ENDINGS", "commands_of", "read", "robot_of"]
 
 ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
 ENDINGS = (".toml", ".json", *ROBOT_ENDINGS)
@@ -45,10 +50,11 @@ def read(path: Path, wishes: Wishes | None = None, companion: Companion | None =
     if path.suffix.lower() not in ENDINGS:
         raise RobotError(f"{named(path)}: ending {quoted(path.suffix)}, expected one of {', '.join(ENDINGS)}")
     beside_it, wishes = _wished(path, wishes, companion)
+    commands = commands_of(path, beside_it)
     if path.suffix.lower() in (".toml", ".json"):
-        return own.read(path, wishes, beside_it)
+        return own.read(path, wishes, beside_it, commands)
     robot = _robot(path, Folders(path.parent, wishes.packages), beside_it)
-    return imported(robot, beside_it, wishes)
+    return imported(robot, beside_it, wishes, commands)
 
 
 def robot_of(path: Path, wishes: Wishes | None = None) -> tuple[Robot, Companion, Wishes]:
@@ -61,6 +67,17 @@ def robot_of(path: Path, wishes: Wishes | None = None) -> tuple[Robot, Companion
     companion, wishes = _wished(path, wishes or Wishes(), None)
     robot = _robot(path, Folders(path.parent, wishes.packages), companion)
     return robot if companion.units is None else scaled(robot, companion.units), companion, wishes
+
+
+def commands_of(path: Path, companion: Companion) -> Mapping[str, Samples]:
+    """Targets over time by joint, of the file that a companion names, beside the scene or robot. Raises: RobotError."""
+    if companion.commands is None:
+        return NONE
+    where = f"{named(beside(path))}: commands"
+    file = Folders(path.parent, {}).found(companion.commands, where)
+    if file is None:
+        raise RobotError(f"{where} is {quoted(companion.commands)}: there is no such file; expected a CSV file beside it")
+    return load_commands(path.parent / companion.commands)
 
 
 def _wished(path: Path, wishes: Wishes, companion: Companion | None) -> tuple[Companion, Wishes]:
@@ -98,8 +115,11 @@ def _robot(path: Path, folders: Folders, companion: Companion) -> Robot:
     return mjcf.read(path, root, folders, companion.keyframe)
 
 
-def imported(robot: Robot, companion: Companion, wishes: Wishes) -> Imported:
-    """A robot of any format with its user's wishes, as a scene. Raises: RobotError."""
+def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mapping[str, Samples] = NONE) -> Imported:
+    """A robot of any format with its user's wishes, as a scene. Args: commands: targets over time by joint.
+
+    Raises: RobotError.
+    """
     rows = [*robot.rows, *suspected(robot, companion.units)]
     if companion.units is not None:
         robot = scaled(robot, companion.units)
@@ -108,7 +128,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes) -> Imported:
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
     robot = rooted(robot, companion, wishes)
     rows += undropped(robot, wishes.drop)
-    robot, more = settled(robot, companion)
+    robot, more = settled(robot, companion, commands)
     rows += more
     if wishes.scenario in ("drop", "swing"):
         robot = scenarios.unpowered(robot)
@@ -116,17 +136,22 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes) -> Imported:
         robot = scenarios.swung(robot)
     if wishes.scenario == "drop":
         companion = scenarios.grounded(companion)
-    made = _made(robot, companion)
-    if wishes.scenario == "hold":
-        robot, more = scenarios.held_by_drives(robot, made.tree.massive)
+    if wishes.scenario in ("hold", "sweep"):
+        drive = scenarios.held_by_drives if wishes.scenario == "hold" else swept
+        robot, more = drive(robot, _made(scenarios.unpowered(robot), companion).tree.massive)
         rows += more
-        made = _made(robot, companion)
+    made = _made(followed(robot), companion)
     rows += [*_counted(robot, made), *made.laws.rows, *consequences(made.tree.massive, wishes.drop)]
     surfaces = made.laws.surfaces
     if wishes.one_friction:
         surfaces, more = one_friction(surfaces)
         rows += more
-    scene = _scene(robot, companion, made, surfaces)
+    links = {link: made.tree.body[lead] for lead, group in made.groups.items() for link in group.members}
+    scene = _scene(robot, companion, made, surfaces, links)
+    looks, seen = _looks(robot, made, scene, links, wishes)
+    rows = [*(row for row in rows if not seen or row.element != "visual"), *seen]
+    if looks and any(isinstance(sensor, Camera | DepthCamera) for sensor in scene.sensors):
+        scene = replace(scene, bodies=drawn_bodies(scene.bodies, looks))
     if wishes.scenario == "drop":
         scene = scenarios.lifted(scene, made.tree.bodies[-1].name, robot.source)
     return Imported(
@@ -140,9 +165,11 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes) -> Imported:
             for c in link.coordinates
             if c.kind in ("revolute", "prismatic")
         },
-        links={link: made.tree.body[lead] for lead, group in made.groups.items() for link in group.members},
+        links=links,
+        looks=looks,
         dropped=tuple(sorted(wishes.drop)),
         duration=companion.duration,
+        dt=companion.dt,
         look_at=companion.look_at,
         seed=companion.seed,
     )
@@ -153,6 +180,11 @@ class _Made:
 
     def __init__(self, groups: dict[str, Group], at: Posed, laws: Laws, tree: Tree) -> None:
         self.groups, self.at, self.laws, self.tree = groups, at, laws, tree
+
+    @property
+    def where(self) -> dict[str, Pose]:
+        """The pose in W of each link."""
+        return {link: self.at.pose[lead] @ X for lead, group in self.groups.items() for link, X in group.members.items()}
 
 
 def _made(robot: Robot, companion: Companion) -> _Made:
@@ -175,16 +207,18 @@ def _base(base: Base | None) -> tuple[Pose, Twist]:
     return X, Twist(w, np.array(base.velocity) - np.cross(w, p))
 
 
-def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surface, ...]) -> Scene:
+def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surface, ...], links: Mapping[str, str]) -> Scene:
     gravity = companion.gravity or robot.gravity or EARTH_GRAVITY
     if not made.tree.bodies:
         raise RobotError(
             f"{robot.source}: nothing moves and nothing can be touched: the root is fixed, no joint moves, no shape is left; "
             "--root floating lets it move"
         )
+    sensors = mounted((*robot.sensors, *companion.sensors), links, made.where, made.tree.bodies, robot.source)
     try:
         return Scene(
-            bodies=made.tree.bodies,
+            bodies=coloured(made.tree.bodies, robot.links, links),
+            sensors=sensors,
             joints=made.tree.joints,
             surfaces=surfaces,
             gravity=gravity,
@@ -193,6 +227,17 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surf
     except ValueError as error:
         said = error.errors()[0]["msg"].removeprefix("Value error, ") if isinstance(error, ValidationError) else str(error)
         raise RobotError(f"{robot.source}: {readable(said, 600)}") from None
+
+
+def _looks(
+    robot: Robot, made: _Made, scene: Scene, links: Mapping[str, str], wishes: Wishes
+) -> tuple[Mapping[str, tuple[PlacedShape, ...]], tuple[Fidelity, ...]]:
+    """What is drawn of each body, where that is asked for or a camera looks on; and what is to be said of it."""
+    seen = any(isinstance(sensor, Camera | DepthCamera) for sensor in scene.sensors)
+    if not (wishes.looks or seen) or not any(link.looks for link in robot.links):
+        return {}, ()
+    drawn = looks_of(robot.links, links, made.where, scene.bodies)
+    return drawn.shapes, drawn.rows
 
 
 def _apart(made: _Made) -> tuple[tuple[str, str], ...]:

@@ -9,16 +9,30 @@ A link without coordinates is fixed to its parent.
 """
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from harness.intake.import_wishes import Drop
-from harness.scene import Matrix3, Shape, Surface, Vector3
+from harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 
-__all__ = ["Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "symmetric"]
+__all__ = [
+    "Closure",
+    "Contacts",
+    "Coordinate",
+    "Geometry",
+    "Link",
+    "Kind",
+    "Look",
+    "Need",
+    "Robot",
+    "Servo",
+    "Solid",
+    "symmetric",
+]
 
 Kind = Literal["revolute", "prismatic", "ball", "free"]
 
@@ -41,15 +55,34 @@ class Geometry:
     contact: str = "robot"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Look:
+    """What is drawn of a link in place of what touches: a shape, or the mesh of a file that is not read yet.
+
+    Terms: file, scale (3,), where: of the mesh; in the file that names it. vertices, faces: of a mesh that is at hand.
+    colour [1]: as the file states it, red, green, blue; None where it states none.
+    """
+
+    X_LG: Pose
+    shape: Shape | None = None
+    file: Path | None = None
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    where: str = ""
+    vertices: Array | None = None
+    faces: Array | None = None
+    colour: tuple[float, float, float] | None = None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Servo:
-    """A drive: stiffness (target - x) + damping (target_velocity - x'), cut off at limit."""
+    """A drive: stiffness (target - x) + damping (target_velocity - x'), cut off at limit; motion: how its target moves."""
 
     stiffness: float = 0.0
     damping: float = 0.0
     target: float = 0.0
     target_velocity: float = 0.0
     limit: float | None = None
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,7 +94,8 @@ class Coordinate:
         passive spring. armature [kg m2 or kg]; friction_loss [N m or N]; effort [N m or N]; speed [rad/s or m/s]: its bound.
         velocity: at the start. position: at the start, None for the reference. needs_range: the format asks for a range, and
         the file gives none or half of one. X_start: the pose of a free link in its parent at the start, and of a ball's turn;
-        None for the reference. where: file and line.
+        None for the reference. w_start, v_start: of a free or ball joint at the start, angular velocity [rad/s] in the link and
+        velocity [m/s] of its origin in W; None for none. where: file and line.
     """
 
     name: str
@@ -83,12 +117,19 @@ class Coordinate:
     servo: Servo | None = None
     needs_range: bool = False
     X_start: Pose | None = None
+    w_start: Array | None = None
+    v_start: Array | None = None
     where: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Link:
-    """One link. Terms: parent: None for the world. geometries: what touches; drawn: what is drawn too. where: in the file."""
+    """One link.
+
+    Terms:
+        parent: None for the world. geometries: what touches; drawn: what is drawn too. looks: what is drawn instead, where
+        pictures are made. where: in the file.
+    """
 
     name: str
     parent: str | None
@@ -97,6 +138,7 @@ class Link:
     solid: Solid | None = None
     geometries: tuple[Geometry, ...] = ()
     drawn: tuple[Geometry, ...] = ()
+    looks: tuple[Look, ...] = ()
     where: str = ""
 
 
@@ -145,7 +187,7 @@ class Robot:
         links: parents before children. root: how the root is held, None where the format does not say. gravity [m/s2]: None
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
-        rows: what was settled while it was read.
+        sensors: of the file, with a link for their body. rows: what was settled while it was read.
         needs: what has to be dropped by the user.
     """
 
@@ -157,6 +199,7 @@ class Robot:
     contacts: Contacts | None = None
     filter_world: bool = True
     collide: bool = False
+    sensors: tuple[Sensor, ...] = ()
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
     source: str = ""

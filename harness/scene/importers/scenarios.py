@@ -1,7 +1,7 @@
 """Scenarios for any robot: what happens to it where nothing but its file is given."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,7 +28,7 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Robot, Servo
 from harness.scene.rotation import multiply, rotate, rotation_matrix
 
-__all__ = ["CLEARANCE", "HOLD_RATE", "SWING", "held_by_drives", "lifted", "rooted_for", "swung", "unpowered"]
+__all__ = ["CLEARANCE", "HOLD_RATE", "SWING", "grounded", "held_by_drives", "lifted", "rooted_for", "swung", "unpowered"]
 
 CLEARANCE = 0.1
 """How high above the ground the lowest point of what is dropped starts [m]."""
@@ -37,7 +37,7 @@ SWING = 0.3
 HOLD_RATE = 2 * math.pi * 5
 """Natural frequency of a drive that holds a joint [rad/s], of its own inertia with the others held; critically damped."""
 
-_ROOTS = {"drop": "floating", "swing": "fixed", "hold": "fixed"}
+_ROOTS = {"drop": "floating", "swing": "fixed", "hold": "fixed", "sweep": "fixed"}
 
 
 def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wishes: Wishes) -> tuple[Companion, Wishes]:
@@ -47,7 +47,7 @@ def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wi
     wanted, told = _ROOTS[scenario], wishes.root or companion.root or robot.root
     if told is None:
         return replace(companion, root=wanted), wishes  # type: ignore[arg-type]
-    if told != wanted and scenario != "hold":
+    if told != wanted and scenario not in ("hold", "sweep"):
         raise RobotError(
             f"{robot.source}: scenario {scenario} needs a {wanted} root, and it is {told}; expected another scenario"
         )
@@ -80,19 +80,26 @@ def swung(robot: Robot) -> Robot:
     return _each(robot, off)
 
 
-def held_by_drives(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list[Fidelity]]:
-    """Each joint without a drive gets one that holds it where it starts."""
+def held_by_drives(
+    robot: Robot, bodies: Sequence[Massive], names: Collection[str] | None = None
+) -> tuple[Robot, list[Fidelity]]:
+    """Each joint without a drive gets one that holds it where it starts. Args: names: of these joints alone; of all if None."""
     scalars, M, places = inertias(bodies)
     own = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
     given = []
 
     def hold(c: Coordinate) -> Coordinate:
-        if c.servo is not None or c.name not in own:
+        stated = c.servo or Servo(target=c.reference if c.position is None else c.position, limit=c.effort)
+        if (
+            stated.stiffness > 0
+            or (stated.damping > 0 and stated.motion is None)
+            or c.name not in own
+            or (names is not None and c.name not in names)
+        ):
             return c
         given.append(c.name)
-        gain = own[c.name] * HOLD_RATE**2
-        target = c.reference if c.position is None else c.position
-        return replace(c, servo=Servo(stiffness=gain, damping=2 * own[c.name] * HOLD_RATE, target=target, limit=c.effort))
+        gain, damping = own[c.name] * HOLD_RATE**2, 2 * own[c.name] * HOLD_RATE
+        return replace(c, servo=replace(stated, stiffness=gain, damping=damping))
 
     made = _each(robot, hold)
     row = Fidelity(

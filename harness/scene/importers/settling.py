@@ -1,17 +1,21 @@
 """A robot and what its user says of it: root, start, ranges, drives; what is neither expressed nor dropped is refused."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 from harness.intake.import_wishes import DROPPABLE, Drop, Wishes
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
+from harness.scene import Motion, Samples
 from harness.scene.importers.companion import Companion, JointWish
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
 
-__all__ = ["rooted", "settled", "undropped", "valid_name"]
+__all__ = ["followed", "rooted", "settled", "undropped", "valid_name"]
+
+NONE: Mapping[str, Samples] = MappingProxyType({})
 
 
 def valid_name(given: Iterable[str], valid: Iterable[str], what: str, source: str) -> None:
@@ -83,10 +87,20 @@ def _of_coordinates(robot: Robot) -> list[Need]:
     return needs
 
 
-def settled(robot: Robot, companion: Companion) -> tuple[Robot, list[Fidelity]]:
-    """The robot with the companion's start, ranges and drives in its coordinates. Raises: RobotError."""
+def settled(robot: Robot, companion: Companion, commands: Mapping[str, Samples] = NONE) -> tuple[Robot, list[Fidelity]]:
+    """The robot with the companion's start, ranges and drives in its coordinates.
+
+    Args: commands: targets over time by joint, of its file of commands. Raises: RobotError.
+    """
     scalars = [c.name for link in robot.links for c in link.coordinates if c.kind in ("revolute", "prismatic")]
     valid_name(companion.joints, scalars, "joint", robot.source)
+    valid_name(commands, scalars, f"{companion.commands}: column", robot.source)
+    for name in commands:
+        if (wish := companion.joints.get(name)) is not None and (wish.motion is not None or wish.target is not None):
+            raise RobotError(
+                f"{robot.source}: joint {quoted(name, 80)} has a column in {companion.commands} and a "
+                f"{'motion' if wish.motion is not None else 'target'} in the companion file, expected one of them"
+            )
     known = [link.name for link in robot.links]
     valid_name(companion.materials, known, "material of a link", robot.source)
     valid_name(companion.look_at, [*known, *scalars], "look_at", robot.source)
@@ -94,7 +108,7 @@ def settled(robot: Robot, companion: Companion) -> tuple[Robot, list[Fidelity]]:
     links = tuple(
         replace(
             link,
-            coordinates=tuple(_coordinate(c, companion, rows) for c in link.coordinates),
+            coordinates=tuple(_coordinate(c, companion, commands.get(c.name), rows) for c in link.coordinates),
             geometries=tuple(replace(g, contact=companion.materials.get(link.name, g.contact)) for g in link.geometries),
         )
         for link in robot.links
@@ -103,7 +117,7 @@ def settled(robot: Robot, companion: Companion) -> tuple[Robot, list[Fidelity]]:
     return replace(robot, links=links), rows
 
 
-def _coordinate(c: Coordinate, companion: Companion, rows: list[Fidelity]) -> Coordinate:
+def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, rows: list[Fidelity]) -> Coordinate:
     if c.kind not in ("revolute", "prismatic"):
         return c
     wish = companion.joints.get(c.name, JointWish())
@@ -122,7 +136,7 @@ def _coordinate(c: Coordinate, companion: Companion, rows: list[Fidelity]) -> Co
         )
     c = replace(c, position=_start(c, wish, companion), velocity=wish.velocity or c.velocity)
     _outside(c, rows)
-    return replace(c, servo=_servo(c, wish, companion))
+    return replace(c, servo=_servo(c, wish, companion, wish.motion if samples is None else samples))
 
 
 def _start(c: Coordinate, wish: JointWish, companion: Companion) -> float:
@@ -151,20 +165,38 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
         )
 
 
-def _servo(c: Coordinate, wish: JointWish, companion: Companion) -> Servo | None:
+def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion | None) -> Servo | None:
     asked = (wish.stiffness, wish.damping, wish.target)
     drives = companion.drives
-    if drives is None and all(value is None for value in asked):
+    if drives is None and all(value is None for value in asked) and motion is None:
         return c.servo
     base = c.servo or Servo()
     general = (base.stiffness, base.damping) if drives is None else (drives.stiffness, drives.damping)
     stiffness = general[0] if wish.stiffness is None else wish.stiffness
     damping = general[1] if wish.damping is None else wish.damping
-    if stiffness == 0 and damping == 0:
+    if stiffness == 0 and damping == 0 and motion is None:
         return None
     target = wish.target if wish.target is not None else (base.target if c.servo is not None else c.position or 0.0)
     limit = wish.limit or base.limit or c.effort
-    return Servo(stiffness=stiffness, damping=damping, target=target, target_velocity=wish.target_velocity, limit=limit)
+    return Servo(
+        stiffness=stiffness,
+        damping=damping,
+        target=target,
+        target_velocity=wish.target_velocity,
+        limit=limit,
+        motion=motion or base.motion,
+    )
+
+
+def followed(robot: Robot) -> Robot:
+    """The robot, each of whose moving targets has a drive that follows it. Raises: RobotError."""
+    for c in (c for link in robot.links for c in link.coordinates):
+        if c.servo is not None and c.servo.motion is not None and c.servo.stiffness == 0:
+            raise RobotError(
+                f"{robot.source}: joint {quoted(c.name, 80)}: its target moves, and it has no drive that follows; "
+                "[drives] stiffness = ... in the companion file states one, --scenario hold makes one"
+            )
+    return robot
 
 
 def _bounds(links: tuple[Link, ...]) -> list[Fidelity]:

@@ -8,7 +8,7 @@ from harness.scene import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere, Tri
 from harness.scene.importers.companion import Units
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import Pose
-from harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Robot, Solid
+from harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Look, Robot, Solid
 
 __all__ = ["SUSPECT", "scaled", "suspected"]
 
@@ -82,6 +82,18 @@ def _link(link: Link, units: Units) -> Link:
         coordinates=tuple(_coordinate(c, L, M) for c in link.coordinates),
         geometries=tuple(Geometry(_shape(g.shape, L), _pose(g.X_LG, L), g.contact) for g in link.geometries),
         drawn=tuple(Geometry(_shape(g.shape, L), _pose(g.X_LG, L), g.contact) for g in link.drawn),
+        looks=tuple(_look(look, L) for look in link.looks),
+    )
+
+
+def _look(look: Look, L: float) -> Look:
+    x, y, z = look.scale
+    return replace(
+        look,
+        X_LG=_pose(look.X_LG, L),
+        shape=None if look.shape is None else _shape(look.shape, L),
+        scale=(x * L, y * L, z * L),
+        vertices=None if look.vertices is None else look.vertices * L,
     )
 
 
@@ -120,6 +132,7 @@ def _coordinate(c: Coordinate, L: float, M: float) -> Coordinate:
         effort=None if c.effort is None else c.effort * force,
         servo=servo,
         X_start=None if c.X_start is None else _pose(c.X_start, L),
+        v_start=None if c.v_start is None else c.v_start * L,
     )
 
 

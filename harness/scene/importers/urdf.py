@@ -38,7 +38,8 @@ def read(path: Path, folders: Folders, density: float | None = None) -> Robot:
     links = {link.name: link for link in parsed.links}
     joints = {joint.child: joint for joint in parsed.joints}
     lines = {(tag, one.attributes["name"]): one for tag in ("link", "joint") for one in checked.all(tag)}
-    made = {name: _link(links[name], joints.get(name), lines, shapes) for name in _from_the_root(links, joints)}
+    colours = {material.name: material.color for material in parsed.materials}
+    made = {name: _link(links[name], joints.get(name), lines, shapes, colours) for name in _from_the_root(links, joints)}
     needs, rows = _needs(parsed.joints, lines), [*shapes.rows(), *_rows(parsed.joints, foreign)]
     root_name = next(iter(made))
     return Robot(
@@ -88,7 +89,9 @@ def _pose(origin: Array | None) -> Pose:
     return IDENTITY if origin is None else Pose(np.array(origin[:3, :3]), np.array(origin[:3, 3]))
 
 
-def _link(link: Any, joint: Any, lines: dict[tuple[str, str], Element], shapes: urdf_shapes.Shapes) -> Link:
+def _link(
+    link: Any, joint: Any, lines: dict[tuple[str, str], Element], shapes: urdf_shapes.Shapes, colours: dict[str, Any]
+) -> Link:
     element = lines["link", link.name]
     geometries = shapes.of(link, element)
     return Link(
@@ -98,6 +101,7 @@ def _link(link: Any, joint: Any, lines: dict[tuple[str, str], Element], shapes: 
         coordinates=() if joint is None else _coordinates(joint, lines["joint", joint.name]),
         solid=_solid(link, element, shapes),
         geometries=geometries,
+        looks=shapes.looks(link, element, colours),
         where=element.where,
     )
 

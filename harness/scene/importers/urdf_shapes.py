@@ -1,16 +1,17 @@
 """The shapes of URDF's links: primitives as they are, meshes as convex hulls, and mass from them where none is given."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from harness.intake.refusal import listed
+from harness.intake.refusal import RobotError, listed
 from harness.scene import Box, Cylinder, Shape, Sphere
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders
 from harness.scene.importers.meshes import Mesh, hull_of, load_mesh
 from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.robot import Geometry, Solid
+from harness.scene.importers.robot import Geometry, Look, Solid
 from harness.scene.importers.solids import moved, of_mesh, of_shape, together
 from harness.scene.importers.xml_text import Element
 
@@ -44,17 +45,32 @@ class Shapes:
                 self._solids.setdefault(link.name, []).append(moved(solid, X))
         return tuple(made)
 
+    def looks(self, link: Any, element: Element, colours: Mapping[str, Any]) -> tuple[Look, ...]:
+        """What is drawn of a link, meshes unread. Args: colours: of the materials that the robot names, by name."""
+        made = []
+        for visual, own in zip(link.visuals, element.all("visual"), strict=True):
+            X = IDENTITY if visual.origin is None else _pose(visual.origin)
+            geometry, colour = visual.geometry, _colour(visual.material, colours)
+            if geometry is None:
+                continue
+            if geometry.mesh is None:
+                shape = _primitive(geometry)
+                if shape is not None:
+                    made.append(Look(X_LG=X, shape=shape, colour=colour))
+                continue
+            try:
+                path = self._folders.found(geometry.mesh.filename, own.where)
+            except RobotError:  # it leads outside: nothing is read of it, and nothing moves otherwise
+                path = None
+            scale = (1.0, 1.0, 1.0) if geometry.mesh.scale is None else np.broadcast_to(geometry.mesh.scale, (3,)).tolist()
+            made.append(Look(X_LG=X, file=path, scale=tuple(scale), where=own.where, colour=colour))
+        return tuple(made)
+
     def _shape(self, geometry: Any, element: Element, link: str) -> tuple[Shape, Solid] | None:
-        shape: Shape
         if geometry.mesh is not None:
             return self._mesh(geometry.mesh, element, link)
-        if geometry.box is not None:
-            x, y, z = (float(side) / 2 for side in geometry.box.size)
-            shape = Box(half_extents=(x, y, z))
-        elif geometry.sphere is not None:
-            shape = Sphere(radius=float(geometry.sphere.radius))
-        else:
-            shape = Cylinder(radius=float(geometry.cylinder.radius), half_length=float(geometry.cylinder.length) / 2)
+        shape = _primitive(geometry)
+        assert shape is not None
         self._exact += 1
         return shape, of_shape(shape)
 
@@ -154,6 +170,27 @@ class Shapes:
                 )
             )
         return rows
+
+
+def _primitive(geometry: Any) -> Shape | None:
+    """The shape of a box, a sphere or a cylinder; None of what has none of them."""
+    if geometry.box is not None:
+        x, y, z = (float(side) / 2 for side in geometry.box.size)
+        return Box(half_extents=(x, y, z))
+    if geometry.sphere is not None:
+        return Sphere(radius=float(geometry.sphere.radius))
+    if geometry.cylinder is not None:
+        return Cylinder(radius=float(geometry.cylinder.radius), half_length=float(geometry.cylinder.length) / 2)
+    return None
+
+
+def _colour(material: Any, colours: Mapping[str, Any]) -> tuple[float, float, float] | None:
+    """What a material states itself, or the robot of it by name."""
+    stated = None if material is None else material.color or colours.get(material.name)
+    rgba = None if stated is None else getattr(stated, "rgba", None)
+    if rgba is None or len(rgba) < 3 or not np.isfinite(rgba[:3]).all():
+        return None
+    return float(rgba[0]), float(rgba[1]), float(rgba[2])
 
 
 def _pose(origin: Array) -> Pose:

@@ -1,0 +1,64 @@
+"""Readings against an engine's own motion: ideal signals beside what the recorded states say that a sensor has to tell.
+
+The trajectory carries both (`harness.trial.readings_due`): '<sensor>/gyroscope_due' and '<sensor>/range_due' beside the
+readings, NaN where no state was recorded at a reading's instant.
+"""
+
+import numpy as np
+
+from harness.metric import Metric, NotMeasurable
+from harness.metric.series import maximum
+from harness.scene import Scene
+from harness.trajectory import Floats, Trajectory
+
+__all__ = ["GYROSCOPE_OFF", "METRIC", "RANGE_OFF"]
+
+OTHER_SURFACE = 0.1
+"""Of a range: what is farther off has met another surface, at an edge, and is no error of the range."""
+
+
+def _pairs(scene: Scene, actual: Trajectory, channel: str) -> list[tuple[Floats, Floats]]:
+    """The readings of a channel and what was due, of every sensor that has both. Raises: NotMeasurable."""
+    found = []
+    for sensor in scene.sensors:
+        due, reading = (actual.streams.get(f"{sensor.name}/{channel}_{word}") for word in ("due", "ideal"))
+        if due is not None and reading is not None:
+            told = ~np.isnan(due).reshape(len(due), -1).all(axis=1)
+            found.append((reading[told], due[told]))
+    if not found:
+        raise NotMeasurable(f"nothing is known of what a {channel} has to read")
+    return found
+
+
+def _gyroscope(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    return maximum(
+        np.concatenate([np.linalg.norm(reading - due, axis=1) for reading, due in _pairs(scene, actual, "gyroscope")])
+    )
+
+
+def _range(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    off = []
+    for reading, due in _pairs(scene, actual, "range"):
+        both = np.isfinite(due) & ~np.isinf(reading)
+        with np.errstate(invalid="ignore"):
+            same = both & ~(np.abs(reading - due) > OTHER_SURFACE * due)
+        off.append(np.abs(reading[same] - due[same]))
+    told = np.concatenate(off)
+    if len(told) == 0:
+        raise NotMeasurable("no beam meets the surface that it has to meet")
+    return maximum(told)
+
+
+GYROSCOPE_OFF = Metric(
+    name="gyroscope_off_motion",
+    unit="rad/s",
+    source="definition: |ideal reading - angular velocity of the recorded state in the sensor's frame|",
+    measure=_gyroscope,
+)
+RANGE_OFF = Metric(
+    name="range_off_geometry",
+    unit="m",
+    source="closed-form intersection of rays and shapes at the recorded state, of beams that meet the same surface",
+    measure=_range,
+)
+METRIC = (GYROSCOPE_OFF, RANGE_OFF)

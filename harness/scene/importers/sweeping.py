@@ -1,0 +1,82 @@
+"""The scenario that drives each joint through its range and back, all at once, by sinusoids that start where it stands."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from harness.intake.refusal import listed
+from harness.scene.importers.consequences import Massive
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.robot import Coordinate, Robot
+from harness.scene.importers.scenarios import held_by_drives
+from harness.scene.motion import Sinusoid
+
+__all__ = ["FREQUENCY", "OPEN", "SHARE", "swept"]
+
+FREQUENCY = 0.5
+"""Of the sinusoid [Hz]: through the range and back in two seconds, where the joint's own speed allows it."""
+SHARE = 0.8
+"""Of half the range: the stops are not what is asked about, and a drive overshoots."""
+OPEN = 1.0
+"""Half the range of a joint that has no end on a side [rad]; a slide's is a tenth of that [m]."""
+
+
+def swept(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list[Fidelity]]:
+    """The robot with a drive on each joint, whose target goes through the range, and what is to be said of that.
+
+    Where the companion moves a target that motion stays. In a machine with closed loops joints do not move freely of each
+    other: there those with a drive of their own are swept or, where none has one, the first.
+    """
+    scalar = [c for link in robot.links for c in link.coordinates if c.kind in ("revolute", "prismatic")]
+    moving = scalar
+    if robot.closures:
+        moving = [c for c in scalar if c.servo is not None] or scalar[:1]
+    names = {c.name for c in moving}
+    if robot.closures:
+        driven, rows = held_by_drives(robot, bodies, names)
+    else:
+        driven, rows = held_by_drives(robot, bodies)
+    made = tuple(
+        replace(link, coordinates=tuple(_swept(c) if c.name in names else c for c in link.coordinates)) for link in driven.links
+    )
+    slow = [c.name for c in moving if _frequency(c, _reach(c)[1]) < FREQUENCY]
+    if slow:
+        rows.append(
+            Fidelity(
+                element="sweep",
+                name=listed(slow),
+                count=len(slow),
+                outcome="exact",
+                becomes="a slower sinusoid",
+                consequence="at the joint's own greatest speed in the middle of its range; all others go there and back at",
+                value=FREQUENCY,
+                unit="Hz",
+            )
+        )
+    return replace(driven, links=made), rows
+
+
+def _swept(c: Coordinate) -> Coordinate:
+    if c.servo is None or c.servo.motion is not None:
+        return c
+    middle, reach = _reach(c)
+    here = c.reference if c.position is None else c.position
+    phase = math.asin(min(max((here - middle) / reach, -1.0), 1.0)) if reach > 0 else 0.0
+    motion = Sinusoid(amplitude=reach, frequency=_frequency(c, reach), phase=phase)
+    return replace(c, servo=replace(c.servo, target=middle, motion=motion))
+
+
+def _reach(c: Coordinate) -> tuple[float, float]:
+    """The middle of the way that a joint is driven, and how far to each side [rad or m]."""
+    here = c.reference if c.position is None else c.position
+    wide = OPEN if c.kind == "revolute" else OPEN / 10
+    lower = here - wide if c.lower is None else c.lower
+    upper = here + wide if c.upper is None else c.upper
+    return (lower + upper) / 2, max(SHARE * (upper - lower) / 2, 0.0)
+
+
+def _frequency(c: Coordinate, reach: float) -> float:
+    """Such that the target is never faster than the joint may be."""
+    if c.speed is None or reach <= 0:
+        return FREQUENCY
+    return min(FREQUENCY, c.speed / (2 * math.pi * reach))

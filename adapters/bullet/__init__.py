@@ -134,6 +134,7 @@ ADAPTER = BulletAdapter(
     distribution="pybullet",
     features=~(
         Feature.DISTANCE
+        | Feature.ARMATURE
         | Feature.PAIR_FRICTION
         | Feature.STATIC_FRICTION
         | Feature.RAY_TRACING
@@ -209,6 +210,8 @@ ADAPTER = BulletAdapter(
         "default/joint_pendulum_period": _DAMPED,
         "default/joint_damping_is_off": _DAMPED,
         "default/spring_frequency": _DAMPED,
+        "default/dry_friction_brakes": _DAMPED,
+        "default/coupled_coordinates_move_as_one": _DAMPED,
         "default/huge_state_is_not_reset": _CLAMPED,
         "default/rays_match_closed_forms": _GRAZING,
         "tuned/rays_match_closed_forms": _GRAZING,

@@ -24,7 +24,8 @@ def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> tuple[in
     """
     equalities = equality_rows(bodies.state, joints, rows)
     for r in range(equalities):
-        rows.row[r, BIAS] = rows.row[r, GAP] / h
+        if rows.row[r, SOFTNESS] == 0.0:
+            rows.row[r, BIAS] = rows.row[r, GAP] / h
     n = bounded_rows(bodies.state, joints, rows, equalities, h)
     assemble(rows, n, bodies)
     return equalities, n
@@ -38,7 +39,9 @@ def hold_joints(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int
     """
     row, vector = rows.row, rows.vector
     solve_bounded(bodies, rows, equalities, n, matrix)
-    for r in range(equalities, n):
+    for r in range(n):
+        if r < equalities and row[r, SOFTNESS] == 0.0:
+            continue
         impulse = vector[IMPULSE, r]
         row[r, BIAS] += row[r, SOFTNESS] * impulse
         row[r, LOW] -= impulse

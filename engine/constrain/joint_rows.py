@@ -2,6 +2,9 @@
 
 A row says J v = 0 with J acting on (v_A, w_A, v_B, w_B); its time derivative is J a + c = 0 with the curvature c = dJ/dt v.
 
+A rotor of inertia A that turns with a coordinate, x' = J v, resists by lambda = -A x'' = -A (J a + c): a soft row, J a + c +
+lambda / A = 0. Over a sub-step its impulse is -A (J v - u), u being x' before, moved on by the curvature (`note_rotors`).
+
 Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constraints); Shabana, Computational Dynamics, section
 6.4.
 """
@@ -29,21 +32,26 @@ from engine.maths.vec import (
 from engine.memory.arena import (
     ANCHOR_A,
     ANCHOR_B,
+    ARMATURE,
     AXIS_A,
     AXIS_B,
     BALL,
+    BIAS,
     CHILD,
     CURVATURE,
     DISTANCE,
     FIXED,
     GAP,
     HAS,
+    HAS_ARMATURE,
     JACOBIAN,
     JOINT_TYPE,
     LENGTH,
     PARENT,
     PRISMATIC,
     REVOLUTE,
+    ROTOR_RATE,
+    SOFTNESS,
     TURN_AB,
     P,
     Q,
@@ -52,7 +60,7 @@ from engine.memory.arena import (
 )  # fmt: skip
 from engine.memory.tables import Joints, Rows
 
-__all__ = ["anchors", "equality_rows", "put_row"]
+__all__ = ["anchors", "equality_rows", "note_rotors", "put_row"]
 
 Jacobian = tuple[Vec, Vec, Vec, Vec]
 """Linear and angular part of A, then of B."""
@@ -76,6 +84,35 @@ def put_row(rows: Rows, r: int, a: int, b: int, jacobian: Jacobian, gap: float, 
 
 
 @kernel
+def soften(rows: Rows, r: int, joint: Floats, j: int) -> int:
+    """Give row r what the rotor of joint j is: softness and the rate that it keeps. Returns: the next row."""
+    rows.row[r, SOFTNESS] = 1.0 / joint[j, ARMATURE]
+    rows.row[r, BIAS] = -joint[j, ROTOR_RATE]
+    return r + 1
+
+
+@kernel
+def note_rotors(state: Floats, joints: Joints, h: float) -> None:
+    """Write of each rotor the rate that it would keep over h [s] if nothing acted on it: x' - c h, before anything is kicked."""
+    joint = joints.joint
+    for j in range(joint.shape[0]):
+        if joints.kind[j, HAS] & HAS_ARMATURE == 0:
+            continue
+        a, b = joints.kind[j, PARENT], joints.kind[j, CHILD]
+        ra, rb, d = anchors(state, joint, j, a, b)
+        va, wa = load3(state, a, V), load3(state, a, W)
+        vb, wb = load3(state, b, V), load3(state, b, W)
+        axis = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
+        if joints.kind[j, JOINT_TYPE] == REVOLUTE:
+            joint[j, ROTOR_RATE] = dot(axis, sub(wb, wa)) - h * dot(cross(wa, axis), sub(wb, wa))
+        else:
+            between = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
+            centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
+            curvature = dot(cross(wa, cross(wa, axis)), d) + 2.0 * dot(cross(wa, axis), between) + dot(axis, centripetal)
+            joint[j, ROTOR_RATE] = dot(axis, sub(between, cross(wa, d))) - h * curvature
+
+
+@kernel
 def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, Vec, Vec]:
     """The arms r_A and r_B from the centres of mass to the anchors, and the way d from anchor A to anchor B, in W [m]."""
     ra = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, ANCHOR_A))
@@ -85,7 +122,7 @@ def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, 
 
 @kernel
 def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
-    """Write the equality rows of all joints for the present state.
+    """Write the equality rows of all joints for the present state, each joint's rotor behind its own.
 
     Returns: their number.
     """
@@ -120,6 +157,9 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
                 put_row(rows, r, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
                 t = cross(axis_a, t)
                 r += 1
+            if joints.kind[j, HAS] & HAS_ARMATURE:
+                put_row(rows, r, a, b, (zero, neg(axis_a), zero, axis_a), 0.0, dot(cross(wa, axis_a), sub(wb, wa)))
+                r = soften(rows, r, joint, j)
         if kind == PRISMATIC:
             axis_a = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
             t = mat_vec(quat_mat(load4(state, a, Q)), perpendicular(load3(joint, j, AXIS_A)))
@@ -130,6 +170,11 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
                 put_row(rows, r, a, b, jacobian, dot(t, d), curvature)
                 t = cross(axis_a, t)
                 r += 1
+            if joints.kind[j, HAS] & HAS_ARMATURE:
+                n = axis_a
+                curvature = dot(cross(wa, cross(wa, n)), d) + 2.0 * dot(cross(wa, n), rate) + dot(n, centripetal)
+                put_row(rows, r, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), 0.0, curvature)
+                r = soften(rows, r, joint, j)
         if kind == DISTANCE and joints.kind[j, HAS] == 0:
             length = norm(d)
             u = along(d, (0.0, 0.0, 1.0))

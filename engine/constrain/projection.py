@@ -11,11 +11,11 @@ import numpy as np
 
 from engine.compile.jit import kernel
 from engine.constrain.coordinate import implicit_rows
-from engine.constrain.direct import NEW, apply_all, assemble, factor, is_careful, solve, solve_bounded
+from engine.constrain.direct import NEW, apply_all, assemble, factor, is_careful, rate, solve, solve_bounded
 from engine.constrain.joint_rows import equality_rows
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.vec import Floats, add, axpy, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import DYNAMIC, GAP, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
+from engine.memory.arena import BIAS, DYNAMIC, GAP, MOTION, PIVOT, RIGHT, SOFTNESS, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["project", "widest_gap"]
@@ -68,6 +68,9 @@ def project(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
             if kind[b, MOTION] == DYNAMIC:
                 turn_inertia(state, bodies.body, bodies.turned, b)
         n = equality_rows(state, joints, rows)
+    for r in range(n):
+        if rows.row[r, SOFTNESS] > 0.0:
+            rows.row[r, BIAS] = -rate(state, rows, r)
     every = implicit_rows(state, joints, rows, n, dt)
     assemble(rows, every, bodies)
     solve_bounded(bodies, rows, n, every, NEW)

@@ -19,7 +19,7 @@ import math
 from engine.compile.jit import kernel
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import NEW, apply_all, assemble, factor, solve, solve_bounded
-from engine.constrain.joint_rows import equality_rows
+from engine.constrain.joint_rows import equality_rows, note_rotors
 from engine.constrain.projection import ROUND_OFF, widest_gap
 from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.vec import Floats, axpy, load3, load4, quat_turn, store3, store4
@@ -62,6 +62,7 @@ def shake(bodies: Bodies, joints: Joints, rows: Rows, start: Floats, setting: Fl
     """Advance all bodies by h. Args: start (bodies + 1, 13): room for the poses at the start."""
     state, vector = bodies.state, rows.vector
     last = state.shape[0] - 1
+    note_rotors(state, joints, h)
     for b in range(last):
         kick(bodies, setting, b, h)
         for c in range(7):

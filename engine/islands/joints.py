@@ -6,6 +6,7 @@ their sum.
 
 from engine.compile.jit import kernel
 from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, write_rows
+from engine.constrain.joint_rows import note_rotors
 from engine.integrate.semi_implicit_euler import drift
 from engine.islands.contacts import (
     copy_row,
@@ -28,6 +29,9 @@ from engine.memory.arena import (
     FIRST_ROW,
     GROUPED_JOINT,
     GYROSCOPIC,
+    HAS,
+    HAS_ARMATURE,
+    HAS_FRICTION,
     HIT,
     ISLANDS,
     ITERATIONS,
@@ -59,7 +63,7 @@ from engine.respond.substep import bounce, end_substep, friction_mode, warm_star
 __all__ = ["advance_jointed_island", "make_room_for_rows"]
 
 ROOM = (9, 6, 8, 8, 4)
-"""The most rows of a joint of each type: its equalities, and one each for limits, spring and drive."""
+"""The most rows of a joint of each type: its equalities, and one each for limits, spring and drive; what else it has adds."""
 
 
 @kernel
@@ -71,7 +75,9 @@ def make_room_for_rows(ints: Ints) -> None:
     for i in range(islands):
         span[i, FIRST_ROW] = row
         for at in range(span[i, FIRST_JOINT], span[i + 1, FIRST_JOINT]):
-            row += ROOM[joint_kind[grouped[at, 0], JOINT_TYPE]]
+            j = grouped[at, 0]
+            row += ROOM[joint_kind[j, JOINT_TYPE]]
+            row += (joint_kind[j, HAS] & HAS_ARMATURE != 0) + (joint_kind[j, HAS] & HAS_FRICTION != 0)
     span[islands, FIRST_ROW] = row
 
 
@@ -187,6 +193,7 @@ def advance_jointed_island(floats: Floats, ints: Ints, i: int, first: int, end: 
         else:
             release_jointed_island(floats, ints, i, told)
         if stage < last:
+            note_rotors(island_bodies(floats, ints, i).state, island_joints(floats, ints, i), softness_in(floats, ints).h)
             span[i, HIT] = kick_island(floats, ints, i) > 0
         else:
             give_jointed_island(floats, ints, i)

@@ -109,7 +109,7 @@ def _tell_joint(plan: Plan, made: Assembly, number: int, k: int, link: Link, tre
                 carried = np.asarray(v_P) + np.cross(w_P, np.subtract(child.p_WB, p_P))
                 rate = float(axis @ (np.asarray(child.v_WB) - carried))
             refuse_armature(joint, "pybullet's multibody has no inertia along a joint coordinate: changeDynamics offers none")
-            # Bullet's motor that asks for no velocity, with a bounded force, is Coulomb's law: it holds, or brakes by all of it.
+            # A motor that asks for no velocity, with a bounded force, is Coulomb's law: it holds, or brakes by all of it.
             made.port.call("setJointMotorControl2", number, k, bullet.VELOCITY_CONTROL, force=joint.friction_loss or 0.0)
             made.port.call("resetJointState", number, k, 0.0, rate)
             if joint.limits is not None:

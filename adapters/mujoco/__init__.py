@@ -174,7 +174,7 @@ ADAPTER = MujocoAdapter(
             "the vendor's default time constant of constraints is .02 s: a rod that is let fall gives way by .7 %"
         ),
         "default/dry_friction_beside_a_drive": (
-            "the vendor's default softness of dry friction: a joint that is held creeps, under two thirds of the bound by .8 mm/s"
+            "the vendor's default softness of dry friction: what it holds creeps, under two thirds of the bound by .8 mm/s"
         ),
         "default/coupled_coordinates_move_as_one": (
             "the vendor's default time constant of constraints is .02 s: coupled joints let fall part by .02 m/s at first"

@@ -93,7 +93,7 @@ def soften(rows: Rows, r: int, joint: Floats, j: int) -> int:
 
 @kernel
 def note_rotors(state: Floats, joints: Joints, h: float) -> None:
-    """Write of each rotor the rate that it would keep over h [s] if nothing acted on it: x' - c h, before anything is kicked."""
+    """Write of each rotor the rate that it would keep over h [s] if nothing acted on it, x' - c h, before any kick."""
     joint = joints.joint
     for j in range(joint.shape[0]):
         if joints.kind[j, HAS] & HAS_ARMATURE == 0:

@@ -51,7 +51,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Coupling:
-    """A linear tie to the coordinate y of another revolute or prismatic joint: x = ratio y + offset [rad or m], at all times."""
+    """A linear tie to the coordinate y of another revolute or prismatic joint: x = ratio y + offset [rad or m] at all times."""
 
     joint: Name
     ratio: Finite

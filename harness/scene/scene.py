@@ -129,7 +129,7 @@ class Scene:
                 tied = tie.ratio * scalar[tie.joint].position + tie.offset
                 if abs(joint.position - tied) > _TIED * max(1.0, abs(joint.position), abs(tie.offset)):
                     raise ValueError(
-                        f"joint '{joint.name}': position {joint.position:g}, but its coupling to '{tie.joint}' says {tied:g} there"
+                        f"joint '{joint.name}': position {joint.position:g}, expected {tied:g} by its coupling to '{tie.joint}'"
                     )
 
     def _material_pairs(self) -> Iterator[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""The negative controls of what acts along joint coordinates beside limits, springs and drives: rotors, dry friction, couplings."""
+"""The negative controls of rotors, dry friction and couplings: what acts along joint coordinates."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -130,7 +130,7 @@ COORDINATE_CONTROLS: tuple[Control, ...] = (
     Control(
         name="coupling_ratio_lost",
         fault="couplings have a ratio of 1",
-        plant=_tied(ratio=lambda ratio: 1.0),
+        plant=_tied(ratio=lambda _: 1.0),
         caught_by=("coupled_coordinates_move_as_one",),
         needs=_SLIDE | Feature.COUPLING,
     ),

@@ -24,6 +24,7 @@ from harness.scene.importers.merging import Group, grouped
 from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from harness.scene.importers.robot import Robot
 from harness.scene.importers.settling import rooted, settled, undropped
+from harness.scene.importers.ties import tied, untied
 from harness.scene.importers.units import scaled, suspected
 from harness.scene.importers.xml_text import elements
 
@@ -108,12 +109,16 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes) -> Imported:
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
     robot = rooted(robot, companion, wishes)
     rows += undropped(robot, wishes.drop)
+    robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
+    rows += more
     robot, more = settled(robot, companion)
     rows += more
     if wishes.scenario in ("drop", "swing"):
         robot = scenarios.unpowered(robot)
     if wishes.scenario == "swing":
         robot = scenarios.swung(robot)
+    robot, more = tied(robot)
+    rows += more
     if wishes.scenario == "drop":
         companion = scenarios.grounded(companion)
     made = _made(robot, companion)

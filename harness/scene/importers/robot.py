@@ -18,7 +18,20 @@ from harness.scene import Matrix3, Shape, Surface, Vector3
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 
-__all__ = ["Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "symmetric"]
+__all__ = [
+    "Closure",
+    "Contacts",
+    "Coordinate",
+    "Geometry",
+    "Link",
+    "Kind",
+    "Need",
+    "Robot",
+    "Servo",
+    "Solid",
+    "Tie",
+    "symmetric",
+]
 
 Kind = Literal["revolute", "prismatic", "ball", "free"]
 
@@ -52,6 +65,20 @@ class Servo:
     limit: float | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tie:
+    """Whom a coordinate follows: x = ratio y + offset, y being the coordinate `joint`.
+
+    Terms: kinds: any of which, dropped by the user, sets it free. soft: the file says how softly it holds.
+    """
+
+    joint: str
+    ratio: float
+    offset: float = 0.0
+    kinds: frozenset[Drop] = frozenset(("mimic",))
+    soft: bool = False
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Coordinate:
     """One degree of freedom of a link (three of a ball, six of a free one).
@@ -59,9 +86,10 @@ class Coordinate:
     Terms:
         anchor [m], axis: in the link, at the reference. lower, upper [rad or m]; None is open. stiffness, damping, rest: of a
         passive spring. armature [kg m2 or kg]; friction_loss [N m or N]; effort [N m or N]; speed [rad/s or m/s]: its bound.
-        velocity: at the start. position: at the start, None for the reference. needs_range: the format asks for a range, and
-        the file gives none or half of one. X_start: the pose of a free link in its parent at the start, and of a ball's turn;
-        None for the reference. where: file and line.
+        tie: to another coordinate. velocity: at the start. position: at the start, None for the reference.
+        needs_range: the format asks for a range, and the file gives none or half of one.
+        X_start: the pose of a free link in its parent at the start, and of a ball's turn; None for the reference.
+        where: file and line.
     """
 
     name: str
@@ -81,6 +109,7 @@ class Coordinate:
     position: float | None = None
     velocity: float = 0.0
     servo: Servo | None = None
+    tie: Tie | None = None
     needs_range: bool = False
     X_start: Pose | None = None
     where: str = ""
@@ -146,7 +175,7 @@ class Robot:
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
         rows: what was settled while it was read.
-        needs: what has to be dropped by the user.
+        needs: what has to be dropped by the user. dropped: what the user has dropped, of what a scene has words for.
     """
 
     name: str
@@ -159,6 +188,7 @@ class Robot:
     collide: bool = False
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
+    dropped: frozenset[str] = frozenset()
     source: str = ""
 
 

@@ -87,7 +87,7 @@ def held_by_drives(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list
     given = []
 
     def hold(c: Coordinate) -> Coordinate:
-        if c.servo is not None or c.name not in own:
+        if c.servo is not None or c.tie is not None or c.name not in own:
             return c
         given.append(c.name)
         gain = own[c.name] * HOLD_RATE**2

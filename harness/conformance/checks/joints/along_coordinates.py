@@ -17,7 +17,7 @@ __all__ = ["CHECKS"]
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _Y: Vector3 = (0.0, 1.0, 0.0)
 _HALF_A_STEP = 5e-3
-"""A staggered scheme of first order is off by v dt/2, at most 1.5 mm at 3 m/s and a step of 1 ms; what is soft gives as much."""
+"""A staggered scheme of first order is off by v dt/2, at most 1.5 mm at 3 m/s and 1 ms; what is soft gives as much."""
 
 
 def _hanging(name: str, angle: float, top: Vector3 = _NOWHERE, mass: float = 2.0, moment: float = 0.2) -> Body:
@@ -73,7 +73,7 @@ def _armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> Findi
     because = "half a step of motion, and default damping"
     return judge(
         near("end of the upper rod [m]", end.p_WB[0], elbow, _HALF_A_STEP, because),
-        near("end of the lower rod [m]", end.p_WB[1], elbow + (-sin(b), 0.0, -cos(b)), 2 * _HALF_A_STEP, because),
+        near("end of the lower rod [m]", end.p_WB[1], elbow + np.array((-sin(b), 0.0, -cos(b))), 2 * _HALF_A_STEP, because),
         near("angular velocities [rad/s]", end.w_WB[:, 1], (u, v), 0.03, "a step of their accelerations"),
     )
 

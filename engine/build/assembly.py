@@ -269,6 +269,15 @@ def _along(joint: Joint) -> int:
     return (joint.armature > 0) + (joint.friction_loss > 0) if isinstance(joint, Revolute | Prismatic) else 0
 
 
+def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArray, anchor: FloatArray) -> float:
+    """The rate of a joint's coordinate at the start [rad/s or m/s], of bodies in these states (13,), about or along an axis."""
+    w_a, w_b = state_a[at.W : at.W + 3], state_b[at.W : at.W + 3]
+    if isinstance(joint, Revolute):
+        return float(axis @ (w_b - w_a))
+    v_a, v_b = (state[at.V : at.V + 3] + np.cross(state[at.W : at.W + 3], anchor - state[:3]) for state in (state_a, state_b))
+    return float(axis @ (v_b - v_a))
+
+
 def _write_joint(
     floats: FloatArray, ints: IntArray, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]
 ) -> None:
@@ -314,7 +323,7 @@ def _write_joint(
             row[at.DRIVE : at.DRIVE + 5] = drive.stiffness, drive.damping, drive.target, drive.target_velocity, drive.limit
         if joint.armature > 0:
             kind[at.HAS] |= at.HAS_ARMATURE
-            row[at.ARMATURE] = joint.armature
+            row[at.ARMATURE], row[at.ROTOR_RATE] = joint.armature, _rate(joint, axis, state[a], state[b], anchor_a)
         if joint.friction_loss > 0:
             kind[at.HAS] |= at.HAS_FRICTION
             row[at.FRICTION_LOSS] = joint.friction_loss

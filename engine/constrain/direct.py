@@ -195,8 +195,11 @@ def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: i
     held = vector[BOUND]
     factored = matrix == KNOWN
     for r in range(n):
-        factored = factored and held[r] == 0.0
-        held[r] = 0.0
+        # A stop that is not yet met gives nothing. Taken for free at first, many far stops pull by impulses as large as their
+        # distance, of which no sign can be trusted.
+        far = r >= equalities and row[r, LOW] == 0.0 and row[r, HIGH] == math.inf and vector[WORK, r] < 0.0
+        factored = factored and held[r] == 0.0 and not far
+        held[r] = -1.0 if far else 0.0
     for _ in range(20):
         for r in range(n):
             if not factored:

@@ -10,10 +10,10 @@ from engine.compile.jit import kernel
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import KNOWN, NEW, assemble, solve_bounded
 from engine.constrain.joint_rows import equality_rows
-from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, LOW, SOFTNESS
+from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, LOW, ROTOR_OF, ROTOR_RATE, SOFTNESS
 from engine.memory.tables import Bodies, Joints, Rows
 
-__all__ = ["KNOWN", "NEW", "hold_joints", "write_rows"]
+__all__ = ["KNOWN", "NEW", "hold_joints", "keep_rotors", "write_rows"]
 
 
 @kernel
@@ -46,3 +46,11 @@ def hold_joints(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int
         row[r, BIAS] += row[r, SOFTNESS] * impulse
         row[r, LOW] -= impulse
         row[r, HIGH] -= impulse
+
+
+@kernel
+def keep_rotors(joints: Joints, rows: Rows, equalities: int) -> None:
+    """Let each rotor have the rate that all impulses of the sub-step have left it with, which is what its row now aims at."""
+    for r in range(equalities):
+        if rows.row[r, SOFTNESS] > 0.0:
+            joints.joint[rows.body[r, ROTOR_OF], ROTOR_RATE] = -rows.row[r, BIAS]

@@ -3,7 +3,8 @@
 A row says J v = 0 with J acting on (v_A, w_A, v_B, w_B); its time derivative is J a + c = 0 with the curvature c = dJ/dt v.
 
 A rotor of inertia A that turns with a coordinate, x' = J v, resists by lambda = -A x'' = -A (J a + c): a soft row, J a + c +
-lambda / A = 0. Over a sub-step its impulse is -A (J v - u), u being x' before, moved on by the curvature (`note_rotors`).
+lambda / A = 0. Over a sub-step its impulse is -A (J v - u), u being the rate that the last one left it with: a drift turns
+bodies on, and changes what J v is, but no rotor.
 
 Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constraints); Shabana, Computational Dynamics, section
 6.4.
@@ -50,6 +51,7 @@ from engine.memory.arena import (
     PARENT,
     PRISMATIC,
     REVOLUTE,
+    ROTOR_OF,
     ROTOR_RATE,
     SOFTNESS,
     TURN_AB,
@@ -60,7 +62,7 @@ from engine.memory.arena import (
 )  # fmt: skip
 from engine.memory.tables import Joints, Rows
 
-__all__ = ["anchors", "equality_rows", "note_rotors", "put_row"]
+__all__ = ["anchors", "equality_rows", "put_row"]
 
 Jacobian = tuple[Vec, Vec, Vec, Vec]
 """Linear and angular part of A, then of B."""
@@ -85,31 +87,11 @@ def put_row(rows: Rows, r: int, a: int, b: int, jacobian: Jacobian, gap: float, 
 
 @kernel
 def soften(rows: Rows, r: int, joint: Floats, j: int) -> int:
-    """Give row r what the rotor of joint j is: softness and the rate that it keeps. Returns: the next row."""
+    """Give row r what the rotor of joint j is: softness and the rate that it has. Returns: the next row."""
     rows.row[r, SOFTNESS] = 1.0 / joint[j, ARMATURE]
     rows.row[r, BIAS] = -joint[j, ROTOR_RATE]
+    rows.body[r, ROTOR_OF] = j
     return r + 1
-
-
-@kernel
-def note_rotors(state: Floats, joints: Joints, h: float) -> None:
-    """Write of each rotor the rate that it would keep over h [s] if nothing acted on it, x' - c h, before any kick."""
-    joint = joints.joint
-    for j in range(joint.shape[0]):
-        if joints.kind[j, HAS] & HAS_ARMATURE == 0:
-            continue
-        a, b = joints.kind[j, PARENT], joints.kind[j, CHILD]
-        ra, rb, d = anchors(state, joint, j, a, b)
-        va, wa = load3(state, a, V), load3(state, a, W)
-        vb, wb = load3(state, b, V), load3(state, b, W)
-        axis = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
-        if joints.kind[j, JOINT_TYPE] == REVOLUTE:
-            joint[j, ROTOR_RATE] = dot(axis, sub(wb, wa)) - h * dot(cross(wa, axis), sub(wb, wa))
-        else:
-            between = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
-            centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
-            curvature = dot(cross(wa, cross(wa, axis)), d) + 2.0 * dot(cross(wa, axis), between) + dot(axis, centripetal)
-            joint[j, ROTOR_RATE] = dot(axis, sub(between, cross(wa, d))) - h * curvature
 
 
 @kernel

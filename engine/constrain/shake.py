@@ -18,12 +18,12 @@ import math
 
 from engine.compile.jit import kernel
 from engine.constrain.coordinate import bounded_rows
-from engine.constrain.direct import NEW, apply_all, assemble, factor, solve, solve_bounded
-from engine.constrain.joint_rows import equality_rows, note_rotors
+from engine.constrain.direct import NEW, apply_all, assemble, factor, rate, solve, solve_bounded
+from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import ROUND_OFF, widest_gap
 from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.vec import Floats, axpy, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import GAP, MOTION, PIVOT, RIGHT, STATIC, WORK, P, Q, V, W
+from engine.memory.arena import GAP, MOTION, PIVOT, RIGHT, ROTOR_OF, ROTOR_RATE, SOFTNESS, STATIC, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["joint_gaps", "shake", "solve_joints"]
@@ -62,7 +62,6 @@ def shake(bodies: Bodies, joints: Joints, rows: Rows, start: Floats, setting: Fl
     """Advance all bodies by h. Args: start (bodies + 1, 13): room for the poses at the start."""
     state, vector = bodies.state, rows.vector
     last = state.shape[0] - 1
-    note_rotors(state, joints, h)
     for b in range(last):
         kick(bodies, setting, b, h)
         for c in range(7):
@@ -87,6 +86,9 @@ def shake(bodies: Bodies, joints: Joints, rows: Rows, start: Floats, setting: Fl
         before = widest
         solve(rows, n, bodies, RIGHT, WORK)
         apply_all(state, rows, n, bodies, WORK, 1.0)
+    for r in range(n):
+        if rows.row[r, SOFTNESS] > 0.0:
+            joints.joint[rows.body[r, ROTOR_OF], ROTOR_RATE] = rate(state, rows, r)
     for b in range(last):
         for c in range(7):
             state[b, c] = start[b, c]

@@ -5,8 +5,7 @@ their sum.
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, write_rows
-from engine.constrain.joint_rows import note_rotors
+from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, keep_rotors, write_rows
 from engine.integrate.semi_implicit_euler import drift
 from engine.islands.contacts import (
     copy_row,
@@ -163,6 +162,7 @@ def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None
             hold_joints(bodies, rows, span[i, EQUALITIES], span[i, ROWS], KNOWN)
     friction_mode(bodies, contacts, n)
     end_substep(contacts, n)
+    keep_rotors(island_joints(floats, ints, i), rows, span[i, EQUALITIES])
 
 
 @kernel
@@ -193,7 +193,6 @@ def advance_jointed_island(floats: Floats, ints: Ints, i: int, first: int, end: 
         else:
             release_jointed_island(floats, ints, i, told)
         if stage < last:
-            note_rotors(island_bodies(floats, ints, i).state, island_joints(floats, ints, i), softness_in(floats, ints).h)
             span[i, HIT] = kick_island(floats, ints, i) > 0
         else:
             give_jointed_island(floats, ints, i)

@@ -155,7 +155,7 @@ DRIVE: Final = 22  # stiffness, damping, target, target velocity, limit
 COORDINATE: Final = 27  # last value, to count full turns
 POSITION: Final = 28  # the coordinate at the start
 ARMATURE: Final = 29  # inertia of the rotor along the coordinate
-ROTOR_RATE: Final = 30  # what the rotor keeps in this sub-step, but for what acts on it
+ROTOR_RATE: Final = 30  # of the rotor, as the last sub-step left it
 FRICTION_LOSS: Final = 31
 
 JOINT_KIND: Final = int_columns(Per.JOINT, 6)
@@ -185,6 +185,7 @@ LOW: Final = 16
 HIGH: Final = 17
 
 ROW_BODY: Final = int_columns(Per.ROW_OR_TRIAL, 4)
+ROTOR_OF: Final = 2  # of a soft equality row: whose rotor it is
 REACH: Final = float_columns(Per.ROW, 12)  # mass-weighted Jacobian
 MATRIX: Final = float_columns(Per.ROW, Per.ROW)
 FACTOR: Final = float_columns(Per.ROW, Per.ROW)

@@ -8,7 +8,7 @@ from harness.adapter import Adapter, Feature
 from harness.conformance.faults.broken_scenes import every_joint
 from harness.conformance.faults.control import Control
 from harness.conformance.faults.plant import changed_scene
-from harness.scene import Scene, Spring
+from harness.scene import Prismatic, Revolute, Scene, Spring
 
 __all__ = ["COORDINATE_CONTROLS"]
 
@@ -25,17 +25,17 @@ def _scaled(law: str, factor: float) -> Callable[[Adapter], Adapter]:
     return every_joint(change)
 
 
-def _tied(**change: Callable[[float], float]) -> Callable[[Adapter], Adapter]:
+def _tied(change: Callable[[float], float]) -> Callable[[Adapter], Adapter]:
     """Every coupling is changed, and so is where its joint is said to start, so that the scene itself stays sound."""
 
     def apply(scene: Scene) -> Scene:
         joints = {joint.name: joint for joint in scene.joints}
+        places = {joint.name: joint.position for joint in scene.joints if isinstance(joint, Revolute | Prismatic)}
         for joint in scene.joints:
-            coupling = getattr(joint, "coupling", None)
-            if coupling is not None:
-                ratio = change["ratio"](coupling.ratio)
-                offset = joint.position - ratio * joints[coupling.joint].position
-                joints[joint.name] = replace(joint, coupling=replace(coupling, ratio=ratio, offset=offset))
+            if isinstance(joint, Revolute | Prismatic) and joint.coupling is not None:
+                ratio = change(joint.coupling.ratio)
+                offset = joint.position - ratio * places[joint.coupling.joint]
+                joints[joint.name] = replace(joint, coupling=replace(joint.coupling, ratio=ratio, offset=offset))
         return replace(scene, joints=tuple(joints.values()))
 
     return changed_scene(apply)
@@ -123,21 +123,21 @@ COORDINATE_CONTROLS: tuple[Control, ...] = (
     Control(
         name="coupling_reversed",
         fault="coupled joints move against each other where they should move alike",
-        plant=_tied(ratio=lambda ratio: -ratio),
+        plant=_tied(lambda ratio: -ratio),
         caught_by=("coupled_coordinates_move_as_one",),
         needs=_SLIDE | Feature.COUPLING,
     ),
     Control(
         name="coupling_ratio_lost",
         fault="couplings have a ratio of 1",
-        plant=_tied(ratio=lambda _: 1.0),
+        plant=_tied(lambda _: 1.0),
         caught_by=("coupled_coordinates_move_as_one",),
         needs=_SLIDE | Feature.COUPLING,
     ),
     Control(
         name="coupling_inverted",
         fault="the ratio of couplings is taken the other way round",
-        plant=_tied(ratio=lambda ratio: 1.0 / ratio),
+        plant=_tied(lambda ratio: 1.0 / ratio),
         caught_by=("coupled_coordinates_move_as_one",),
         needs=_SLIDE | Feature.COUPLING,
     ),

@@ -83,7 +83,8 @@ def swung(robot: Robot) -> Robot:
 def held_by_drives(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list[Fidelity]]:
     """Each joint without a drive gets one that holds it where it starts."""
     scalars, M, places = inertias(bodies)
-    own = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
+    rotors = 0.0 if "armature" in robot.dropped else 1.0
+    own = {c.name: float(M[k, k]) + rotors * c.armature for c, k in zip(scalars, places, strict=True)}
     given = []
 
     def hold(c: Coordinate) -> Coordinate:

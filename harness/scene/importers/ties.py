@@ -14,6 +14,9 @@ __all__ = ["coupled", "tied", "untied"]
 MOVED = 1e-9
 """How far a start may lie beside its tie and be taken for it [rad or m]: rounding of a file's digits."""
 
+FAR = 1e9
+"""What no follower starts at, nor at a rate of: beyond it a turn has no digits left."""
+
 
 def untied(robot: Robot, dropped: frozenset[str]) -> tuple[Robot, list[Fidelity]]:
     """The robot without the ties that its user leaves out, and a row that says so."""
@@ -82,6 +85,8 @@ def _where(c: Coordinate, coordinates: Mapping[str, Coordinate]) -> tuple[float,
     for one in reversed(chain):
         assert one.tie is not None
         position, velocity = one.tie.ratio * position + one.tie.offset, one.tie.ratio * velocity
+    if not (abs(position) < FAR and abs(velocity) < FAR):
+        raise RobotError(f"{c.where}: joint {quoted(c.name, 80)} follows to {position:g}, expected less than {FAR:g}")
     return position, velocity
 
 

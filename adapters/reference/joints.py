@@ -51,7 +51,7 @@ def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
             assert_never(joint)
 
 
-def _along(joint: Revolute | Prismatic) -> dict[str, float]:
+def _along(joint: Revolute | Prismatic) -> dict[str, Any]:
     """Rotor and dry friction of a joint with one coordinate. Raises: Unsupported."""
     if joint.coupling is not None:
         raise Unsupported(

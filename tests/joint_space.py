@@ -82,4 +82,6 @@ class JointSpace:
             h += body.mass * J[3:].T @ (a_c - np.array(self.scene.gravity))
             h += J[:3].T @ (inertia @ dw + np.cross(w, inertia @ w))
             jacobians[body.name] = (J, centre, R_WB, a_c, dw)
+        for k, joint in enumerate(self.joints, self.first):
+            M[k, k] += joint.armature or 0.0
         return M, h, jacobians

@@ -18,6 +18,8 @@ Deviations:
       the step before left these: with the mobility of a foot in the air their hinges would tremble (humanoid, 1/240 s: 0.06
       rad), with the torques of the step's start they would fall at 1/120 s. With `drives` = "motor" Bullet's own motors drive,
       rigid up to their limit; no track takes them, as they are another law.
+    * Dry friction in a joint is Bullet's own motor that asks for no velocity, with a bounded force: Coulomb's law; a joint that
+      Bullet's motor drives cannot have it. A coupling is Bullet's gear, a velocity constraint: what it drifts is rounding.
     * A kinematic body is a body of 1e12 times the scene's largest mass, held up against gravity, whose velocity is prescribed
       anew in every (sub)step: pybullet offers no way to flag a body as kinematic.
     * Sub-steps are steps of dt/substeps (pybullet's numSubSteps can lose one to rounding); contact forces are their mean, the
@@ -134,6 +136,7 @@ ADAPTER = BulletAdapter(
     distribution="pybullet",
     features=~(
         Feature.DISTANCE
+        | Feature.ARMATURE
         | Feature.PAIR_FRICTION
         | Feature.STATIC_FRICTION
         | Feature.RAY_TRACING
@@ -209,6 +212,8 @@ ADAPTER = BulletAdapter(
         "default/joint_pendulum_period": _DAMPED,
         "default/joint_damping_is_off": _DAMPED,
         "default/spring_frequency": _DAMPED,
+        "default/dry_friction_brakes": _DAMPED,
+        "default/coupled_coordinates_move_as_one": _DAMPED,
         "default/huge_state_is_not_reset": _CLAMPED,
         "default/rays_match_closed_forms": _GRAZING,
         "tuned/rays_match_closed_forms": _GRAZING,

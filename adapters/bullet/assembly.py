@@ -20,7 +20,8 @@ class Assembly:
         nothing, pybullet would make one of each collision shape. q_IB (n, 4): turns I against B.
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
-        address: (number, link) -> place. waiting: (number, link) of bodies whose contacts wait until they touch.
+        address: (number, link) -> place. joints: of each that is a link's, by name, (number, link).
+        waiting: (number, link) of bodies whose contacts wait until they touch.
         notices: what the engine computes beside the scene.
     """
 
@@ -32,5 +33,6 @@ class Assembly:
     actuators: dict[int, Actuation] = field(default_factory=dict)
     prescribed: list[tuple[int, int, Vector3]] = field(default_factory=list)
     address: dict[tuple[int, int], int] = field(default_factory=dict)
+    joints: dict[str, tuple[int, int]] = field(default_factory=dict)
     waiting: set[tuple[int, int]] = field(default_factory=set)
     notices: list[Notice] = field(default_factory=list)

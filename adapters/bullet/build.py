@@ -8,7 +8,7 @@ import numpy as np
 
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
-from adapters.bullet.closures import close_loop
+from adapters.bullet.closures import close_loop, couple
 from adapters.bullet.coordinates import maximal
 from adapters.bullet.multibodies import put_multibody
 from adapters.bullet.options import resolved_settings, set_parameters
@@ -19,7 +19,7 @@ from adapters.bullet.trees import constrained_joints, spanning_trees
 from adapters.bullet.vendor import Port
 from harness.adapter import Notice, Settings, Unsupported
 from harness.adapter.rotations import conjugate
-from harness.scene import WORLD, Distance, Effect, Scene
+from harness.scene import WORLD, Distance, Effect, Prismatic, Revolute, Scene
 from harness.trajectory import State
 
 __all__ = ["build_world"]
@@ -75,6 +75,9 @@ def _put_bodies(plan: Plan, made: Assembly) -> None:
     for tree in trees:
         for joint in tree.closures:
             close_loop(plan, made, joint)
+    for joint in plan.joints:
+        if isinstance(joint, Revolute | Prismatic) and joint.coupling is not None:
+            couple(made, joint.name, joint.coupling)
 
 
 def _filter(plan: Plan, made: Assembly) -> None:

@@ -9,9 +9,9 @@ from adapters.bullet.trees import loaded
 from adapters.bullet.vendor import LIFTED
 from harness.adapter import Unsupported
 from harness.adapter.rotations import IDENTITY, conjugate
-from harness.scene import Ball, Fixed, Joint, Revolute, Vector3, rotate
+from harness.scene import Ball, Coupling, Fixed, Joint, Revolute, Vector3, rotate
 
-__all__ = ["close_loop"]
+__all__ = ["close_loop", "couple"]
 
 
 def close_loop(plan: Plan, made: Assembly, joint: Joint) -> None:
@@ -47,6 +47,18 @@ def close_loop(plan: Plan, made: Assembly, joint: Joint) -> None:
             frames[1][1],
         )
         made.port.call("changeConstraint", constraint, maxForce=LIFTED)
+
+
+def couple(made: Assembly, joint: str, coupling: Coupling) -> None:
+    """Tie two joint coordinates: Bullet's gear has x' + gearRatio y' = 0 along the two links' joints. Raises: Unsupported."""
+    for name in (joint, coupling.joint):
+        if name not in made.joints:
+            raise Unsupported(
+                f"joint '{joint}': coupling to '{coupling.joint}'", f"'{name}' closes a loop and has no coordinate"
+            )
+    ends = (*made.joints[joint], *made.joints[coupling.joint])
+    gear = made.port.call("createConstraint", *ends, made.port.bullet.JOINT_GEAR, [0.0, 0.0, 1.0], [0.0] * 3, [0.0] * 3)
+    made.port.call("changeConstraint", gear, gearRatio=-coupling.ratio, maxForce=LIFTED)
 
 
 def _end(plan: Plan, made: Assembly, name: str) -> tuple[int, int, int] | None:

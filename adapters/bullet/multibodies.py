@@ -13,6 +13,7 @@ from adapters.bullet.shapes import collision_shape
 from adapters.bullet.trees import Link, Tree, joint_axis
 from adapters.bullet.vendor import LIFTED
 from harness.adapter import Unsupported
+from harness.adapter.carried_laws import refuse_armature
 from harness.adapter.rotations import IDENTITY, conjugate
 from harness.scene import Ball, Distance, Fixed, Prismatic, Quaternion, Revolute, Vector3, multiply, rotate
 
@@ -61,6 +62,7 @@ def put_multibody(plan: Plan, made: Assembly, tree: Tree) -> None:
         made.address[number, k] = link.place
         tell_body(plan, made, number, k, link.place, maximal=False)
         _tell_joint(plan, made, number, k, link, tree)
+        made.joints[link.joint.name] = number, k
     actuation = actuated(plan, made, tree)
     if actuation is not None:
         made.actuators[number] = actuation
@@ -106,7 +108,9 @@ def _tell_joint(plan: Plan, made: Assembly, number: int, k: int, link: Link, tre
             if isinstance(joint, Prismatic):
                 carried = np.asarray(v_P) + np.cross(w_P, np.subtract(child.p_WB, p_P))
                 rate = float(axis @ (np.asarray(child.v_WB) - carried))
-            made.port.call("setJointMotorControl2", number, k, bullet.VELOCITY_CONTROL, force=0.0)
+            refuse_armature(joint, "pybullet's multibody has no inertia along a joint coordinate: changeDynamics offers none")
+            # A motor that asks for no velocity, with a bounded force, is Coulomb's law: it holds, or brakes by all of it.
+            made.port.call("setJointMotorControl2", number, k, bullet.VELOCITY_CONTROL, force=joint.friction_loss or 0.0)
             made.port.call("resetJointState", number, k, 0.0, rate)
             if joint.limits is not None:
                 lower = -1e12 if joint.limits.lower is None else joint.limits.lower - joint.position

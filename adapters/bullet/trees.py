@@ -8,6 +8,7 @@ import numpy as np
 
 from adapters.bullet.frames import matrices, xyzw
 from harness.adapter import Unsupported
+from harness.adapter.carried_laws import carried, followed
 from harness.adapter.disjoint_sets import DisjointSets
 from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import WORLD, Ball, Effect, Fixed, Joint, Revolute, Scene, Vector3
@@ -35,7 +36,7 @@ class Tree:
 
 def loaded(joint: Joint) -> bool:
     """Does the joint carry more than its constraint?"""
-    return any(getattr(joint, name, None) is not None for name in ("limits", "spring", "drive"))
+    return bool(carried(joint))
 
 
 def fast_tops(scene: Scene) -> set[str]:
@@ -72,7 +73,8 @@ def fast_tops(scene: Scene) -> set[str]:
 def constrained_joints(scene: Scene, joints: Sequence[Joint], choice: str) -> frozenset[str]:
     """The joints, by name, that are constraints between free bodies rather than links of a multibody."""
     if choice == "constraints":
-        return frozenset(joint.name for joint in joints if isinstance(joint, Ball | Fixed | Revolute) and not loaded(joint))
+        plain = [joint for joint in joints if isinstance(joint, Ball | Fixed | Revolute) and not loaded(joint)]
+        return frozenset(joint.name for joint in plain) - followed(scene)
     return frozenset(fast_tops(scene)) if choice == "scene" and joints else frozenset()
 
 
@@ -95,7 +97,8 @@ def spanning_trees(scene: Scene, joints: Sequence[Joint], constrained: Container
 
     ends = {j.name: (ground(j.parent, j.child), ground(j.child, j.parent)) for j in joints}
     grounds = sorted({end for pair in ends.values() for end in pair if end.startswith("\n")})
-    ordered = sorted(joints, key=lambda j: (not loaded(j), j.type == "ball", j.type == "fixed"))
+    others = followed(scene)
+    ordered = sorted(joints, key=lambda j: (not loaded(j) and j.name not in others, j.type == "ball", j.type == "fixed"))
     forest = spanning_forest((j for j in ordered if j.name not in constrained), lambda j: ends[j.name])
     looping = {joint.name for joint in forest.closing}
     closing = [(ends[j.name][0], j) for j in ordered if j.name in constrained or j.name in looping]

@@ -130,6 +130,7 @@ ADAPTER = DartAdapter(
         | Feature.LIMITS
         | Feature.SPRINGS
         | Feature.DRIVES
+        | Feature.FRICTION_LOSS
         | Feature.RESTITUTION
         | Feature.LINEAR_DAMPING
         | Feature.ANGULAR_DAMPING

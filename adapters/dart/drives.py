@@ -9,12 +9,16 @@ import numpy as np
 from harness.adapter import Notice
 from harness.scene import Drive, Spring
 
-__all__ = ["SERVO_NOTICE", "Motor", "drive_within_limits"]
+__all__ = ["AT_REST", "SERVO_NOTICE", "Motor", "drive_within_limits"]
 
 SERVO_NOTICE = Notice(
     "drives: DART's own servo holds the velocity (c u + k (target - x))/(c + dt k) by whatever force within the limit: another "
     "law than the scene's k (target - x) + c (u - x')"
 )
+
+
+AT_REST = 1e-9
+"""The rate [rad/s or m/s] below which dry friction holds a joint: what DART's solver leaves of one is 1e-11."""
 
 
 @dataclass(slots=True)
@@ -34,6 +38,16 @@ class Motor:
     def limited(self) -> bool:
         """Has the drive a limit?"""
         return self.drive.limit is not None
+
+    @property
+    def held(self) -> bool:
+        """Does dry friction hold the joint since the last step?"""
+        return bool(self.joint.getCoulombFriction(0) > 0 and abs(self.joint.getVelocity(0)) < AT_REST)
+
+    @property
+    def rubbed(self) -> float:
+        """What dry friction takes of a joint that moves [N m or N], against what the drive pushes."""
+        return 0.0 if self.held else math.copysign(self.joint.getCoulombFriction(0), self.joint.getVelocity(0))
 
     @property
     def works(self) -> bool:
@@ -96,9 +110,13 @@ def drive_within_limits(motors: list[Motor], dt: float) -> None:
     mobility = np.linalg.inv(np.asarray(skeleton.getAugMassMatrix()))[np.ix_(places, places)]
     k, c = (np.array([getattr(m.drive, name) for m in motors]) for name in ("stiffness", "damping"))
     wanted = np.array([m.target for m in motors]), np.array([m.drive.target_velocity for m in motors])
-    v_free = v + dt * a
+    v_free = v + dt * (a - mobility @ [m.rubbed for m in motors])
     push = k * (wanted[0] - x - dt * v_free) + c * (wanted[1] - v_free)
     gain = dt * (c + dt * k)
+    # What dry friction holds does not move within the step, unless the drive can tear it loose where it stands.
+    held = np.array([m.held for m in motors])
+    push = np.where(held, k * (wanted[0] - x) + c * (wanted[1] - v), push)
+    gain = np.where(held, 0.0, gain)
     f = np.linalg.solve(np.eye(len(motors)) + gain[:, None] * mobility, push)
     for motor, force in zip(motors, f, strict=True):
         motor.joint.setCommand(0, motor.push + motor.cut(float(force)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from adapters.dart.built import Built
-from adapters.dart.drives import Motor
+from adapters.dart.drives import AT_REST, Motor
 from adapters.dart.surfaces import SMALLEST_COEFFICIENT
 from adapters.dart.vectors import tangents
 from adapters.dart.vendor import body_of
@@ -42,6 +42,7 @@ class Foresight:
         self._built = built
         self._driven: dict[int, dict[str, Motor]] = {}
         self._limits: list[tuple[int, Any]] = []
+        self._dry: list[tuple[int, Any, float]] = []
         self._loose: list[Integers] = []
         numbers = {skeleton.getName(): k for k, skeleton in enumerate(built.skeletons)}
         self._skeleton_of: list[int | None] = [numbers.get(node.getSkeleton().getName()) for node in built.nodes]
@@ -52,6 +53,8 @@ class Foresight:
             held = built.dart.dynamics.ActuatorType.VELOCITY
             loose = [j.getIndexInSkeleton(i) for j in joints if j.getActuatorType() != held for i in range(j.getNumDofs())]
             self._loose.append(np.array(loose, dtype=np.int64))
+            single = [j for j in joints if j.getNumDofs() == 1]
+            self._dry += [(k, j, float(j.getCoulombFriction(0))) for j in single if j.getCoulombFriction(0) > 0]
             self._limits += [(k, j) for j in joints if j.getNumDofs() == 1 and j.areLimitsEnforced()]
 
     def foresee(self, begun: bool) -> None:
@@ -157,6 +160,14 @@ class Foresight:
                 row = np.zeros((1, built.skeletons[one].getNumDofs()))
                 row[0, joint.getIndexInSkeleton(0)] = math.copysign(1.0, impulse)
                 holds.append(Hold({one: row}, one_sided=True))
+        for one, joint, loss in self._dry:
+            row = np.zeros((1, built.skeletons[one].getNumDofs()))
+            row[0, joint.getIndexInSkeleton(0)] = 1.0
+            speed = float(joint.getVelocity(0))
+            if abs(speed) < AT_REST:
+                holds.append(Hold({one: row}))
+            else:
+                holds.append(Hold({one: row[:0]}, pull={one: -math.copysign(dt * loss, speed) * row[0]}))
         for loop in built.loops:
             hold = Hold({})
             for sign, (place, point) in zip((1.0, -1.0), loop, strict=False):

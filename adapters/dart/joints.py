@@ -9,6 +9,7 @@ from adapters.dart.drives import SERVO_NOTICE, Motor
 from adapters.dart.trees import WORLD_FRAME, Edge, ends
 from adapters.dart.vendor import pose
 from harness.adapter import Unsupported
+from harness.adapter.carried_laws import refuse_armature
 from harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Spring
 
 __all__ = ["add_constraints", "add_joint"]
@@ -61,7 +62,15 @@ def add_joint(built: Built, owner: Any, edge: Edge) -> tuple[Any, Any]:
 
 def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prismatic) -> None:
     """Position, limits, spring and drive of a joint of one coordinate."""
+    refuse_armature(joint, "DART's joints have no inertia of their own")
+    if joint.coupling is not None:
+        raise Unsupported(
+            f"joint '{joint.name}': coupling to '{joint.coupling.joint}'",
+            "dartpy 6.20 has mimic joints, and binds no way to say whom they follow",
+        )
     made.setPosition(0, joint.position)
+    if joint.friction_loss:
+        made.setCoulombFriction(0, joint.friction_loss)
     if joint.limits is not None:
         made.setLimitEnforcement(True)
         if joint.limits.lower is not None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from adapters.dart.tops import spins
 from harness.adapter import Unsupported
+from harness.adapter.carried_laws import carried
 from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 from harness.trajectory import Floats
@@ -91,7 +92,7 @@ def ends(scene: Scene, joint: Joint) -> tuple[int, int]:
 def cuttable(joint: Joint) -> bool:
     """Has DART a loop-closing constraint for it?"""
     if isinstance(joint, Revolute):
-        return joint.limits is None and joint.spring is None and joint.drive is None
+        return not carried(joint)
     return isinstance(joint, Fixed | Ball)
 
 

@@ -173,6 +173,12 @@ ADAPTER = MujocoAdapter(
         "default/distance_joint_keeps_its_length": (
             "the vendor's default time constant of constraints is .02 s: a rod that is let fall gives way by .7 %"
         ),
+        "default/dry_friction_beside_a_drive": (
+            "the vendor's default softness of dry friction: what it holds creeps, under two thirds of the bound by .8 mm/s"
+        ),
+        "default/coupled_coordinates_move_as_one": (
+            "the vendor's default time constant of constraints is .02 s: coupled joints let fall part by .02 m/s at first"
+        ),
     },
     trade_offs={
         "friction_backspin/ladder": (

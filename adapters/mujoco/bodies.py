@@ -7,7 +7,7 @@ import numpy as np
 from adapters.mujoco.draft import Draft
 from adapters.mujoco.limits import bounds_of
 from adapters.mujoco.plan import Plan
-from adapters.mujoco.softness import stop
+from adapters.mujoco.softness import hold_dry, stop
 from adapters.mujoco.trees import Link
 from harness.adapter.rotations import conjugate
 from harness.scene import Ball, Distance, Fixed, Joint, Revolute, multiply
@@ -66,3 +66,8 @@ def _add_joint(plan: Plan, draft: Draft, node: Any, link: Link, joint: Joint) ->
     if joint.spring is not None:
         made.stiffness, made.damping = [joint.spring.stiffness, 0, 0], [joint.spring.damping, 0, 0]
         made.springref = joint.spring.rest
+    if joint.armature:
+        made.armature = joint.armature
+    if joint.friction_loss:
+        made.frictionloss = joint.friction_loss
+        hold_dry(made, plan.options, plan.h)

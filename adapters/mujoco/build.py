@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from adapters.mujoco.bodies import add_body
-from adapters.mujoco.closures import close_loop, keep_distance
+from adapters.mujoco.closures import close_loop, couple, keep_distance
 from adapters.mujoco.collisions import add_shapes
 from adapters.mujoco.draft import Draft
 from adapters.mujoco.drives import add_drives
@@ -20,7 +20,7 @@ from adapters.mujoco.surfaces import Law, contact_laws
 from adapters.mujoco.vendor import flag
 from adapters.mujoco.world import Indices, World
 from harness.adapter import Notice, Settings, Unsupported
-from harness.scene import Distance, Effect, Fixed, Scene
+from harness.scene import Distance, Effect, Fixed, Prismatic, Revolute, Scene
 
 __all__ = ["build"]
 
@@ -39,6 +39,8 @@ def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
     for joint in plan.joints:
         if isinstance(joint, Distance):
             keep_distance(plan, draft, joint)
+        if isinstance(joint, Revolute | Prismatic) and joint.coupling is not None:
+            couple(plan, draft, joint.name, joint.coupling)
     if Effect.DRIVES in plan.effects:
         add_drives(plan, draft)
     if Effect.SENSING in plan.effects:

@@ -9,15 +9,16 @@ from adapters.mujoco.limits import bounds_of
 from adapters.mujoco.plan import Plan
 from adapters.mujoco.softness import hold, stop
 from harness.adapter import Unsupported
-from harness.scene import WORLD, Distance, Fixed, Joint, Prismatic, Revolute
+from harness.adapter.carried_laws import carried, followed
+from harness.scene import WORLD, Coupling, Distance, Fixed, Joint, Prismatic, Revolute
 
-__all__ = ["close_loop", "keep_distance"]
+__all__ = ["close_loop", "couple", "keep_distance"]
 
 
 def close_loop(plan: Plan, draft: Draft, joint: Joint) -> None:
     """An equality constraint for a joint that closes a loop. Raises: Unsupported."""
     assert not isinstance(joint, Distance)
-    extra = next((x for x in ("limits", "spring", "drive") if getattr(joint, x, None) is not None), None)
+    extra = next(iter(carried(joint)), "another joint coupled to it" if joint.name in followed(plan.scene) else None)
     if isinstance(joint, Prismatic) or extra is not None:
         what = f"joint '{joint.name}': a {joint.type} joint{f' with {extra}' if extra else ''} that closes a loop"
         raise Unsupported(
@@ -46,6 +47,16 @@ def _add_equality(plan: Plan, draft: Draft, joint: Joint, kind: Any) -> Any:
     )
     hold(made, plan.options, plan.h)
     return made
+
+
+def couple(plan: Plan, draft: Draft, joint: str, coupling: Coupling) -> None:
+    """An equality of two coordinates; MuJoCo counts both from where they start, so that the offset is in neither."""
+    native = {link.joint.name: f"f{link.body}" for link in plan.links if link.joint is not None}
+    made = draft.spec.add_equality(
+        type=draft.mj.mjtEq.mjEQ_JOINT, objtype=draft.mj.mjtObj.mjOBJ_JOINT, name1=native[joint], name2=native[coupling.joint]
+    )
+    made.data = [0.0, coupling.ratio, *([0.0] * 10)]
+    hold(made, plan.options, plan.h)
 
 
 def keep_distance(plan: Plan, draft: Draft, joint: Distance) -> None:

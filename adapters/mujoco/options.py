@@ -26,7 +26,8 @@ class Options:
         friction_steps: time constant of friction in steps, where it has rows of its own: on the elliptic cone, which friction
         with restitution always takes. None: as long as the impact with restitution, that of the contact without.
         limit_steps, limit_damping_ratio, limit_impedance: of the limits of joints and rods.
-        loop_steps, loop_impedance: time constant in steps and impedance of loop joints and rods.
+        loop_steps, loop_impedance: time constant in steps and impedance of loop joints, rods, couplings and the dry
+        friction of joints.
         slowest: what no time constant told in steps exceeds [s], but for rebounds; `resolved` says those that are used.
         rebound_steps: duration of an elastic impact in steps.
         refsafe, multiccd, nativeccd, island, warmstart, diagexact: flags of the engine. speculative: None follows the scene.

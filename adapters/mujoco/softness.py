@@ -5,7 +5,7 @@ from typing import Any
 
 from adapters.mujoco.options import Options
 
-__all__ = ["LEAST_STEPS", "VENDOR_TIME_CONSTANT", "friction_constant", "hold", "impedance", "stop", "time_constant"]
+__all__ = ["LEAST_STEPS", "VENDOR_TIME_CONSTANT", "friction_constant", "hold", "hold_dry", "impedance", "stop", "time_constant"]
 
 VENDOR_TIME_CONSTANT = 0.02
 """The time constant of MuJoCo's constraints [s] (solref[0])."""
@@ -39,6 +39,13 @@ def hold(constraint: Any, options: Options, h: float) -> None:
     constraint.solref = [time_constant(options.loop_steps, h, options.slowest), 1.0]
     if options.loop_impedance is not None:
         constraint.solimp = impedance(options.loop_impedance)
+
+
+def hold_dry(rubbed: Any, options: Options, h: float) -> None:
+    """Tell a coordinate how stiffly its dry friction holds it, as a loop is held, in steps of h [s]."""
+    rubbed.solref_friction = [time_constant(options.loop_steps, h, options.slowest), 1.0]
+    if options.loop_impedance is not None:
+        rubbed.solimp_friction = impedance(options.loop_impedance)
 
 
 def stop(limited: Any, options: Options, h: float) -> None:

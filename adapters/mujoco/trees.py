@@ -1,8 +1,9 @@
 """The forest of joints: below which body each one hangs by a native joint, and which joints close loops."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
+from harness.adapter.carried_laws import carried, followed
 from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import WORLD, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 
@@ -19,12 +20,12 @@ class Link:
     turned: bool = False
 
 
-def _keenness(joint: Joint) -> int:
+def _keenness(joint: Joint, others: Container[str]) -> int:
     """The lower, the sooner a joint becomes native: what has no equality constraint first, the exact ones last."""
     if isinstance(joint, Prismatic):
         return 0
     if isinstance(joint, Revolute):
-        return 1 if joint.limits or joint.spring or joint.drive else 2
+        return 1 if carried(joint) or joint.name in others else 2
     return 3 if isinstance(joint, Fixed) else 4
 
 
@@ -32,8 +33,9 @@ def forest(scene: Scene, joints: Sequence[Joint]) -> tuple[list[Link], list[Join
     """Links from the roots down, and the joints that close loops."""
     index = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
     still = [k for k, body in enumerate(scene.bodies) if not body.movable]
+    others = followed(scene)
     trees = spanning_forest(
-        sorted((joint for joint in joints if not isinstance(joint, Distance)), key=_keenness),
+        sorted((j for j in joints if not isinstance(j, Distance)), key=lambda joint: _keenness(joint, others)),
         lambda joint: (index[joint.parent], index[joint.child]),
         ground=(-1, *still),
     )

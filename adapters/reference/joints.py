@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 
+from harness.adapter import Unsupported
 from harness.scene import Ball, Distance, Effect, Fixed, Joint, Prismatic, Revolute
 
 if TYPE_CHECKING:
@@ -26,11 +27,21 @@ def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
             return engine.Ball(**ends, anchor_W=joint.anchor_W)
         case Revolute():
             return engine.Revolute(
-                **ends, anchor_W=joint.anchor_W, axis_W=joint.axis_W, position=joint.position, **_extras(joint, effects)
+                **ends,
+                anchor_W=joint.anchor_W,
+                axis_W=joint.axis_W,
+                position=joint.position,
+                **_extras(joint, effects),
+                **_along(joint),
             )
         case Prismatic():
             return engine.Prismatic(
-                **ends, anchor_W=joint.anchor_W, axis_W=joint.axis_W, position=joint.position, **_extras(joint, effects)
+                **ends,
+                anchor_W=joint.anchor_W,
+                axis_W=joint.axis_W,
+                position=joint.position,
+                **_extras(joint, effects),
+                **_along(joint),
             )
         case Distance():
             return engine.Distance(
@@ -38,6 +49,15 @@ def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
             )
         case _:
             assert_never(joint)
+
+
+def _along(joint: Revolute | Prismatic) -> dict[str, Any]:
+    """Rotor and dry friction of a joint with one coordinate. Raises: Unsupported."""
+    if joint.coupling is not None:
+        raise Unsupported(
+            f"joint '{joint.name}': coupling to '{joint.coupling.joint}'", "a row of the solver is between two bodies"
+        )
+    return {"armature": joint.armature or 0.0, "friction_loss": joint.friction_loss or 0.0}
 
 
 def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from engine.build.solids import body_solids, quat_mat, quat_mul
 from engine.describe.bodies import Body, Surface
 from engine.describe.check import finite, spd_inertia, unit_quaternion
 from engine.describe.errors import NotSupported
-from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Revolute
+from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
 from engine.describe.shapes import Box, Plane, Sphere
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table, new_arena
@@ -107,7 +107,7 @@ def assemble_world(
     ns = len(shapes)
     convex = any(solid.kind in (at.CYLINDER, at.HULL, at.TRIANGLE) for _, solid in shapes)
     polyhedra = [(s, solid.polyhedron) for s, (_, solid) in enumerate(shapes) if convex and solid.polyhedron is not None]
-    rows = sum(ROWS[type(joint)] + 3 for joint in joints) + 1
+    rows = sum(ROWS[type(joint)] + 3 + _along(joint) for joint in joints) + 1
     movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
     near = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
     spheres = spheres_only(bodies, joints, surfaces, options)
@@ -264,6 +264,20 @@ def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) ->
         turned[i] = six(r @ inverse @ r.T)
 
 
+def _along(joint: Joint) -> int:
+    """How many rows the rotor and the dry friction of a joint take."""
+    return (joint.armature > 0) + (joint.friction_loss > 0) if isinstance(joint, Revolute | Prismatic) else 0
+
+
+def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArray, anchor: FloatArray) -> float:
+    """The rate of a joint's coordinate at the start [rad/s or m/s], of bodies in these states (13,), about or along an axis."""
+    w_a, w_b = state_a[at.W : at.W + 3], state_b[at.W : at.W + 3]
+    if isinstance(joint, Revolute):
+        return float(axis @ (w_b - w_a))
+    v_a, v_b = (state[at.V : at.V + 3] + np.cross(state[at.W : at.W + 3], anchor - state[:3]) for state in (state_a, state_b))
+    return float(axis @ (v_b - v_a))
+
+
 def _write_joint(
     floats: FloatArray, ints: IntArray, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]
 ) -> None:
@@ -307,6 +321,12 @@ def _write_joint(
             drive = joint.drive
             kind[at.HAS] |= at.HAS_DRIVE
             row[at.DRIVE : at.DRIVE + 5] = drive.stiffness, drive.damping, drive.target, drive.target_velocity, drive.limit
+        if joint.armature > 0:
+            kind[at.HAS] |= at.HAS_ARMATURE
+            row[at.ARMATURE], row[at.ROTOR_RATE] = joint.armature, _rate(joint, axis, state[a], state[b], anchor_a)
+        if joint.friction_loss > 0:
+            kind[at.HAS] |= at.HAS_FRICTION
+            row[at.FRICTION_LOSS] = joint.friction_loss
     if joint.limits is not None:
         kind[at.HAS] |= at.HAS_LIMITS
         row[at.LOWER], row[at.UPPER] = joint.limits.lower, joint.limits.upper

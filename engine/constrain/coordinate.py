@@ -1,7 +1,8 @@
-"""What acts along the one free coordinate of a joint: limits, spring and drive, as forces or as bounded soft rows.
+"""What acts along the one free coordinate of a joint: limits, dry friction, spring and drive, as forces or as bounded rows.
 
 A spring-damper taken implicitly over h is the soft row  J v + gamma lambda + beta = 0  with
-gamma = 1 / (h (c + h k)) and beta = k (x - rest) / (c + h k).
+gamma = 1 / (h (c + h k)) and beta = k (x - rest) / (c + h k). Dry friction is the hard row J v = 0 with impulses within h times
+its bound: it holds where they suffice, else it brakes by all of it.
 
 Source: Catto, Soft Constraints, GDC 2011; Lacoursiere, Ghosts and Machines, 2007, section 4.
 """
@@ -32,8 +33,10 @@ from engine.memory.arena import (
     CHILD,
     COORDINATE,
     DRIVE,
+    FRICTION_LOSS,
     HAS,
     HAS_DRIVE,
+    HAS_FRICTION,
     HAS_LIMITS,
     HAS_SPRING,
     HIGH,
@@ -115,7 +118,7 @@ def explicit_force(joints: Joints, j: int, x: float, rate: float) -> float:
 
 @kernel
 def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r: int, h: float) -> int:
-    """Write the rows of what joint j has of limits, spring and drive, bits as of HAS, from row r on.
+    """Write the rows of what joint j has of limits, friction, spring and drive, bits as of HAS, from row r on.
 
     Returns: the next free row.
     """
@@ -129,6 +132,10 @@ def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r
             for c in range(JACOBIAN, JACOBIAN + 12):
                 row[r, c] = -row[r, c]
             row[r, BIAS], row[r, LOW], row[r, HIGH] = above / h, 0.0, math.inf
+        r += 1
+    if has & HAS_FRICTION:
+        coordinate_row(state, joints, j, rows, r)
+        row[r, LOW], row[r, HIGH] = -h * joint[j, FRICTION_LOSS], h * joint[j, FRICTION_LOSS]
         r += 1
     if has & HAS_SPRING:
         x, _ = coordinate_row(state, joints, j, rows, r)
@@ -151,7 +158,7 @@ def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r
 
 @kernel
 def bounded_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float) -> int:
-    """Append the rows of all limits, springs and drives, taken implicitly over h, after row `first`.
+    """Append the rows of all limits, dry friction, springs and drives, taken implicitly over h, after row `first`.
 
     Returns: the number of rows, equality rows included.
     """

@@ -11,10 +11,10 @@ from engine.constrain.bounded import KNOWN, NEW, solve_bounded
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import assemble
 from engine.constrain.joint_rows import equality_rows
-from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, LOW, SOFTNESS
+from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, LOW, ROTOR_OF, ROTOR_RATE, SOFTNESS
 from engine.memory.tables import Bodies, Joints, Rows
 
-__all__ = ["KNOWN", "NEW", "hold_joints", "write_rows"]
+__all__ = ["KNOWN", "NEW", "hold_joints", "keep_rotors", "write_rows"]
 
 
 @kernel
@@ -25,7 +25,8 @@ def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> tuple[in
     """
     equalities = equality_rows(bodies.state, joints, rows)
     for r in range(equalities):
-        rows.row[r, BIAS] = rows.row[r, GAP] / h
+        if rows.row[r, SOFTNESS] == 0.0:
+            rows.row[r, BIAS] = rows.row[r, GAP] / h
     n = bounded_rows(bodies.state, joints, rows, equalities, h)
     assemble(rows, n, bodies)
     return equalities, n
@@ -39,8 +40,18 @@ def hold_joints(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int
     """
     row, vector = rows.row, rows.vector
     solve_bounded(bodies, rows, equalities, n, matrix)
-    for r in range(equalities, n):
+    for r in range(n):
+        if r < equalities and row[r, SOFTNESS] == 0.0:
+            continue
         impulse = vector[IMPULSE, r]
         row[r, BIAS] += row[r, SOFTNESS] * impulse
         row[r, LOW] -= impulse
         row[r, HIGH] -= impulse
+
+
+@kernel
+def keep_rotors(joints: Joints, rows: Rows, equalities: int) -> None:
+    """Let each rotor have the rate that all impulses of the sub-step have left it with, which is what its row now aims at."""
+    for r in range(equalities):
+        if rows.row[r, SOFTNESS] > 0.0:
+            joints.joint[rows.body[r, ROTOR_OF], ROTOR_RATE] = -rows.row[r, BIAS]

@@ -2,6 +2,10 @@
 
 A row says J v = 0 with J acting on (v_A, w_A, v_B, w_B); its time derivative is J a + c = 0 with the curvature c = dJ/dt v.
 
+A rotor of inertia A that turns with a coordinate, x' = J v, resists by lambda = -A x'' = -A (J a + c): a soft row, J a + c +
+lambda / A = 0. Over a sub-step its impulse is -A (J v - u), u being the rate that the last one left it with: a drift turns
+bodies on, and changes what J v is, but no rotor.
+
 Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constraints); Shabana, Computational Dynamics, section
 6.4.
 """
@@ -29,6 +33,7 @@ from engine.maths.vec import (
 from engine.memory.arena import (
     ANCHOR_A,
     ANCHOR_B,
+    ARMATURE,
     AXIS_A,
     AXIS_B,
     BALL,
@@ -39,6 +44,7 @@ from engine.memory.arena import (
     FIXED,
     GAP,
     HAS,
+    HAS_ARMATURE,
     HIGH,
     JACOBIAN,
     JOINT_TYPE,
@@ -47,6 +53,8 @@ from engine.memory.arena import (
     PARENT,
     PRISMATIC,
     REVOLUTE,
+    ROTOR_OF,
+    ROTOR_RATE,
     SOFTNESS,
     TURN_AB,
     P,
@@ -79,6 +87,15 @@ def put_row(rows: Rows, r: int, a: int, b: int, jacobian: Jacobian, gap: float, 
 
 
 @kernel
+def soften(rows: Rows, r: int, joint: Floats, j: int) -> int:
+    """Give row r what the rotor of joint j is: softness and the rate that it has. Returns: the next row."""
+    rows.row[r, SOFTNESS] = 1.0 / joint[j, ARMATURE]
+    rows.row[r, BIAS] = -joint[j, ROTOR_RATE]
+    rows.body[r, ROTOR_OF] = j
+    return r + 1
+
+
+@kernel
 def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, Vec, Vec]:
     """The arms r_A and r_B from the centres of mass to the anchors, and the way d from anchor A to anchor B, in W [m]."""
     ra = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, ANCHOR_A))
@@ -88,7 +105,7 @@ def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, 
 
 @kernel
 def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
-    """Write the equality rows of all joints for the present state.
+    """Write the equality rows of all joints for the present state, each joint's rotor behind its own.
 
     Returns: their number.
     """
@@ -124,6 +141,9 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
                 put_row(rows, r, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
                 t = cross(axis_a, t)
                 r += 1
+            if joints.kind[j, HAS] & HAS_ARMATURE:
+                put_row(rows, r, a, b, (zero, neg(axis_a), zero, axis_a), 0.0, dot(cross(wa, axis_a), sub(wb, wa)))
+                r = soften(rows, r, joint, j)
         if kind == PRISMATIC:
             axis_a = mat_vec(turn_a, load3(joint, j, AXIS_A))
             t = mat_vec(turn_a, perpendicular(load3(joint, j, AXIS_A)))
@@ -134,6 +154,11 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
                 put_row(rows, r, a, b, jacobian, dot(t, d), curvature)
                 t = cross(axis_a, t)
                 r += 1
+            if joints.kind[j, HAS] & HAS_ARMATURE:
+                n = axis_a
+                curvature = dot(cross(wa, cross(wa, n)), d) + 2.0 * dot(cross(wa, n), rate) + dot(n, centripetal)
+                put_row(rows, r, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), 0.0, curvature)
+                r = soften(rows, r, joint, j)
         if kind == DISTANCE and joints.kind[j, HAS] == 0:
             length = norm(d)
             u = along(d, (0.0, 0.0, 1.0))

@@ -10,11 +10,11 @@ Integration, section IV.4.
 from engine.compile.jit import kernel
 from engine.constrain.bounded import NEW, solve_bounded
 from engine.constrain.coordinate import implicit_rows
-from engine.constrain.direct import apply_all, assemble, factor, solve
+from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.vec import Floats, add, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import DYNAMIC, GAP, MOTION, PIVOT, RIGHT, WORK, P, Q, V, W
+from engine.memory.arena import BIAS, DYNAMIC, GAP, MOTION, PIVOT, RIGHT, SOFTNESS, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["close_gaps", "project", "widest_gap"]
@@ -71,6 +71,9 @@ def close_gaps(bodies: Bodies, joints: Joints, rows: Rows, change: Floats) -> in
 def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: float) -> None:
     """Close the gaps of all joints, then remove velocities that would open them. Args: change: as of `close_gaps`."""
     n = close_gaps(bodies, joints, rows, change)
+    for r in range(n):
+        if rows.row[r, SOFTNESS] > 0.0:
+            rows.row[r, BIAS] = -rate(bodies.state, rows, r)
     every = implicit_rows(bodies.state, joints, rows, n, dt)
     assemble(rows, every, bodies)
     solve_bounded(bodies, rows, n, every, NEW)

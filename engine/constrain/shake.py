@@ -19,12 +19,12 @@ import math
 from engine.compile.jit import kernel
 from engine.constrain.bounded import NEW, solve_bounded
 from engine.constrain.coordinate import bounded_rows
-from engine.constrain.direct import apply_all, assemble, factor, solve
+from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import ROUND_OFF, widest_gap
 from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.vec import Floats, axpy, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import GAP, MOTION, PIVOT, RIGHT, STATIC, WORK, P, Q, V, W
+from engine.memory.arena import GAP, MOTION, PIVOT, RIGHT, ROTOR_OF, ROTOR_RATE, SOFTNESS, STATIC, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["joint_gaps", "shake", "solve_joints"]
@@ -87,6 +87,9 @@ def shake(bodies: Bodies, joints: Joints, rows: Rows, start: Floats, setting: Fl
         before = widest
         solve(rows, n, bodies, RIGHT, WORK)
         apply_all(state, rows, n, bodies, WORK, 1.0)
+    for r in range(n):
+        if rows.row[r, SOFTNESS] > 0.0:
+            joints.joint[rows.body[r, ROTOR_OF], ROTOR_RATE] = rate(state, rows, r)
     for b in range(last):
         for c in range(7):
             state[b, c] = start[b, c]

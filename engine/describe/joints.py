@@ -86,7 +86,10 @@ class Ball:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Revolute:
-    """Rotation about an axis alone; `position` [rad] is the coordinate in the initial pose."""
+    """Rotation about an axis alone; `position` [rad] is the coordinate in the initial pose.
+
+    Terms: armature [kg m2]: of a rotor that turns with the coordinate. friction_loss [N m]: bound of a dry friction along it.
+    """
 
     name: str
     parent: str
@@ -97,17 +100,20 @@ class Revolute:
     limits: Limits | None = None
     spring: Spring | None = None
     drive: Drive | None = None
+    armature: float = 0.0
+    friction_loss: float = 0.0
     collide: bool = False
 
     def __post_init__(self) -> None:
-        finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
-        _axis(self.name, self.axis_W)
-        finite(f"joint '{self.name}'", "position", self.position, (), "rad or m")
+        _check_coordinate(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Prismatic:
-    """Translation along an axis of the parent alone; `position` [m] is the coordinate in the initial pose."""
+    """Translation along an axis of the parent alone; `position` [m] is the coordinate in the initial pose.
+
+    Terms: armature [kg], friction_loss [N]: as of `Revolute`.
+    """
 
     name: str
     parent: str
@@ -118,12 +124,12 @@ class Prismatic:
     limits: Limits | None = None
     spring: Spring | None = None
     drive: Drive | None = None
+    armature: float = 0.0
+    friction_loss: float = 0.0
     collide: bool = False
 
     def __post_init__(self) -> None:
-        finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
-        _axis(self.name, self.axis_W)
-        finite(f"joint '{self.name}'", "position", self.position, (), "rad or m")
+        _check_coordinate(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,6 +153,16 @@ class Distance:
 
 
 Joint = Fixed | Ball | Revolute | Prismatic | Distance
+
+
+def _check_coordinate(joint: Revolute | Prismatic) -> None:
+    """Raises: ValueError if a number of a joint with one coordinate is none, or out of its range."""
+    label = f"joint '{joint.name}'"
+    finite(label, "anchor_W", joint.anchor_W, (3,), "m")
+    _axis(joint.name, joint.axis_W)
+    finite(label, "position", joint.position, (), "rad or m")
+    not_negative(label, "armature", joint.armature, "kg m2 or kg")
+    not_negative(label, "friction_loss", joint.friction_loss, "N m or N")
 
 
 def _axis(name: str, axis_W: Sequence[float]) -> None:

@@ -5,7 +5,7 @@ their sum.
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, write_rows
+from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, keep_rotors, write_rows
 from engine.integrate.semi_implicit_euler import drift
 from engine.islands.contacts import (
     copy_row,
@@ -28,6 +28,9 @@ from engine.memory.arena import (
     FIRST_ROW,
     GROUPED_JOINT,
     GYROSCOPIC,
+    HAS,
+    HAS_ARMATURE,
+    HAS_FRICTION,
     HIT,
     ISLANDS,
     ITERATIONS,
@@ -59,7 +62,7 @@ from engine.respond.substep import bounce, end_substep, friction_mode, warm_star
 __all__ = ["advance_jointed_island", "make_room_for_rows"]
 
 ROOM = (9, 6, 8, 8, 4)
-"""The most rows of a joint of each type: its equalities, and one each for limits, spring and drive."""
+"""The most rows of a joint of each type: its equalities, and one each for limits, spring and drive; what else it has adds."""
 
 
 @kernel
@@ -71,7 +74,9 @@ def make_room_for_rows(ints: Ints) -> None:
     for i in range(islands):
         span[i, FIRST_ROW] = row
         for at in range(span[i, FIRST_JOINT], span[i + 1, FIRST_JOINT]):
-            row += ROOM[joint_kind[grouped[at, 0], JOINT_TYPE]]
+            j = grouped[at, 0]
+            row += ROOM[joint_kind[j, JOINT_TYPE]]
+            row += (joint_kind[j, HAS] & HAS_ARMATURE != 0) + (joint_kind[j, HAS] & HAS_FRICTION != 0)
     span[islands, FIRST_ROW] = row
 
 
@@ -157,6 +162,7 @@ def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None
             hold_joints(bodies, rows, span[i, EQUALITIES], span[i, ROWS], KNOWN)
     friction_mode(bodies, contacts, n)
     end_substep(contacts, n)
+    keep_rotors(island_joints(floats, ints, i), rows, span[i, EQUALITIES])
 
 
 @kernel

@@ -154,12 +154,15 @@ SPRING: Final = 19  # stiffness, damping, rest
 DRIVE: Final = 22  # stiffness, damping, target, target velocity, limit
 COORDINATE: Final = 27  # last value, to count full turns
 POSITION: Final = 28  # the coordinate at the start
+ARMATURE: Final = 29  # inertia of the rotor along the coordinate
+ROTOR_RATE: Final = 30  # of the rotor, as the last sub-step left it
+FRICTION_LOSS: Final = 31
 
 JOINT_KIND: Final = int_columns(Per.JOINT, 6)
 JOINT_TYPE: Final = 0
 PARENT: Final = 1
 CHILD: Final = 2
-HAS: Final = 3  # bits: 1 limits, 2 spring, 4 drive
+HAS: Final = 3  # bits: 1 limits, 2 spring, 4 drive, 8 armature, 16 dry friction
 IMPLICIT: Final = 4  # bits 2 and 4: too stiff for the explicit stages
 FIXED: Final = 0
 BALL: Final = 1
@@ -169,6 +172,8 @@ DISTANCE: Final = 4
 HAS_LIMITS: Final = 1
 HAS_SPRING: Final = 2
 HAS_DRIVE: Final = 4
+HAS_ARMATURE: Final = 8
+HAS_FRICTION: Final = 16
 
 ROW: Final = float_columns(Per.ROW_OR_TRIAL, 18)  # one scalar constraint J v = ... between two bodies
 JACOBIAN: Final = 0  # 12: linear and angular part of A, then of B
@@ -180,6 +185,7 @@ LOW: Final = 16
 HIGH: Final = 17
 
 ROW_BODY: Final = int_columns(Per.ROW_OR_TRIAL, 4)
+ROTOR_OF: Final = 2  # of a soft equality row: whose rotor it is
 REACH: Final = float_columns(Per.ROW, 12)  # mass-weighted Jacobian
 MATRIX: Final = float_columns(Per.ROW, Per.ROW)
 FACTOR: Final = float_columns(Per.ROW, Per.ROW)

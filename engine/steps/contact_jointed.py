@@ -1,7 +1,7 @@
 """Steps of worlds with contact and joints: in each sub-step, contact sweeps alternate with a direct solve of all joints."""
 
 from engine.compile.jit import entry
-from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, write_rows
+from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, keep_rotors, write_rows
 from engine.constrain.open_joints import open_joint
 from engine.contact.find_contacts import find_contacts
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
@@ -76,6 +76,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                         hold_joints(bodies, rows, equalities, all_rows, KNOWN)
                 friction_mode(bodies, contacts, n)
                 end_substep(contacts, n)
+            keep_rotors(joints, rows, equalities)
         end_step(contacts, n)
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED

@@ -89,6 +89,12 @@ class Feature(Flag):
     LIMITS = auto()
     SPRINGS = auto()
     DRIVES = auto()
+    ARMATURE = auto()
+    """Inertia of rotors, along joint coordinates alone."""
+    FRICTION_LOSS = auto()
+    """Dry friction along joint coordinates."""
+    COUPLING = auto()
+    """Joint coordinates tied to each other linearly."""
     PAIR_FRICTION = auto()
     """Friction per pair of materials, whatever the pairs."""
     STATIC_FRICTION = auto()

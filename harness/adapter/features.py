@@ -15,6 +15,7 @@ _CONTACT = {
     Effect.TORSIONAL_FRICTION: Feature.TORSIONAL_FRICTION,
     Effect.CONTINUOUS_COLLISION: Feature.CONTINUOUS_COLLISION,
 }
+_ALONG = {"armature": Feature.ARMATURE, "friction_loss": Feature.FRICTION_LOSS, "coupling": Feature.COUPLING}
 
 
 def features_of(scene: Scene) -> Feature:
@@ -54,6 +55,8 @@ def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield Feature.LIMITS
         if joint.spring is not None:
             yield Feature.SPRINGS
+        if not isinstance(joint, Distance):
+            yield from (feature for name, feature in _ALONG.items() if getattr(joint, name))
         if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
             yield Feature.DRIVES
     if _loops(scene, joints):

@@ -26,7 +26,11 @@ Drop = Literal[
     "plugin",
     "tendon",
 ]
-"""What changes the motion and has no word in a scene: refused by name unless the user leaves it out."""
+"""What changes the motion: refused by name, where a scene has no word for it, unless the user leaves it out.
+
+A scene has words for the rotors and the dry friction of hinges and slides, and for mimics; not every engine does, so that
+leaving them out may be the only way to compare all.
+"""
 
 DROPPABLE: Mapping[Drop, str] = {
     "actuator": "actuators that are neither motors nor position servos of one joint",
@@ -39,7 +43,7 @@ DROPPABLE: Mapping[Drop, str] = {
     "friction_loss": "dry friction in a joint",
     "gravity_compensation": "bodies that gravity pulls less",
     "height_field": "terrain as heights, and shapes given by a distance function",
-    "mimic": "joints that follow another one",
+    "mimic": "joints that follow another one, and linear equalities of two joints",
     "nonlinear": "springs and dampers with terms of higher order",
     "plugin": "an engine's own plug-ins",
     "tendon": "tendons with a spring, a damper, friction or limits",

@@ -7,7 +7,7 @@ from harness.scene.depth_camera import DepthCamera, DepthNoise, StereoNoise, Str
 from harness.scene.effect import Effect
 from harness.scene.imu import AxisNoise, Imu, ImuNoise
 from harness.scene.inertia import box_inertia, capsule_inertia, cylinder_inertia, principal_inertia, sphere_inertia
-from harness.scene.joint import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
+from harness.scene.joint import WORLD, Ball, Coupling, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from harness.scene.lidar import Lidar, LidarNoise
 from harness.scene.motion import Motion, Samples, Sinusoid, sampled
 from harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
@@ -28,6 +28,7 @@ __all__ = [
     "Camera",
     "Capsule",
     "ConvexHull",
+    "Coupling",
     "Cylinder",
     "DepthCamera",
     "DepthNoise",

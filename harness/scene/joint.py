@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 from harness.scene.motion import Motion
 from harness.scene.values import FROZEN, Axis, Finite, Name, NonNegative, Positive, Vector3
 
-__all__ = ["WORLD", "Ball", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
+__all__ = ["WORLD", "Ball", "Coupling", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
 
 WORLD = "world"
 """The parent of a joint that holds its child to the world."""
@@ -59,6 +59,19 @@ class Drive:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Coupling:
+    """A linear tie to the coordinate y of another revolute or prismatic joint: x = ratio y + offset [rad or m] at all times."""
+
+    joint: Name
+    ratio: Finite
+    offset: Finite = 0.0
+
+    def __post_init__(self) -> None:
+        if self.ratio == 0:
+            raise ValueError(f"coupling to '{self.joint}': ratio is 0, expected another number; a fixed joint does not move")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Fixed:
     """No relative motion."""
 
@@ -83,7 +96,13 @@ class Ball:
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Revolute:
-    """Rotation about `axis_W` through `anchor_W` (both in W at time 0) alone."""
+    """Rotation about `axis_W` through `anchor_W` (both in W at time 0) alone.
+
+    Terms:
+        armature [kg m2]: inertia of the rotor that turns with the coordinate alone: the joint resists x'' by -armature x''.
+        friction_loss [N m]: the greatest size of a dry friction along the coordinate: it opposes x', and holds where x' is 0.
+        coupling: the tie to another joint's coordinate. None: none, as 0.
+    """
 
     name: Name
     parent: Name
@@ -94,13 +113,22 @@ class Revolute:
     limits: Limits | None = None
     spring: Spring | None = None
     drive: Drive | None = None
+    armature: NonNegative | None = None
+    friction_loss: NonNegative | None = None
+    coupling: Coupling | None = None
     collide: bool = False
     type: Literal["revolute"] = "revolute"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Prismatic:
-    """Translation along `axis_W` (in W at time 0, fixed in the parent) alone."""
+    """Translation along `axis_W` (in W at time 0, fixed in the parent) alone.
+
+    Terms:
+        armature [kg]: inertia of the rotor that turns with the coordinate alone: the joint resists x'' by -armature x''.
+        friction_loss [N]: the greatest size of a dry friction along the coordinate: it opposes x', and holds where x' is 0.
+        coupling: the tie to another joint's coordinate. None: none, as 0.
+    """
 
     name: Name
     parent: Name
@@ -111,6 +139,9 @@ class Prismatic:
     limits: Limits | None = None
     spring: Spring | None = None
     drive: Drive | None = None
+    armature: NonNegative | None = None
+    friction_loss: NonNegative | None = None
+    coupling: Coupling | None = None
     collide: bool = False
     type: Literal["prismatic"] = "prismatic"
 

@@ -12,7 +12,7 @@ from harness.intake.mendable import Mendable
 from harness.scene.appearance import Sun
 from harness.scene.body import Body
 from harness.scene.effect import Effect
-from harness.scene.joint import WORLD, Joint
+from harness.scene.joint import WORLD, Joint, Prismatic, Revolute
 from harness.scene.sensor import Sensor
 from harness.scene.surface import Surface
 from harness.scene.values import FROZEN, Name, Vector3
@@ -24,6 +24,10 @@ EARTH_GRAVITY = (0.0, 0.0, -9.81)
 
 
 _EFFECT_NAMES = WithJsonSchema({"type": "array", "items": {"enum": list(Effect(~0).names)}})
+
+
+_TIED = 1e-9
+"""What positions of coupled joints may differ by at the start [rad or m, relative above 1]: rounding of a file's digits."""
 
 
 class SceneError(Mendable, ValueError):
@@ -107,6 +111,26 @@ class Scene:
                 raise ValueError(f"joint '{joint.name}': parent and child are both '{joint.child}'")
             if not movable.get(joint.parent, False) and not movable[joint.child]:
                 raise ValueError(f"joint '{joint.name}': neither '{joint.parent}' nor '{joint.child}' can move")
+        self._check_couplings()
+
+    def _check_couplings(self) -> None:
+        """A coupled joint follows another one that has a coordinate, none follows itself, and all start where they are tied."""
+        scalar = {joint.name: joint for joint in self.joints if isinstance(joint, Revolute | Prismatic)}
+        for joint in scalar.values():
+            followed, tie = {joint.name}, joint.coupling
+            while tie is not None:
+                if tie.joint not in scalar:
+                    raise ValueError(f"joint '{joint.name}': coupling to '{tie.joint}', which is no joint with one coordinate")
+                if tie.joint in followed:
+                    raise ValueError(f"joint '{joint.name}': couplings lead from '{tie.joint}' back to it, expected an end")
+                followed.add(tie.joint)
+                tie = scalar[tie.joint].coupling
+            if (tie := joint.coupling) is not None:
+                tied = tie.ratio * scalar[tie.joint].position + tie.offset
+                if abs(joint.position - tied) > _TIED * max(1.0, abs(joint.position), abs(tie.offset)):
+                    raise ValueError(
+                        f"joint '{joint.name}': position {joint.position:g}, expected {tied:g} by its coupling to '{tie.joint}'"
+                    )
 
     def _material_pairs(self) -> Iterator[tuple[str, str]]:
         """Pairs of materials of which two bodies could touch: one of them is movable, and they are not apart.

@@ -1,5 +1,6 @@
 """Joint trees read from URDF and MJCF have the masses, mass matrices and accelerations that independent libraries find."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -195,17 +196,22 @@ def first_accelerations(engine: str, scene: Scene, settings: Settings) -> np.nda
     return sum(w * rate for w, rate in zip(weights, rates, strict=True))
 
 
+def rotors(scene: Scene, size: float) -> Scene:
+    """The scene with a rotor on each joint, the first of `size` [kg m2 or kg], each next one half as much again."""
+    return replace(scene, joints=tuple(replace(j, armature=size * 1.5**k) for k, j in enumerate(scene.joints)))  # type: ignore[call-arg]
+
+
 @pytest.mark.parametrize("engine", ["reference", "mujoco"])
-def test_an_engine_starts_a_tree_with_its_accelerations(tmp_path: Path, engine: str) -> None:
+@pytest.mark.parametrize("rotor", [0.0, 0.2])
+def test_an_engine_starts_a_tree_with_its_accelerations(tmp_path: Path, engine: str, rotor: float) -> None:
     adapter = plugins.adapter(engine)
     if plugins.version_of(adapter)[1] is not None:
         pytest.skip("not installed")
-    from dataclasses import replace
-
     settings = replace(adapter.tracks["tuned"], integrator="rk4", substeps=None)
     path = tmp_path / "tree.urdf"
     path.write_text(random_tree(11))
     scene, q, qd = at_a_state(path, np.random.default_rng(5))
+    scene = rotors(scene, rotor)
     space = JointSpace(scene)
     M, h, jacobians = space.at(q, qd)
     qdd = np.linalg.solve(M, -h)
@@ -218,9 +224,8 @@ def test_an_engine_starts_a_tree_with_its_accelerations(tmp_path: Path, engine: 
     assert np.abs(got[rows] - truth).max() <= EXACT * np.abs(truth).max()
 
 
-def test_a_passive_second_on_our_engine_is_pinocchios_integrated_to_a_high_order(tmp_path: Path) -> None:
-    from dataclasses import replace
-
+@pytest.mark.parametrize("rotor", [0.0, 20.0])
+def test_a_passive_second_on_our_engine_is_pinocchios_integrated_to_a_high_order(tmp_path: Path, rotor: float) -> None:
     from scipy.integrate import solve_ivp
 
     from harness.trajectory import State
@@ -229,9 +234,11 @@ def test_a_passive_second_on_our_engine_is_pinocchios_integrated_to_a_high_order
     path.write_text(random_tree(11))
     pin, model, data = pinned(path, floating=False)
     scene, q0, qd0 = at_a_state(path, np.random.default_rng(2))
+    scene = rotors(scene, rotor)
     space = JointSpace(scene)
     places = [model.idx_vs[model.getJointId(j.name)] for j in space.joints]
     names = [j.name for j in space.joints]
+    model.armature[places] = [joint.armature for joint in space.joints]
 
     def rate(_time: float, y: np.ndarray) -> np.ndarray:
         q, qd = y[: len(names)], y[len(names) :]

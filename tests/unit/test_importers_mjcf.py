@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.intake.refusal import RobotError
-from harness.scene import Ball, Body, ConvexHull, Fixed, Prismatic, Revolute, Scene, Surface
+from harness.scene import Ball, Body, ConvexHull, Coupling, Fixed, Prismatic, Revolute, Scene, Surface
 from harness.scene.importers.companion import Companion, JointWish, Massless, Units
 from tests.robot_files import imported, mjcf, row
 
@@ -40,14 +40,34 @@ def test_several_joints_of_one_body_are_a_chain_with_stated_masses_or_refused_by
     assert row(got, "link without mass").count == 2
 
 
-def test_armature_is_refused_or_dropped_with_the_factor_by_which_joints_turn_more_readily(tmp_path: Path) -> None:
+def test_armature_is_carried_or_dropped_with_the_factor_by_which_joints_turn_more_readily(tmp_path: Path) -> None:
     text = mjcf('<joint name="j" axis="0 1 0" armature="0.5"/><geom size=".1" mass="1"/>')
-    with pytest.raises(RobotError, match=r"joint 'j': armature of up to 0.5 kg m2 or kg: .*--drop armature leaves it out"):
-        imported(tmp_path, text)
+    kept = imported(tmp_path, text)
+    assert (joint(kept).armature, row(kept, "armature").outcome) == (0.5, "exact")
     got = imported(tmp_path, text, drop=frozenset(("armature",)))
+    assert joint(got).armature is None
     lost = row(got, "armature")
     # A ball of 1 kg and 0.1 m has 2/5 m r^2 = 0.004 kg m2 about its centre.
     assert (lost.outcome, lost.value) == ("left_out", pytest.approx(1 + 0.5 / 0.004))
+
+
+def test_a_linear_equality_of_two_joints_is_a_coupling_and_another_is_refused(tmp_path: Path) -> None:
+    bodies = f'<joint name="x" axis="0 1 0" ref="0.3"/>{BALL}</body><body name="slider">'
+    bodies += f'<joint name="y" type="slide" ref="0.1"/>{BALL}'
+    equality = '<compiler angle="radian"/><equality><joint joint1="x" joint2="y" polycoef="0 4 0 0 0"/></equality>'
+    got = imported(tmp_path, mjcf(bodies, equality))
+    hinge = next(one for one in got.scene.joints if one.name == "x")
+    assert hinge.coupling == Coupling(joint="y", ratio=4.0, offset=0.3 - 4.0 * 0.1)  # type: ignore[union-attr]
+    assert (row(got, "equality").outcome, row(got, "equality").becomes) == ("approximated", "coupling")
+    for kind in ("mimic", "equality"):
+        free = imported(tmp_path, mjcf(bodies, equality), drop=frozenset((kind,)))
+        assert all(one.coupling is None for one in free.scene.joints)  # type: ignore[union-attr]
+        assert any(one.consequence.startswith("mimic was dropped by the user") for one in free.fidelity)
+    shifted = imported(tmp_path, mjcf(bodies, equality.replace('"0 4', '"0.2 4')))
+    assert row(shifted, "start").value == pytest.approx(0.2)
+    for terms in ("0 4 1 0 0", "0 0 0 0 0"):
+        with pytest.raises(RobotError, match="--drop equality"):
+            imported(tmp_path, mjcf(bodies, equality.replace("0 4 0 0 0", terms)))
 
 
 def test_angles_are_degrees_unless_the_file_says_radians(tmp_path: Path) -> None:
@@ -131,8 +151,10 @@ def test_centimetres_and_grams_are_suspected_and_turned_into_si_units_where_told
 
 
 def test_dry_friction_stands_beside_damping_and_a_ball_joint_can_be_damped(tmp_path: Path) -> None:
-    with pytest.raises(RobotError, match="--drop friction_loss"):
-        imported(tmp_path, mjcf(f'<joint damping="1" frictionloss="2"/>{BALL}'))
+    dry = joint(imported(tmp_path, mjcf(f'<joint damping="1" frictionloss="2"/>{BALL}')))
+    assert (dry.friction_loss, dry.spring.damping) == (2, 1)  # type: ignore[union-attr]
+    with pytest.raises(RobotError, match=r"joint 'b': friction loss of up to 2 N m or N: .*--drop friction_loss"):
+        imported(tmp_path, mjcf(f'<joint name="b" type="ball" frictionloss="2"/>{BALL}'))
     text = mjcf(f'<joint name="b" type="ball" damping="1"/>{BALL}')
     with pytest.raises(RobotError, match=r"joint 'b': ball spring damping of a ball joint.*--drop ball_spring"):
         imported(tmp_path, text)
@@ -234,8 +256,8 @@ def test_a_loop_is_closed_by_a_connection_or_a_weld(tmp_path: Path) -> None:
     open_pose = Companion(joints={"p": JointWish(position=0.5)})
     with pytest.raises(RobotError, match=r"connection 'c': its two sides lie 0\.\d+ m"):
         imported(tmp_path, LOOP.format('<connect name="c" body1="arm" body2="b" anchor=".5 0 0"/>'), open_pose)
-    coupled = LOOP.format('<joint name="e" joint1="p" joint2="q"/>')
-    with pytest.raises(RobotError, match=r"equality 'e': equality of kind joint.*--drop equality"):
+    coupled = LOOP.format('<joint name="e" joint1="p" joint2="q" polycoef="0 1 1 0 0"/>')
+    with pytest.raises(RobotError, match=r"equality 'e': equality of joints that is no line.*--drop equality"):
         imported(tmp_path, coupled)
     assert len(imported(tmp_path, coupled, drop=frozenset(("equality",))).scene.joints) == 2
 

@@ -7,9 +7,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.intake.refusal import RobotError
-from harness.scene import Box, ConvexHull, Prismatic, Revolute
+from harness.scene import Box, ConvexHull, Coupling, Prismatic, Revolute
 from harness.scene.importers.companion import Companion, Drives, JointWish, Massless
+from harness.scene.importers.imported import Imported
 from tests.robot_files import INERTIAL, LIMIT, imported, row, urdf
+
+
+def joint(got: Imported, name: str = "j") -> Revolute:
+    return next(one for one in got.scene.joints if one.name == name)  # type: ignore[return-value]
 
 
 def test_a_joint_stands_where_it_says_about_a_unit_axis_with_its_range_damping_and_effort(tmp_path: Path) -> None:
@@ -148,20 +153,44 @@ def test_efforts_and_speeds_without_a_word_in_the_scene_are_said(tmp_path: Path)
 def test_a_mimic_joint_never_becomes_a_free_one_unannounced(tmp_path: Path) -> None:
     second = f'<link name="b">{INERTIAL}</link><joint name="k" type="continuous">'
     second += '<parent link="arm"/><child link="b"/><mimic joint="j"/></joint>'
-    with pytest.raises(RobotError, match=r"joint 'k': mimic .*--drop mimic"):
-        imported(tmp_path, urdf(second))
+    tied = imported(tmp_path, urdf(second))
+    assert joint(tied, "k").coupling == Coupling(joint="j", ratio=1.0)
+    assert (row(tied, "mimic").name, row(tied, "mimic").outcome) == ("'k'", "exact")
     got = imported(tmp_path, urdf(second), drop=frozenset(("mimic",)))
     assert any("mimic was dropped by the user" in one.consequence for one in got.fidelity)
+    assert joint(got, "k").coupling is None
     assert got.dropped == ("mimic",)
     with pytest.raises(RobotError, match="joint is 'nobody'"):
         imported(tmp_path, urdf(second.replace('mimic joint="j"', 'mimic joint="nobody"')))
 
 
-def test_dry_friction_is_refused_or_dropped_with_its_size(tmp_path: Path) -> None:
+def test_a_follower_starts_where_its_leader_puts_it_and_has_no_drive_of_its_own(tmp_path: Path) -> None:
+    second = f'<link name="b">{INERTIAL}</link><joint name="k" type="continuous">'
+    second += '<parent link="arm"/><child link="b"/><axis xyz="0 1 0"/><mimic joint="j" multiplier="-2" offset="0.1"/></joint>'
+    told = Companion(
+        root="fixed", joints={"j": JointWish(position=0.3, velocity=0.5)}, drives=Drives(stiffness=4.0, damping=1.0)
+    )
+    got = imported(tmp_path, urdf(second), told)
+    follower = joint(got, "k")
+    assert follower.coupling == Coupling(joint="j", ratio=-2.0, offset=0.1)
+    assert (follower.position, follower.drive, joint(got, "j").drive is None) == (-0.5, None, False)
+    # The hinge at `k` turns by -2 times the rate of `j`, whose axis is its own: the forearm turns by the sum.
+    assert got.scene.body("b").w_WB == pytest.approx(np.array(got.scene.body("arm").w_WB) * -1.0)
+    with pytest.raises(RobotError, match="the joint follows 'j', which says where it starts"):
+        imported(tmp_path, urdf(second), Companion(root="fixed", joints={"k": JointWish(position=0.3)}))
+    with pytest.raises(RobotError, match="mimic each then moves freely"):
+        imported(tmp_path, urdf(second.replace('multiplier="-2"', 'multiplier="0"')))
+    with pytest.raises(RobotError, match="joint 'j' follows itself"):
+        imported(tmp_path, urdf(second, joint=f'{LIMIT}<mimic joint="k"/>'))
+
+
+def test_dry_friction_is_carried_or_dropped_with_its_size(tmp_path: Path) -> None:
     text = urdf(joint=f'{LIMIT}<dynamics damping="0.1" friction="0.7"/>')
-    with pytest.raises(RobotError, match=r"joint 'j': friction loss of up to 0.7 N m or N.*--drop friction_loss"):
-        imported(tmp_path, text)
-    lost = row(imported(tmp_path, text, drop=frozenset(("friction_loss",))), "friction loss")
+    kept = imported(tmp_path, text)
+    assert (joint(kept).friction_loss, row(kept, "friction loss").outcome) == (0.7, "exact")
+    dropped = imported(tmp_path, text, drop=frozenset(("friction_loss",)))
+    lost = row(dropped, "friction loss")
+    assert joint(dropped).friction_loss is None
     assert (lost.value, lost.unit) == (0.7, "N m")
 
 

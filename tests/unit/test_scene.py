@@ -2,15 +2,18 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from pydantic import ValidationError
 
 from harness.scene import (
+    WORLD,
     Body,
     Box,
     Capsule,
     ConvexHull,
+    Coupling,
     Cylinder,
     Distance,
     Drive,
@@ -31,6 +34,7 @@ from harness.scene import (
     principal_inertia,
     sphere_inertia,
 )
+from harness.scene.file import dump_json, dump_toml, parse
 
 ROUND = (PlacedShape(shape=Sphere(radius=0.1)),)
 BALL = Body(name="ball", inertia=sphere_inertia(1.0, 0.1), collision=ROUND, material="rubber")
@@ -143,3 +147,33 @@ def test_inertias_of_solids_agree_with_a_monte_carlo_integral() -> None:
         px, py, pz = points[mask].T
         moments = 2.0 * np.array([np.mean(py**2 + pz**2), np.mean(px**2 + pz**2), np.mean(px**2 + py**2)])
         assert np.allclose(moments, np.diag(tensor), rtol=5.0 / math.sqrt(mask.sum()))
+
+
+def _tied(**change: object) -> Scene:
+    bodies = tuple(Body(name=name, p_WB=(0.0, y, 0.0)) for name, y in (("a", 0.0), ("b", 3.0)))
+    first, second = (
+        Revolute(name=b.name, parent=WORLD, child=b.name, anchor_W=b.p_WB, axis_W=(0.0, 0.0, 1.0), position=x)
+        for b, x in zip(bodies, (0.7, 0.1), strict=True)
+    )
+    fields = {"coupling": Coupling(joint="b", ratio=2.0, offset=0.5)} | change
+    return Scene(bodies=bodies, joints=(replace(first, **fields), second))  # type: ignore[arg-type]
+
+
+def test_a_coupling_names_another_joint_with_a_coordinate_and_agrees_with_the_start() -> None:
+    scene = _tied(armature=0.1, friction_loss=0.2)
+    assert parse(dump_toml(scene), "x.toml") == scene
+    for change, said in (
+        ({"coupling": Coupling(joint="c", ratio=1.0)}, "coupling to 'c', which is no joint with one coordinate"),
+        ({"coupling": Coupling(joint="a", ratio=1.0)}, "couplings lead from 'a' back to it"),
+        ({"position": 0.8}, "position 0.8, expected 0.7 by its coupling to 'b'"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            _tied(**change)
+    with pytest.raises(ValueError, match="ratio is 0"):
+        Coupling(joint="b", ratio=0.0)
+
+
+def test_a_scene_without_rotors_dry_friction_and_couplings_is_written_as_before_they_were_words() -> None:
+    """The text is what a question's digest is made of: what is not there must not stand in it."""
+    text = dump_json(_tied(coupling=None))
+    assert not any(word in text for word in ("armature", "friction_loss", "coupling"))

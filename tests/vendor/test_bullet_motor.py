@@ -40,3 +40,37 @@ def test_a_position_motor_is_a_velocity_constraint_that_no_load_makes_give_way(w
         world.stepSimulation()
         rates.append(world.getJointState(hinge, 0)[1])
     assert rates == pytest.approx([kp * 1.0 / dt] * 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_motor_that_asks_for_no_velocity_is_dry_friction(world: World, share: float) -> None:
+    """Under a torque of a share of its force the hinge stands, or gets what goes beyond: (share - 1) f t / I exactly."""
+    dt, loss, steps = 1 / 240, 0.5, 60
+    hinge = one_hinge(world, dt)
+    world.setJointMotorControl2(hinge, 0, pybullet.VELOCITY_CONTROL, targetVelocity=0.0, force=loss)
+    for _ in range(steps):
+        world.setJointMotorControl2(hinge, 0, pybullet.TORQUE_CONTROL, force=share * loss)
+        world.stepSimulation()
+    assert world.getJointState(hinge, 0)[1] == pytest.approx(max(share - 1, 0) * loss * steps * dt / 0.1, abs=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [2.0, -0.5])
+def test_a_gear_ties_the_first_coordinate_to_minus_its_ratio_times_the_second(world: World, ratio: float) -> None:
+    """x = ratio y by gearRatio = -ratio: a torque on x moves I (1 + 1/ratio^2), each wheel having I = 0.1 kg m2."""
+    dt, torque, steps = 1e-3, 0.3, 500
+    first, second = one_hinge(world, dt), one_hinge(world, dt)
+    gear = world.createConstraint(first, 0, second, 0, pybullet.JOINT_GEAR, [0, 0, 1], [0, 0, 0], [0, 0, 0])
+    world.changeConstraint(gear, gearRatio=-ratio, maxForce=1e10)
+    for _ in range(steps):
+        world.setJointMotorControl2(first, 0, pybullet.TORQUE_CONTROL, force=torque)
+        world.stepSimulation()
+    x, y = (world.getJointState(wheel, 0)[1] for wheel in (first, second))
+    # The solver sweeps to 1e-9 of the impulses of 200 iterations.
+    assert x == pytest.approx(torque * steps * dt / (0.1 * (1 + 1 / ratio**2)), rel=1e-6)
+    assert x == pytest.approx(ratio * y, rel=1e-6)
+
+
+def test_nothing_gives_a_joint_the_inertia_of_a_rotor(world: World) -> None:
+    hinge = one_hinge(world, 1 / 240)
+    with pytest.raises(TypeError, match="jointArmature"):
+        world.changeDynamics(hinge, 0, jointArmature=0.1)

@@ -73,18 +73,25 @@ def inertias(bodies: Sequence[Massive]) -> tuple[list[Coordinate], Array, Array]
 
 
 def consequences(bodies: Sequence[Massive], dropped: frozenset[str]) -> list[Fidelity]:
-    """Rows for armature, dry friction, stiff dampers and stated masses, each with its number."""
+    """Rows for armature, dry friction, stiff dampers and stated masses, each with its number.
+
+    Args: dropped: what the user leaves out; rotors and dry friction that are not are part of the scene.
+    """
     scalars, M, places = inertias(bodies)
     held = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
-    rows = []
-    if "armature" in dropped:
-        rows += _armature(scalars, held)
-    if "friction_loss" in dropped:
-        rows += _dry(scalars)
+    rows = _armature(scalars, held) if "armature" in dropped else _carried(scalars, "armature", "armature")
+    rows += _dry(scalars) if "friction_loss" in dropped else _carried(scalars, "friction_loss", "friction loss")
+    if "armature" not in dropped:
+        M[places, places] += [c.armature for c in scalars]
     rows += _stiff(scalars, M, places)
     if any(body.stated for body in bodies):
         rows += _stated(bodies, held)
     return rows
+
+
+def _carried(scalars: Sequence[Coordinate], law: str, element: str) -> list[Fidelity]:
+    having = [c.name for c in scalars if getattr(c, law) > 0]
+    return [Fidelity(element=element, name=listed(having), count=len(having), outcome="exact", becomes=law)] if having else []
 
 
 def _armature(scalars: Sequence[Coordinate], held: Mapping[str, float]) -> list[Fidelity]:

@@ -15,6 +15,7 @@ from harness.scene.importers.materials import Laws
 from harness.scene.importers.merging import Group, check_inertia
 from harness.scene.importers.poses import Pose, pose, quaternion, vector
 from harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
+from harness.scene.importers.ties import coupled
 
 __all__ = ["Tree", "tree_of"]
 
@@ -53,6 +54,7 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
     joints: list[Joint] = []
     massive: list[Massive] = []
     held: dict[str, str] = {}
+    called: dict[str, str] = {}
     above: dict[str, tuple[Line, ...]] = {}
     body_names, joint_names = _Names(), _Names()
     for lead, group in groups.items():
@@ -73,6 +75,7 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
             bodies.append(extra)
             massive.append(_massive(extra, (*before, *lines[: k + 1]), stated=True))
             joints.append(_joint(line, parent, extra.name, joint_names, robot))
+            called[line.coordinate.name] = joints[-1].name
             parent = extra.name
         body, stated = _body(group, X, at, laws.material[lead], companion.massless, body_names)
         bodies.append(body)
@@ -80,7 +83,9 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
         held[lead] = body.name
         if not free:
             joints.append(_joint(lines[-1], parent, body.name, joint_names, robot))
+            called[lines[-1].coordinate.name] = joints[-1].name
     owner = {link: lead for lead, group in groups.items() for link in group.members}
+    joints = coupled(joints, robot, called)
     joints += [_closure(one, robot, at, owner, held, joint_names) for one in robot.closures]
     if companion.ground is not None:
         bodies.append(_ground(companion, body_names))
@@ -204,6 +209,8 @@ def _joint(line: Line, parent: str, child: str, names: _Names, robot: Robot) -> 
         limits=None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper),
         spring=_spring(c),
         drive=_drive(c),
+        armature=None if "armature" in robot.dropped else c.armature or None,
+        friction_loss=None if "friction_loss" in robot.dropped else c.friction_loss or None,
         collide=robot.collide,
     )
 

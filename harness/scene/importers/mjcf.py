@@ -4,6 +4,7 @@ What is compiled has joint coordinates that begin at `ref`, springs that act fro
 file asks for them, and contacts by bit masks; all of that is read as it stands there.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from harness.scene.importers.files import Folders
 from harness.scene.importers.mjcf_model import Model, compile_apart
 from harness.scene.importers.mjcf_text import Prepared, prepared
 from harness.scene.importers.poses import Array, Pose, matrix, pose
-from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid
+from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
 from harness.scene.importers.xml_text import Element
 
 __all__ = ["read", "robot_of"]
@@ -62,6 +63,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
         for k in range(len(names))
     )
     closures = _closures(model, names, rows, needs)
+    links = _tied(model, links, needs)
     needs += _others(model, text)
     sensors, more = mjcf_sensors.read(model, names)
     rows += [*more, *_beside(model, text)]
@@ -215,6 +217,8 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
         if not model.eq_active0[k]:
             rows.append(Fidelity(element="equality", name=name, outcome="left_out", consequence="the file starts without it"))
             continue
+        if word == "joint":
+            continue
         if word not in ("connect", "weld"):
             needs.append(Need(kind="equality", element="equality", names=(name,), size=f"of kind {word}"))
             continue
@@ -250,6 +254,35 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
             )
         )
     return found
+
+
+def _tied(model: Model, links: tuple[Link, ...], needs: list[Need]) -> tuple[Link, ...]:
+    """The links with the ties of the linear equalities between two joints; other equalities of joints are needs.
+
+    The file's x - x_0 = c_0 + c_1 (y - y_0) + ..., x_0 and y_0 being where the model is drawn.
+    """
+    if model.flag("equality"):
+        return links
+    single = {c.name for link in links for c in link.coordinates if c.kind in ("revolute", "prismatic")}
+    ties: dict[str, Tie] = {}
+    for k in np.flatnonzero(model.eq_active0):
+        if model.word("Eq", int(model.eq_type[k])) != "joint":
+            continue
+        a, b, terms = int(model.eq_obj1id[k]), int(model.eq_obj2id[k]), [float(c) for c in model.eq_data[k][:5]]
+        ends = {model.name("joint", j) for j in (a, b)} if b >= 0 else set()
+        if len(ends) < 2 or not ends <= single or any(terms[2:]) or terms[1] == 0 or model.name("joint", a) in ties:
+            name = model.name("equality", int(k))
+            needs.append(Need(kind="equality", element="equality", names=(name,), size="of joints that is no line"))
+            continue
+        x_0, y_0 = (float(model.qpos0[model.jnt_qposadr[j]]) for j in (a, b))
+        ties[model.name("joint", a)] = Tie(
+            joint=model.name("joint", b),
+            ratio=terms[1],
+            offset=x_0 + terms[0] - terms[1] * y_0,
+            kinds=frozenset(("mimic", "equality")),
+            soft=True,
+        )
+    return tuple(replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates)) for link in links)
 
 
 def _others(model: Model, text: Prepared) -> list[Need]:

@@ -29,6 +29,7 @@ from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from harness.scene.importers.robot import Robot
 from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped
 from harness.scene.importers.sweeping import swept
+from harness.scene.importers.ties import tied, untied
 from harness.scene.importers.units import scaled, suspected
 from harness.scene.importers.xml_text import elements
 
@@ -128,12 +129,16 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
     robot = rooted(robot, companion, wishes)
     rows += undropped(robot, wishes.drop)
+    robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
+    rows += more
     robot, more = settled(robot, companion, commands)
     rows += more
     if wishes.scenario in ("drop", "swing"):
         robot = scenarios.unpowered(robot)
     if wishes.scenario == "swing":
         robot = scenarios.swung(robot)
+    robot, more = tied(robot)
+    rows += more
     if wishes.scenario == "drop":
         companion = scenarios.grounded(companion)
     if wishes.scenario in ("hold", "sweep"):

@@ -31,6 +31,7 @@ __all__ = [
     "Robot",
     "Servo",
     "Solid",
+    "Tie",
     "symmetric",
 ]
 
@@ -85,6 +86,20 @@ class Servo:
     motion: Motion | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tie:
+    """Whom a coordinate follows: x = ratio y + offset, y being the coordinate `joint`.
+
+    Terms: kinds: any of which, dropped by the user, sets it free. soft: the file says how softly it holds.
+    """
+
+    joint: str
+    ratio: float
+    offset: float = 0.0
+    kinds: frozenset[Drop] = frozenset(("mimic",))
+    soft: bool = False
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Coordinate:
     """One degree of freedom of a link (three of a ball, six of a free one).
@@ -92,10 +107,10 @@ class Coordinate:
     Terms:
         anchor [m], axis: in the link, at the reference. lower, upper [rad or m]; None is open. stiffness, damping, rest: of a
         passive spring. armature [kg m2 or kg]; friction_loss [N m or N]; effort [N m or N]; speed [rad/s or m/s]: its bound.
-        velocity: at the start. position: at the start, None for the reference. needs_range: the format asks for a range, and
-        the file gives none or half of one. X_start: the pose of a free link in its parent at the start, and of a ball's turn;
-        None for the reference. w_start, v_start: of a free or ball joint at the start, angular velocity [rad/s] in the link and
-        velocity [m/s] of its origin in W; None for none. where: file and line.
+        tie: to another coordinate. velocity: at the start. position: at the start, None for the reference. needs_range: the
+        format asks for a range, and the file gives none or half of one. X_start: the pose of a free link in its parent at the
+        start, and of a ball's turn; None for the reference. w_start, v_start: of a free or ball joint at the start, angular
+        velocity [rad/s] in the link and velocity [m/s] of its origin in W; None for none. where: file and line.
     """
 
     name: str
@@ -115,6 +130,7 @@ class Coordinate:
     position: float | None = None
     velocity: float = 0.0
     servo: Servo | None = None
+    tie: Tie | None = None
     needs_range: bool = False
     X_start: Pose | None = None
     w_start: Array | None = None
@@ -188,7 +204,7 @@ class Robot:
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
         sensors: of the file, with a link for their body. rows: what was settled while it was read.
-        needs: what has to be dropped by the user.
+        needs: what has to be dropped by the user. dropped: what the user has dropped, of what a scene has words for.
     """
 
     name: str
@@ -202,6 +218,7 @@ class Robot:
     sensors: tuple[Sensor, ...] = ()
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
+    dropped: frozenset[str] = frozenset()
     source: str = ""
 
 

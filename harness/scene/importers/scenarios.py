@@ -85,7 +85,8 @@ def held_by_drives(
 ) -> tuple[Robot, list[Fidelity]]:
     """Each joint without a drive gets one that holds it where it starts. Args: names: of these joints alone; of all if None."""
     scalars, M, places = inertias(bodies)
-    own = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
+    rotors = 0.0 if "armature" in robot.dropped else 1.0
+    own = {c.name: float(M[k, k]) + rotors * c.armature for c, k in zip(scalars, places, strict=True)}
     given = []
 
     def hold(c: Coordinate) -> Coordinate:
@@ -93,6 +94,7 @@ def held_by_drives(
         if (
             stated.stiffness > 0
             or (stated.damping > 0 and stated.motion is None)
+            or c.tie is not None
             or c.name not in own
             or (names is not None and c.name not in names)
         ):

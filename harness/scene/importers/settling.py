@@ -66,7 +66,6 @@ def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
             consequence=f"{need.kind.replace('_', ' ')} was dropped by the user{': ' + need.size if need.size else ''}",
         )
         for need in needs
-        if need.kind not in ("armature", "friction_loss")
     ]
 
 
@@ -75,8 +74,9 @@ def _said(need: Need) -> str:
 
 
 def _of_coordinates(robot: Robot) -> list[Need]:
+    """Rotors and dry friction of balls and free joints, which no scene has."""
     needs = []
-    coordinates = [c for link in robot.links for c in link.coordinates]
+    coordinates = [c for link in robot.links for c in link.coordinates if c.kind in ("ball", "free")]
     kinds: tuple[tuple[Drop, str], ...] = (("armature", "kg m2 or kg"), ("friction_loss", "N m or N"))
     for kind, unit in kinds:
         having = [c for c in coordinates if getattr(c, kind) > 0]
@@ -134,6 +134,10 @@ def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, ro
             f'[joints.{quoted(c.name, 80)}] limits = [lower, upper] in the companion file says what is meant, limits = "none" '
             "leaves it open"
         )
+    if c.tie is not None and wish.position is not None:
+        raise RobotError(
+            f"joints > {quoted(c.name, 80)} > position: the joint follows {quoted(c.tie.joint, 80)}, which says where it starts"
+        )
     c = replace(c, position=_start(c, wish, companion), velocity=wish.velocity or c.velocity)
     _outside(c, rows)
     return replace(c, servo=_servo(c, wish, companion, wish.motion if samples is None else samples))
@@ -168,7 +172,7 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
 def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion | None) -> Servo | None:
     asked = (wish.stiffness, wish.damping, wish.target)
     drives = companion.drives
-    if drives is None and all(value is None for value in asked) and motion is None:
+    if (drives is None or c.tie is not None) and all(value is None for value in asked) and motion is None:
         return c.servo
     base = c.servo or Servo()
     general = (base.stiffness, base.damping) if drives is None else (drives.stiffness, drives.damping)

@@ -35,7 +35,7 @@ inertia = [[0.001, 0.0, 0.0], [0.0, 0.001, 0.0], [0.0, 0.0, 0.001]]
 material = "rubber"
 p_WB = [1.0, 0.0, 1.5]
 
-# Joints: revolute, prismatic (both with position, limits, spring, drive), ball, fixed, distance.
+# Joints: revolute, prismatic (both with position and what stands in comments below), ball, fixed, distance.
 [[joints]]
 type = "revolute"
 name = "hinge"
@@ -46,6 +46,9 @@ axis_W = [0.0, 1.0, 0.0]
 # limits = { lower = -1.0, upper = 1.0 }
 # spring = { stiffness = 0.0, damping = 0.1, rest = 0.0 }
 # drive = { stiffness = 10.0, damping = 1.0, target = 0.5, limit = 5.0 }
+# armature = 0.01             # rotor inertia about the axis [kg m2; kg of a slide]
+# friction_loss = 0.2         # dry friction, at most [N m; N of a slide]
+# coupling = { joint = "other", ratio = 2.0, offset = 0.0 }  # this coordinate is ratio times the other's, plus offset
 
 # One law for each pair of materials that can touch; pairs in `apart` pass through each other.
 [[surfaces]]

@@ -1,5 +1,6 @@
 """A robot whose file counts in centimetres or grams, in SI units."""
 
+from collections.abc import Container
 from dataclasses import replace
 
 import numpy as np
@@ -38,9 +39,10 @@ def suspected(robot: Robot, units: Units | None) -> list[Fidelity]:
 def scaled(robot: Robot, units: Units) -> Robot:
     """All lengths, masses and what is made of them, seconds and radians left as they are."""
     length = units.length
+    slides = frozenset(c.name for link in robot.links for c in link.coordinates if c.kind == "prismatic")
     return replace(
         robot,
-        links=tuple(_link(link, units) for link in robot.links),
+        links=tuple(_link(link, units, slides) for link in robot.links),
         closures=tuple(_closure(one, length) for one in robot.closures),
         gravity=None
         if robot.gravity is None
@@ -69,7 +71,7 @@ def _closure(one: Closure, length: float) -> Closure:
     return replace(one, anchor_A=one.anchor_A * length, anchor_B=one.anchor_B * length)
 
 
-def _link(link: Link, units: Units) -> Link:
+def _link(link: Link, units: Units, slides: Container[str]) -> Link:
     L, M = units.length, units.mass
     solid = link.solid
     if solid is not None:
@@ -79,7 +81,7 @@ def _link(link: Link, units: Units) -> Link:
         link,
         X_PL=_pose(link.X_PL, L),
         solid=solid,
-        coordinates=tuple(_coordinate(c, L, M) for c in link.coordinates),
+        coordinates=tuple(_coordinate(c, L, M, slides) for c in link.coordinates),
         geometries=tuple(Geometry(_shape(g.shape, L), _pose(g.X_LG, L), g.contact) for g in link.geometries),
         drawn=tuple(Geometry(_shape(g.shape, L), _pose(g.X_LG, L), g.contact) for g in link.drawn),
         looks=tuple(_look(look, L) for look in link.looks),
@@ -97,14 +99,18 @@ def _look(look: Look, L: float) -> Look:
     )
 
 
-def _coordinate(c: Coordinate, L: float, M: float) -> Coordinate:
-    """A coordinate's own unit is a length or none; a stiffness is force over it, and so on."""
+def _coordinate(c: Coordinate, L: float, M: float, slides: Container[str]) -> Coordinate:
+    """A coordinate's own unit is a length or none; a stiffness is force over it, and so on. Args: slides: by name."""
     own = L if c.kind == "prismatic" else 1.0
     force = M * L * L / own
 
     def length(value: float | None) -> float | None:
         return None if value is None else value * own
 
+    tie = c.tie
+    if tie is not None:
+        other = L if tie.joint in slides else 1.0
+        tie = replace(tie, ratio=tie.ratio * own / other, offset=tie.offset * own)
     servo = c.servo
     if servo is not None:
         servo = replace(
@@ -129,6 +135,7 @@ def _coordinate(c: Coordinate, L: float, M: float) -> Coordinate:
         damping=c.damping * force / own,
         armature=c.armature * force / own,
         friction_loss=c.friction_loss * force,
+        tie=tie,
         effort=None if c.effort is None else c.effort * force,
         servo=servo,
         X_start=None if c.X_start is None else _pose(c.X_start, L),

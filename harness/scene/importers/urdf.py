@@ -4,6 +4,7 @@ URDF says nothing of how the root is held, of gravity, friction, gains and the s
 radians, the origin of a joint is its child's frame where its coordinate is 0, rpy turns about fixed axes, x first.
 """
 
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from harness.scene.importers import urdf_grammar, urdf_shapes
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders, text_of
 from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid
+from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
 from harness.scene.importers.xml_text import Element, elements
 
 __all__ = ["read"]
@@ -40,7 +41,8 @@ def read(path: Path, folders: Folders, density: float | None = None) -> Robot:
     lines = {(tag, one.attributes["name"]): one for tag in ("link", "joint") for one in checked.all(tag)}
     colours = {material.name: material.color for material in parsed.materials}
     made = {name: _link(links[name], joints.get(name), lines, shapes, colours) for name in _from_the_root(links, joints)}
-    needs, rows = _needs(parsed.joints, lines), [*shapes.rows(), *_rows(parsed.joints, foreign)]
+    made, needs = _tied(made, parsed.joints, lines)
+    rows = [*shapes.rows(), *_rows(parsed.joints, foreign)]
     root_name = next(iter(made))
     return Robot(
         name=readable(parsed.name, 100) or path.stem,
@@ -162,25 +164,29 @@ def _coordinates(joint: Any, element: Element) -> tuple[Coordinate, ...]:
     )
 
 
-def _needs(joints: list[Any], lines: dict[tuple[str, str], Element]) -> list[Need]:
-    mimics = [joint for joint in joints if joint.mimic is not None and joint.type != "fixed"]
+def _tied(
+    made: dict[str, Link], joints: list[Any], lines: dict[tuple[str, str], Element]
+) -> tuple[dict[str, Link], list[Need]]:
+    """The links with the ties of their mimics, and those that no tie says: of joints without one coordinate, or locked."""
+    mimics = {joint.name: joint.mimic for joint in joints if joint.mimic is not None and joint.type != "fixed"}
     names = {joint.name for joint in joints}
-    for joint in mimics:
-        if joint.mimic.joint not in names:
-            element = lines["joint", joint.name].first("mimic")
+    for name, mimic in mimics.items():
+        if mimic.joint not in names:
+            element = lines["joint", name].first("mimic")
             assert element is not None
-            raise element.refuse(f"joint is {joint.mimic.joint[:80]!r}, expected the name of a <joint>")
-    needs = []
-    if mimics:
-        needs.append(
-            Need(
-                kind="mimic",
-                element="joint",
-                names=tuple(joint.name for joint in mimics),
-                size="each then moves freely",
-            )
-        )
-    return needs
+            raise element.refuse(f"joint is {mimic.joint[:80]!r}, expected the name of a <joint>")
+    single = {c.name for link in made.values() if len(link.coordinates) == 1 for c in link.coordinates if c.kind != "free"}
+    ties = {
+        name: Tie(joint=mimic.joint, ratio=1.0 if mimic.multiplier is None else mimic.multiplier, offset=mimic.offset or 0.0)
+        for name, mimic in mimics.items()
+        if {name, mimic.joint} <= single and mimic.multiplier != 0 and mimic.joint != name
+    }
+    linked = {
+        name: replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates))
+        for name, link in made.items()
+    }
+    loose = tuple(name for name in mimics if name not in ties)
+    return linked, [Need(kind="mimic", element="joint", names=loose, size="each then moves freely")] if loose else []
 
 
 def _rows(joints: list[Any], foreign: dict[str, int]) -> list[Fidelity]:

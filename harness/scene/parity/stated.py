@@ -72,6 +72,9 @@ def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: froz
         )
     told = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
     laws: list[tuple[str, str]] = [(need.kind, name) for need in told for name in need.names]
+    laws += [
+        ("mimic", c.name) for link in robot.links for c in link.coordinates if c.tie is not None and not dropped & c.tie.kinds
+    ]
     laws += [("closure", closure.name) for closure in robot.closures if "equality" not in dropped]
     return RobotFacts(
         source=robot.source,

@@ -20,6 +20,7 @@ from harness.scene import (
     Camera,
     Capsule,
     ConvexHull,
+    Coupling,
     Cylinder,
     Distance,
     Distortion,
@@ -92,6 +93,9 @@ def _slide(limits: Limits | None = None, spring: Spring | None = None, drive: Dr
             drive=drive,
         )
     )
+
+
+_RAIL = Prismatic(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, -1.0), axis_W=(1.0, 0.0, 0.0))
 
 
 def _loop() -> Scene:
@@ -175,6 +179,15 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.LIMITS: lambda: _slide(limits=Limits(lower=-0.1, upper=0.1)),
     Feature.SPRINGS: lambda: _slide(spring=Spring(stiffness=10.0, damping=1.0)),
     Feature.DRIVES: lambda: _slide(drive=Drive(stiffness=10.0, damping=1.0, target=0.5)),
+    Feature.ARMATURE: lambda: _joint(replace(_RAIL, armature=0.5)),
+    Feature.FRICTION_LOSS: lambda: _joint(replace(_RAIL, friction_loss=0.5)),
+    Feature.COUPLING: lambda: Scene(
+        bodies=(free("body", p=(0.0, 0.0, -1.0)), free("other", p=(0.0, 3.0, -1.0))),
+        joints=(
+            replace(_RAIL, coupling=Coupling(joint="other", ratio=2.0)),
+            replace(_RAIL, name="other", child="other", anchor_W=(0.0, 3.0, -1.0)),
+        ),
+    ),
     Feature.PAIR_FRICTION: _no_rule,
     Feature.STATIC_FRICTION: lambda: _surface(Surface(between=_TOUCHING, static_friction=0.6, kinetic_friction=0.4)),
     Feature.ROLLING_FRICTION: lambda: _surface(

@@ -1,0 +1,26 @@
+"""What a joint carries beside its constraint: the laws along its coordinate, by the names of their fields."""
+
+from harness.adapter.contract import Unsupported
+from harness.scene import Joint, Scene
+
+__all__ = ["carried", "followed", "refuse_armature"]
+
+LAWS = ("limits", "spring", "drive", "armature", "friction_loss", "coupling")
+
+
+def carried(joint: Joint) -> tuple[str, ...]:
+    """The laws that a joint has; a rotor or a dry friction of 0 is none."""
+    return tuple(name for name in LAWS if getattr(joint, name, None) not in (None, 0))
+
+
+def followed(scene: Scene) -> frozenset[str]:
+    """The names of the joints whose coordinates others are coupled to."""
+    couplings = (getattr(joint, "coupling", None) for joint in scene.joints)
+    return frozenset(coupling.joint for coupling in couplings if coupling is not None)
+
+
+def refuse_armature(joint: Joint, why: str) -> None:
+    """For engines without inertia along coordinates. Raises: Unsupported, where the joint has a rotor."""
+    if "armature" in carried(joint):
+        size = f"{joint.armature:g} {'kg m2' if joint.type == 'revolute' else 'kg'}"  # type: ignore[union-attr]
+        raise Unsupported(f"joint '{joint.name}': armature of {size}", why)

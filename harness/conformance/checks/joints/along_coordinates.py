@@ -1,0 +1,201 @@
+"""Checks of what else acts along a joint's coordinate: rotor inertia, dry friction, and the tie to another coordinate."""
+
+from math import cos, sin
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from harness.adapter import Adapter, Feature, Settings
+from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.exact import angle_between
+from harness.conformance.runs import FINE, final, record
+from harness.conformance.scenes import G, free
+from harness.scene import WORLD, Body, Coupling, Drive, Prismatic, Revolute, Scene, Vector3, axis_angle
+
+__all__ = ["CHECKS"]
+
+_NOWHERE: Vector3 = (0.0, 0.0, 0.0)
+_Y: Vector3 = (0.0, 1.0, 0.0)
+_HALF_A_STEP = 5e-3
+"""A staggered scheme of first order is off by v dt/2, at most 1.5 mm at 3 m/s and 1 ms; what is soft gives as much."""
+
+
+def _hanging(name: str, angle: float, top: Vector3 = _NOWHERE, mass: float = 2.0, moment: float = 0.2) -> Body:
+    """A rod of 1 m below `top` at rest, turned about y by `angle` [rad]: its centre at its lower end."""
+    p = (top[0] - sin(angle), top[1], top[2] - cos(angle))
+    return free(name, mass=mass, moments=(moment,) * 3, p=p, q=axis_angle(_Y, angle))
+
+
+def _slide(body: Body, axis: Vector3 = (1.0, 0.0, 0.0), **extra: object) -> Prismatic:
+    return Prismatic(name=f"slide {body.name}", parent=WORLD, child=body.name, anchor_W=_NOWHERE, axis_W=axis, **extra)  # type: ignore[arg-type]
+
+
+def _armature_adds_inertia(adapter: Adapter, settings: Settings) -> Finding:
+    """(I + m l^2 + A) a'' = -m g l sin a of a pendulum, and (m + A) x'' = m g of a slide, whose rotor has no weight."""
+    t, rotor = 1.0, 3.0
+    swing = solve_ivp(lambda _, y: (y[1], -2.0 * G * sin(y[0]) / (2.2 + rotor)), (0, t), (1.0, 0.0), rtol=1e-10, atol=1e-10)
+    angle, rate = swing.y[:, -1]
+    pin = Revolute(name="pin", parent=WORLD, child="bob", anchor_W=_NOWHERE, axis_W=_Y, armature=rotor)
+    carriage = free("carriage", p=(0.0, 5.0, 0.0))
+    scene = Scene(bodies=(_hanging("bob", 1.0), carriage), joints=(pin, _slide(carriage, (0.0, 0.0, -1.0), armature=rotor)))
+    end = final(adapter, scene, settings.with_dt(FINE), t)
+    fallen = 0.5 * 2.0 * G / (2.0 + rotor) * t * t
+    return judge(
+        near("bob after 1 s [m]", end.p_WB[0], (-sin(angle), 0.0, -cos(angle)), _HALF_A_STEP, "half a step of motion"),
+        near("its angular velocity [rad/s]", end.w_WB[0], (0.0, rate, 0.0), 0.02, "a step of its acceleration"),
+        near("a slide with a rotor of 3 kg falls [m]", -end.p_WB[1, 2], fallen, _HALF_A_STEP, "half a step of motion"),
+    )
+
+
+def _armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> Finding:
+    """Two rods on each other, a rotor at the elbow alone: it turns with the angle between them, and reacts on both.
+
+    With absolute angles a, b, m = 2 kg, l = 1 m, I = .2 kg m2 and rotor A:
+    (2 m l^2 + I + A) a'' + (m l^2 cos(a-b) - A) b'' = -m l^2 sin(a-b) b'^2 - 2 m g l sin a, and likewise for b.
+    """
+    t, rotor, m, moment = 0.6, 1.5, 2.0, 0.2
+
+    def rates(_: float, y: np.ndarray) -> np.ndarray:
+        a, b, u, v = y
+        M = np.array([[2 * m + moment + rotor, m * cos(a - b) - rotor], [m * cos(a - b) - rotor, m + moment + rotor]])
+        force = np.array([-m * sin(a - b) * v * v - 2 * m * G * sin(a), m * sin(a - b) * u * u - m * G * sin(b)])
+        return np.concatenate(((u, v), np.linalg.solve(M, force)))
+
+    a, b, u, v = solve_ivp(rates, (0, t), (1.0, -0.5, 0.0, 0.0), rtol=1e-10, atol=1e-10).y[:, -1]
+    upper = _hanging("upper", 1.0)
+    lower = _hanging("lower", -0.5, upper.p_WB)
+    joints = (
+        Revolute(name="shoulder", parent=WORLD, child="upper", anchor_W=_NOWHERE, axis_W=_Y),
+        Revolute(name="elbow", parent="upper", child="lower", anchor_W=upper.p_WB, axis_W=_Y, armature=rotor),
+    )
+    end = final(adapter, Scene(bodies=(upper, lower), joints=joints), settings.with_dt(FINE), t)
+    elbow = np.array((-sin(a), 0.0, -cos(a)))
+    because = "half a step of motion, and default damping"
+    return judge(
+        near("end of the upper rod [m]", end.p_WB[0], elbow, _HALF_A_STEP, because),
+        near("end of the lower rod [m]", end.p_WB[1], elbow + np.array((-sin(b), 0.0, -cos(b))), 2 * _HALF_A_STEP, because),
+        near("angular velocities [rad/s]", end.w_WB[:, 1], (u, v), 0.03, "a step of their accelerations"),
+    )
+
+
+def _dry_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
+    """m x'' = -f: 2 kg at 2 m/s stop under 3 N after m v^2 / 2 f; a hinge at -2 rad/s after I w^2 / 2 f."""
+    carriage = free("carriage", v=(2.0, 0.0, 0.0))
+    wheel = free("wheel", p=(0.0, 5.0, 0.0), moments=(0.3, 0.3, 0.3), w=(0.0, 0.0, -2.0))
+    pin = Revolute(name="pin", parent=WORLD, child="wheel", anchor_W=(0.0, 5.0, 0.0), axis_W=(0.0, 0.0, 1.0), friction_loss=0.5)
+    scene = Scene(bodies=(carriage, wheel), joints=(_slide(carriage, friction_loss=3.0), pin), gravity=_NOWHERE)
+    end = final(adapter, scene, settings.with_dt(FINE), 1.8)
+    return judge(
+        near("way to the stop [m]", end.p_WB[0, 0], 2.0 * 4.0 / 6.0, _HALF_A_STEP, "v dt/2"),
+        near("turn to the stop [rad]", angle_between(end.q_WB[1], axis_angle((0, 0, 1), -1.2)), 0.0, _HALF_A_STEP, "w dt/2"),
+        near(
+            "velocities there", (end.v_WB[0, 0], end.w_WB[1, 2]), (0.0, 0.0), 2e-3, "nothing moves them; soft friction creeps"
+        ),
+    )
+
+
+def _dry_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
+    """Under .9 of its bound a slide stays; under 1.1 of it, it is pulled by the tenth that is left."""
+    t, loss, pull = 1.0, 4.0, 2.0
+    stuck, loose = free("stuck", mass=0.9 * loss / pull), free("loose", mass=1.1 * loss / pull, p=(0.0, 5.0, 0.0))
+    joints = tuple(_slide(body, friction_loss=loss) for body in (stuck, loose))
+    end = final(adapter, Scene(bodies=(stuck, loose), joints=joints, gravity=(pull, 0.0, 0.0)), settings.with_dt(FINE), t)
+    way = 0.5 * 0.1 * loss / (1.1 * loss / pull) * t * t
+    return judge(
+        near("way under .9 of the bound [m]", end.p_WB[0, 0], 0.0, _HALF_A_STEP, "it holds; soft friction creeps by mm/s"),
+        near("way under 1.1 of the bound [m]", end.p_WB[1, 0], way, _HALF_A_STEP, "half a step, and what soft friction creeps"),
+    )
+
+
+def _dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> Finding:
+    """Drives of 100 N/m at a bound of 3 N: a push of 2 N moves nothing; one of 10 N moves, and stops within 3 N of its target.
+
+    A drive c = 60 N s/m slow enough creeps on until its pull is f: at t -> oo, x = target - f/k, from below.
+    """
+    near_by, far = free("near"), free("far", p=(0.0, 5.0, 0.0))
+    drives = (Drive(stiffness=100.0, damping=60.0, target=0.02), Drive(stiffness=100.0, damping=60.0, target=0.1, limit=50.0))
+    joints = tuple(_slide(b, friction_loss=3.0, drive=d) for b, d in zip((near_by, far), drives, strict=True))
+    end = final(adapter, Scene(bodies=(near_by, far), joints=joints, gravity=_NOWHERE), settings.with_dt(FINE), 8.0)
+    return judge(
+        near("way under a push of 2 N [m]", end.p_WB[0, 0], 0.0, _HALF_A_STEP, "below the bound; soft friction creeps"),
+        near("way under one of 10 N [m]", end.p_WB[1, 0], 0.1 - 3.0 / 100.0, _HALF_A_STEP, "until the pull is 3 N"),
+    )
+
+
+def _coupled_coordinates_move_as_one(adapter: Adapter, settings: Settings) -> Finding:
+    """x = r y + b: a pendulum that drives a wheel, (I + m l^2 + J/r^2) a'' = -m g l sin a; a weight on a drum, (m + J/r^2)."""
+    t, ratio, wheel_moment = 0.8, -2.0, 4.0
+    inertia = 2.2 + wheel_moment / ratio**2
+    swing = solve_ivp(lambda _, y: (y[1], -2.0 * G * sin(y[0]) / inertia), (0, t), (1.0, 0.0), rtol=1e-10, atol=1e-10)
+    angle, rate = swing.y[:, -1]
+    drum_ratio, drum_moment = 0.5, 0.3
+    wheel = free("wheel", p=(0.0, 3.0, 0.0), moments=(wheel_moment,) * 3)
+    drum, weight = free("drum", p=(0.0, 6.0, 0.0)), free("weight", p=(0.0, 9.0, 0.0))
+    joints = (
+        Revolute(
+            name="pin", parent=WORLD, child="bob", anchor_W=_NOWHERE, axis_W=_Y, position=1.0,
+            coupling=Coupling(joint="axle", ratio=ratio, offset=1.4),
+        ),
+        Revolute(name="axle", parent=WORLD, child="wheel", anchor_W=wheel.p_WB, axis_W=_Y, position=0.2),
+        Revolute(name="drum", parent=WORLD, child="drum", anchor_W=drum.p_WB, axis_W=(1.0, 0.0, 0.0)),
+        _slide(weight, (0.0, 0.0, -1.0), coupling=Coupling(joint="drum", ratio=drum_ratio)),
+    )  # fmt: skip
+    scene = Scene(bodies=(_hanging("bob", 1.0), wheel, drum, weight), joints=joints)
+    run = record(adapter, scene, settings.with_dt(FINE), t, every=20)
+    fallen = 0.5 * 2.0 * G / (2.0 + drum_moment / drum_ratio**2) * t * t
+    turned = angle_between(run.q_WB[-1, 1], axis_angle(_Y, (float(angle) - 1.0) / ratio))
+    return judge(
+        near("bob [m]", run.p_WB[-1, 0], (-sin(angle), 0.0, -cos(angle)), _HALF_A_STEP, "half a step of motion"),
+        near("wheel, against the bob's turn over r [rad]", turned, 0.0, _HALF_A_STEP, "the tie, and half a step"),
+        near("rates of both [rad/s]", run.w_WB[-1, :2, 1], (rate, rate / ratio), 0.02, "a step of their accelerations"),
+        near("weight on a drum falls [m]", -run.p_WB[-1, 3, 2], fallen, _HALF_A_STEP, "half a step of motion"),
+        near(
+            "rate of the weight over that of the drum, at all times [m/s]",
+            -run.v_WB[:, 3, 2] - drum_ratio * run.w_WB[:, 2, 0],
+            np.zeros(len(run.time)),
+            0.02,
+            "the tie; one that is soft gives way by a step of its acceleration",
+        ),
+    )
+
+
+_R, _P = Feature.REVOLUTE, Feature.PRISMATIC
+
+CHECKS = (
+    ConformanceCheck(
+        name="armature_adds_inertia",
+        question="Does a rotor add its inertia to a joint's coordinate, and no weight?",
+        run=_armature_adds_inertia,
+        needs=_R | _P | Feature.ARMATURE,
+    ),
+    ConformanceCheck(
+        name="armature_acts_between_bodies",
+        question="Does a rotor between two moving bodies turn with the angle between them, and react on both?",
+        run=_armature_acts_between_bodies,
+        needs=_R | Feature.ARMATURE,
+    ),
+    ConformanceCheck(
+        name="dry_friction_brakes",
+        question="Does dry friction in a joint take as much from any speed?",
+        run=_dry_friction_brakes,
+        needs=_R | _P | Feature.FRICTION_LOSS,
+    ),
+    ConformanceCheck(
+        name="dry_friction_holds",
+        question="Does dry friction hold a joint up to its bound, and let it go above?",
+        run=_dry_friction_holds,
+        needs=_P | Feature.FRICTION_LOSS,
+    ),
+    ConformanceCheck(
+        name="dry_friction_beside_a_drive",
+        question="Do a drive and dry friction in one joint both keep their laws?",
+        run=_dry_friction_beside_a_drive,
+        needs=_P | Feature.FRICTION_LOSS | Feature.DRIVES,
+    ),
+    ConformanceCheck(
+        name="coupled_coordinates_move_as_one",
+        question="Are two coordinates tied by ratio and offset, and does each feel the other's inertia?",
+        run=_coupled_coordinates_move_as_one,
+        needs=_R | _P | Feature.COUPLING,
+    ),
+)

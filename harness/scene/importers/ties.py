@@ -1,0 +1,116 @@
+"""Coordinates that follow others: mimics of URDF and linear equalities of MJCF, as couplings that hold from the start."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from harness.intake.refusal import RobotError, listed
+from harness.intake.safe_text import quoted
+from harness.scene import Coupling, Joint, Prismatic, Revolute
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.robot import Coordinate, Robot
+
+__all__ = ["coupled", "tied", "untied"]
+
+MOVED = 1e-9
+"""How far a start may lie beside its tie and be taken for it [rad or m]: rounding of a file's digits."""
+
+FAR = 1e9
+"""What no follower starts at, nor at a rate of: beyond it a turn has no digits left."""
+
+
+def untied(robot: Robot, dropped: frozenset[str]) -> tuple[Robot, list[Fidelity]]:
+    """The robot without the ties that its user leaves out, and a row that says so."""
+    lost = [c.name for c in _coordinates(robot) if c.tie is not None and dropped & c.tie.kinds]
+    if not lost:
+        return robot, []
+    row = Fidelity(
+        element="joint",
+        name=listed(lost),
+        count=len(lost),
+        outcome="left_out",
+        consequence="mimic was dropped by the user: each then moves freely",
+    )
+    return _each(robot, {name: {"tie": None} for name in lost}), [row]
+
+
+def tied(robot: Robot) -> tuple[Robot, list[Fidelity]]:
+    """The robot with each follower at the place and rate that its tie says. Raises: RobotError, where ties lead in a ring."""
+    coordinates = {c.name: c for c in _coordinates(robot)}
+    rows, changed = list[Fidelity](), dict[str, dict[str, object]]()
+    for c in coordinates.values():
+        if c.tie is None:
+            continue
+        position, velocity = _where(c, coordinates)
+        here = c.reference if c.position is None else c.position
+        changed[c.name] = {"position": position, "velocity": velocity}
+        if abs(position - here) > MOVED * max(1.0, abs(here)):
+            rows.append(
+                Fidelity(
+                    element="start",
+                    name=c.name,
+                    outcome="approximated",
+                    becomes=f"{position:.6g}, where its tie to '{c.tie.joint}' puts it",
+                    consequence="the start that the file or its companion gives lies beside the tie, by",
+                    value=abs(position - here),
+                    unit="rad" if c.kind == "revolute" else "m",
+                )
+            )
+    if changed:
+        rows.append(_row(coordinates, list(changed)))
+    return _each(robot, changed), rows
+
+
+def _row(coordinates: Mapping[str, Coordinate], names: list[str]) -> Fidelity:
+    soft = any(tie.soft for name in names if (tie := coordinates[name].tie) is not None)
+    return Fidelity(
+        element="equality" if soft else "mimic",
+        name=listed(names),
+        count=len(names),
+        outcome="approximated" if soft else "exact",
+        becomes="coupling",
+        consequence="how softly the tie holds is each engine's own, not the file's solref and solimp" if soft else "",
+    )
+
+
+def _where(c: Coordinate, coordinates: Mapping[str, Coordinate]) -> tuple[float, float]:
+    """Place and rate of a coordinate at the end of its chain of ties. Raises: RobotError."""
+    chain, seen = [c], {c.name}
+    while (tie := chain[-1].tie) is not None:
+        if tie.joint in seen:
+            raise RobotError(f"{c.where}: joint {quoted(c.name, 80)} follows itself, expected an end to whom it follows")
+        seen.add(tie.joint)
+        chain.append(coordinates[tie.joint])
+    last = chain.pop()
+    position, velocity = last.reference if last.position is None else last.position, last.velocity
+    for one in reversed(chain):
+        assert one.tie is not None
+        position, velocity = one.tie.ratio * position + one.tie.offset, one.tie.ratio * velocity
+    if not (abs(position) < FAR and abs(velocity) < FAR):
+        raise RobotError(f"{c.where}: joint {quoted(c.name, 80)} follows to {position:g}, expected less than {FAR:g}")
+    return position, velocity
+
+
+def coupled(joints: list[Joint], robot: Robot, names: Mapping[str, str]) -> list[Joint]:
+    """The joints of a scene with the couplings that its coordinates have. Args: names: of each coordinate, its joint's."""
+    ties = {names[c.name]: c.tie for c in _coordinates(robot) if c.tie is not None}
+    found: list[Joint] = []
+    for joint in joints:
+        tie = ties.get(joint.name)
+        if tie is not None and isinstance(joint, Revolute | Prismatic):
+            joint = replace(joint, coupling=Coupling(joint=names[tie.joint], ratio=tie.ratio, offset=tie.offset))
+        found.append(joint)
+    return found
+
+
+def _coordinates(robot: Robot) -> list[Coordinate]:
+    return [c for link in robot.links for c in link.coordinates]
+
+
+def _each(robot: Robot, changed: Mapping[str, Mapping[str, object]]) -> Robot:
+    if not changed:
+        return robot
+    links = tuple(
+        replace(link, coordinates=tuple(replace(c, **changed.get(c.name, {})) for c in link.coordinates))  # type: ignore[arg-type]
+        for link in robot.links
+    )
+    return replace(robot, links=links)

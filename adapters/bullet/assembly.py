@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from adapters.bullet.drives import Actuation
 from adapters.bullet.vendor import Port
 from harness.adapter import Notice
+from harness.adapter.distance_springs import DistanceSprings
 from harness.scene import Vector3
 from harness.trajectory import Floats
 
@@ -20,7 +21,8 @@ class Assembly:
         nothing, pybullet would make one of each collision shape. q_IB (n, 4): turns I against B.
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
-        address: (number, link) -> place. waiting: (number, link) of bodies whose contacts wait until they touch.
+        springs: those between points of two bodies. address: (number, link) -> place. waiting: (number, link) of bodies whose
+        contacts wait until they touch.
         notices: what the engine computes beside the scene.
     """
 
@@ -31,6 +33,7 @@ class Assembly:
     linked: dict[int, tuple[int, ...]] = field(default_factory=dict)
     actuators: dict[int, Actuation] = field(default_factory=dict)
     prescribed: list[tuple[int, int, Vector3]] = field(default_factory=list)
+    springs: DistanceSprings | None = None
     address: dict[tuple[int, int], int] = field(default_factory=dict)
     waiting: set[tuple[int, int]] = field(default_factory=set)
     notices: list[Notice] = field(default_factory=list)

@@ -63,19 +63,28 @@ class DartSimulation(Simulation):
     def _advance(self, built: Built, count: int) -> None:
         """Take `count` sub-steps. Raises: Diverged."""
         advance = built.world.step
-        pushed = self._forced or self._wrench is not None
+        pushed = self._forced or self._wrench is not None or built.springs is not None
         while count > 0:
             # A run that broke is left early: DART would go on and fill the console with its repairs.
             few = min(count, 1 if self._last_seen and self._steps < FIRST_STEPS else STEPS_UNCHECKED)
             for _ in range(few):
                 if pushed:
-                    push(built, self._wrench, self._movable)
+                    push(built, self._loads(built), self._movable)
                     if self._foresight:
                         self._foresight.foresee(self._steps > 0)
                 advance()
             count -= few
             self._steps += few
             self._check(built)
+
+    def _loads(self, built: Built) -> Wrenches | None:
+        """What pushes the bodies in the coming sub-step: from outside, and springs between points of two of them."""
+        if built.springs is None:
+            return self._wrench
+        present = State.empty(len(built.scene.bodies))
+        self.state(present)
+        force, torque = built.springs.forces(present)
+        return (force, torque) if self._wrench is None else (force + self._wrench[0], torque + self._wrench[1])
 
     def _check(self, built: Built) -> None:
         """DART replaces a pose that is not finite by the identity, but the velocities stay what they are: ask them."""

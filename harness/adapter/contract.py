@@ -85,6 +85,8 @@ class Feature(Flag):
     REVOLUTE = auto()
     PRISMATIC = auto()
     DISTANCE = auto()
+    DISTANCE_SPRING = auto()
+    """A spring and damper between two points, which holds nothing."""
     CLOSED_LOOP = auto()
     LIMITS = auto()
     SPRINGS = auto()

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from harness.adapter import Feature
 from harness.adapter.disjoint_sets import DisjointSets
+from harness.adapter.distance_springs import is_distance_spring
 from harness.scene import WORLD, Ball, Distance, Effect, Fixed, Joint, Scene
 
 __all__ = ["features_of"]
@@ -47,6 +48,9 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
 def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
     joints = scene.joints if Effect.JOINTS in effects else ()
     for joint in joints:
+        if is_distance_spring(joint):
+            yield Feature.DISTANCE_SPRING
+            continue
         yield Feature[joint.type.upper()]
         if isinstance(joint, Fixed | Ball):
             continue

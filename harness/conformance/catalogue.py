@@ -4,7 +4,7 @@ from harness.conformance.check import ConformanceCheck
 from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, shapes
 from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
 from harness.conformance.checks.contract.declarations import declarations_check
-from harness.conformance.checks.joints import constraints, coordinates, drives
+from harness.conformance.checks.joints import constraints, coordinates, distance_springs, drives
 from harness.conformance.checks.motion import dynamics, frames, precision, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
 
@@ -27,6 +27,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *friction.CHECKS,
     *constraints.CHECKS,
     *coordinates.CHECKS,
+    *distance_springs.CHECKS,
     *drives.CHECKS,
     *rays.CHECKS,
     *images.CHECKS,

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from harness.adapter import Feature
-from harness.conformance.faults.broken_scenes import every_joint, stiffer
+from harness.conformance.faults.broken_scenes import every_joint, stiffer, tied_to_centres
 from harness.conformance.faults.broken_steps import CommandsFirstDriveOnly, DeafToUnknownJoints, joined
 from harness.conformance.faults.control import Control
 from harness.conformance.faults.plant import changed_scene, wrapped
@@ -130,6 +130,27 @@ JOINT_CONTROLS: tuple[Control, ...] = (
         ),
         caught_by=("distance_joint_keeps_its_length",),
         needs=Feature.DISTANCE,
+    ),
+    Control(
+        name="distance_spring_rests_at_zero",
+        fault="the rest of a spring between two bodies is lost",
+        plant=joined(_without("spring", rest=0.0)),
+        caught_by=("distance_spring_has_its_frequency", "distance_spring_holds_what_hangs"),
+        needs=Feature.DISTANCE_SPRING,
+    ),
+    Control(
+        name="distance_spring_without_damper",
+        fault="the damper between two bodies is lost",
+        plant=joined(_without("spring", damping=0.0)),
+        caught_by=("distance_spring_has_its_frequency", "distance_spring_holds_what_hangs"),
+        needs=Feature.DISTANCE_SPRING,
+    ),
+    Control(
+        name="distance_spring_tied_to_the_centre",
+        fault="a spring between two bodies pulls at the child's centre of mass",
+        plant=changed_scene(tied_to_centres),
+        caught_by=("distance_spring_pulls_where_it_is_tied",),
+        needs=Feature.DISTANCE_SPRING,
     ),
 )
 """Each on one engine that has what it needs."""

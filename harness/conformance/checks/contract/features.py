@@ -171,6 +171,16 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.DISTANCE: lambda: _joint(
         Distance(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), child_anchor_W=(0.0, 0.0, -1.0))
     ),
+    Feature.DISTANCE_SPRING: lambda: _joint(
+        Distance(
+            name="j",
+            parent=WORLD,
+            child="body",
+            anchor_W=(0.0, 0.0, 0.0),
+            child_anchor_W=(0.0, 0.0, -1.0),
+            spring=Spring(stiffness=10.0, damping=1.0, rest=1.0),
+        )
+    ),
     Feature.CLOSED_LOOP: _loop,
     Feature.LIMITS: lambda: _slide(limits=Limits(lower=-0.1, upper=0.1)),
     Feature.SPRINGS: lambda: _slide(spring=Spring(stiffness=10.0, damping=1.0)),

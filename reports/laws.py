@@ -19,6 +19,7 @@ NAMES = {
     "closed_loop": "closed loops",
     "distance": "rods and ropes",
     "distance_spring": "springs between points of two bodies",
+    "feedforward": "motors of constant torque",
     "springs": "springs and dampers of joints",
     "limits": "stops of joints",
     "render": "pictures",

@@ -10,7 +10,7 @@ from adapters.bullet.drives import Actuation, Actuator
 from adapters.bullet.mobility import Footing, Skeleton
 from adapters.bullet.plan import Plan
 from adapters.bullet.trees import Tree, joint_axis
-from harness.adapter import Notice
+from harness.adapter import Notice, Unsupported
 from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene, rotate
 
@@ -33,7 +33,11 @@ def actuated(plan: Plan, made: Assembly, tree: Tree) -> Actuation | None:
             joint = link.joint
             drive = joint.drive if Effect.DRIVES in plan.effects else None
             target = 0.0 if drive is None else drive.target
-            if drive is not None and plan.options["drives"] == "motor":
+            if drive is not None and plan.options["drives"] == "motor" and drive.stiffness + drive.damping > 0:
+                if drive.feedforward:
+                    raise Unsupported(
+                        f"joint '{joint.name}': feedforward", "Bullet's own motors hold a velocity and take no torque beside"
+                    )
                 motors.append(Actuator(joint.name, k, joint.position, None, drive, target))
                 drive = None
             if joint.spring is not None or drive is not None:

@@ -108,6 +108,7 @@ def _tell_joint(plan: Plan, made: Assembly, number: int, k: int, link: Link, tre
                 rate = float(axis @ (np.asarray(child.v_WB) - carried))
             made.port.call("setJointMotorControl2", number, k, bullet.VELOCITY_CONTROL, force=0.0)
             made.port.call("resetJointState", number, k, 0.0, rate)
+            made.coordinates[joint.name] = number, k, joint.position
             if joint.limits is not None:
                 lower = -1e12 if joint.limits.lower is None else joint.limits.lower - joint.position
                 upper = 1e12 if joint.limits.upper is None else joint.limits.upper - joint.position

@@ -15,6 +15,7 @@ from harness.adapter.rotations import IDENTITY, products
 from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+from harness.trajectory.joint_states import JointStates
 
 __all__ = ["BulletSimulation"]
 
@@ -180,6 +181,16 @@ class BulletSimulation:
             q[self._turned] = products(q[self._turned], self._turns)
         out.p_WB[moving], out.q_WB[moving] = table[:, :3], q
         out.v_WB[moving], out.w_WB[moving] = table[:, 7:10], table[:, 10:]
+
+    def joint_states(self) -> JointStates:
+        """Coordinates and rates of the joints of multibodies; what closes a loop has none, and pybullet tells no reactions."""
+        found = JointStates.unknown(self._scene)
+        for k, joint in enumerate(self._scene.joints):
+            if joint.name in self._made.coordinates:
+                number, link, position = self._made.coordinates[joint.name]
+                q, rate = self._port.call("getJointState", number, link)[:2]
+                found.coordinate[k], found.rate[k] = position + q, rate
+        return found
 
     def _points(self) -> list[Any]:
         """The binding's tuples of the points that touched or bore a force in the last sub-step.

@@ -135,6 +135,7 @@ ADAPTER = DartAdapter(
         | Feature.LIMITS
         | Feature.SPRINGS
         | Feature.DRIVES
+        | Feature.FEEDFORWARD
         | Feature.RESTITUTION
         | Feature.LINEAR_DAMPING
         | Feature.ANGULAR_DAMPING

@@ -51,7 +51,7 @@ class Motor:
         spring, drive = self.spring, self.drive
         return (
             spring.stiffness * (spring.rest - x) - spring.damping * v,
-            drive.stiffness * (self.target - x) + drive.damping * (drive.target_velocity - v),
+            drive.stiffness * (self.target - x) + drive.damping * (drive.target_velocity - v) + (drive.feedforward or 0.0),
         )
 
     def inertia(self, dt: float, saturated: bool) -> float:
@@ -74,6 +74,7 @@ class Motor:
         force = spring.stiffness * spring.rest
         if shared:
             force += drive.stiffness * self.target + drive.damping * drive.target_velocity
+            force += drive.feedforward or 0.0
         # DART refuses a rest position outside of the limits and says so on the console only.
         rest = min(max(force / k, self.joint.getPositionLowerLimit(0)), self.joint.getPositionUpperLimit(0)) if k > 0 else 0.0
         if k > 0:
@@ -85,7 +86,8 @@ class Motor:
 
 
 def drive_within_limits(motors: list[Motor], dt: float) -> None:
-    """Limited drives: f = k (t - x') + c (u - v') with x' = x + dt v', v' = v + dt (a + M^-1 f), then cut off.
+    """Limited drives: f = k (t - x') + c (u - v') + b with x' = x + dt v', v' = v + dt (a + M^-1 f), then cut off;
+    b is the feedforward.
 
     a is the acceleration without them, M the mass matrix augmented by DART's implicit springs and dampers.
     """
@@ -98,6 +100,7 @@ def drive_within_limits(motors: list[Motor], dt: float) -> None:
     wanted = np.array([m.target for m in motors]), np.array([m.drive.target_velocity for m in motors])
     v_free = v + dt * a
     push = k * (wanted[0] - x - dt * v_free) + c * (wanted[1] - v_free)
+    push += np.array([m.drive.feedforward or 0.0 for m in motors])
     gain = dt * (c + dt * k)
     f = np.linalg.solve(np.eye(len(motors)) + gain[:, None] * mobility, push)
     for motor, force in zip(motors, f, strict=True):

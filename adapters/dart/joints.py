@@ -61,6 +61,7 @@ def add_joint(built: Built, owner: Any, edge: Edge) -> tuple[Any, Any]:
 
 def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prismatic) -> None:
     """Position, limits, spring and drive of a joint of one coordinate."""
+    built.coordinates[joint.name] = made
     made.setPosition(0, joint.position)
     if joint.limits is not None:
         made.setLimitEnforcement(True)
@@ -90,6 +91,8 @@ def _set_servo(built: Built, motor: Motor, name: str) -> None:
     """Let DART's own motor drive a joint. Raises: Unsupported."""
     if motor.push != 0.0:
         raise Unsupported(f"joint '{name}'", "a servo of DART takes no force beside, as a spring that rests beyond a limit is")
+    if motor.drive.feedforward:
+        raise Unsupported(f"joint '{name}': feedforward", "a servo of DART holds a velocity and takes no torque beside")
     motor.joint.setActuatorType(built.dart.dynamics.ActuatorType.SERVO)
     if motor.drive.limit is not None:
         motor.joint.setForceLowerLimit(0, -motor.drive.limit)

@@ -16,6 +16,7 @@ from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
 from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
 from harness.scene import Camera, Effect
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+from harness.trajectory.joint_states import JointStates
 
 __all__ = ["DartSimulation"]
 
@@ -127,6 +128,16 @@ class DartSimulation(Simulation):
         flip = np.einsum("ij,ij->i", q_WB, self._last.q_WB[places]) < 0
         q_WB[flip] *= -1.0
         self._last.q_WB[places] = q_WB
+
+    def joint_states(self) -> JointStates:
+        """Coordinates and rates of the joints of skeletons; what is a constraint has none, and dartpy tells no reactions."""
+        scene = self._open.scene
+        found = JointStates.unknown(scene)
+        for k, joint in enumerate(scene.joints):
+            if joint.name in self._open.coordinates:
+                made = self._open.coordinates[joint.name]
+                found.coordinate[k], found.rate[k] = made.getPosition(0), made.getVelocity(0)
+        return found
 
     def contacts(self) -> Contacts:
         """The contacts of the last step, those of sleeping bodies as they were last seen."""

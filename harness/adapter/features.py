@@ -60,6 +60,8 @@ def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield Feature.SPRINGS
         if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
             yield Feature.DRIVES
+            if joint.drive.feedforward:
+                yield Feature.FEEDFORWARD
     if _loops(scene, joints):
         yield Feature.CLOSED_LOOP
 

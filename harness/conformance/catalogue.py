@@ -4,7 +4,7 @@ from harness.conformance.check import ConformanceCheck
 from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, shapes
 from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
 from harness.conformance.checks.contract.declarations import declarations_check
-from harness.conformance.checks.joints import constraints, coordinates, distance_springs, drives
+from harness.conformance.checks.joints import constraints, coordinates, distance_springs, drives, joint_states
 from harness.conformance.checks.motion import dynamics, frames, precision, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
 
@@ -29,6 +29,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *coordinates.CHECKS,
     *distance_springs.CHECKS,
     *drives.CHECKS,
+    *joint_states.CHECKS,
     *rays.CHECKS,
     *images.CHECKS,
     *present.CHECKS,

@@ -40,13 +40,17 @@ class Spring:
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Drive:
-    """A PD drive: stiffness (target - x) + damping (target_velocity - x'), cut off at `limit` [N or N m] (None: none)."""
+    """A PD drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at `limit` (None: none).
+
+    Terms: feedforward, limit [N or N m]. With feedforward alone it is a motor of constant torque or force.
+    """
 
     stiffness: NonNegative = 0.0
     damping: NonNegative = 0.0
     target: Finite = 0.0
     target_velocity: Finite = 0.0
     limit: Positive | None = None
+    feedforward: Finite | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.intake.refusal import RobotError
-from harness.scene import Ball, Body, ConvexHull, Fixed, Prismatic, Revolute, Scene, Surface
+from harness.scene import Ball, Body, ConvexHull, Drive, Fixed, Prismatic, Revolute, Scene, Surface
 from harness.scene.importers.companion import Companion, JointWish, Massless, Units
 from tests.robot_files import imported, mjcf, row
 
@@ -205,6 +205,22 @@ def test_a_servo_becomes_a_drive_and_a_motor_without_a_command_does_nothing(tmp_
     with pytest.raises(RobotError, match=r"actuator 'm'.*--drop actuator"):
         imported(tmp_path, muscle)
     assert joint(imported(tmp_path, muscle, drop=frozenset(("actuator",)))).drive is None
+
+
+def test_a_motor_with_a_command_is_a_constant_torque_that_its_range_bounds(tmp_path: Path) -> None:
+    body = f'<joint name="j" axis="0 1 0"/>{BALL}'
+    keys = '<keyframe><key name="on" qpos="0" ctrl="{}"/></keyframe>'
+    motor = '<actuator><motor joint="j" gear="3" ctrlrange="-1 1" forcerange="-4 4"/></actuator>'
+    for ctrl, torque in ((0.5, 1.5), (-2.0, -3.0)):
+        folder = tmp_path / f"{torque}"
+        folder.mkdir()
+        got = imported(folder, mjcf(body, motor + keys.format(ctrl)), Companion(keyframe="on"))
+        assert joint(got).drive == Drive(limit=12.0, feedforward=torque)
+        assert row(got, "actuator").outcome == "exact"
+    # Torque 3 (10 u + 0.5 - 4 3 q): the constant term of a general actuator stands beside its gains.
+    general = '<actuator><general joint="j" gear="3" gainprm="10" biastype="affine" biasprm=".5 -4 0"/></actuator>'
+    drive = joint(imported(tmp_path, mjcf(body, general))).drive
+    assert drive == Drive(stiffness=36.0, feedforward=1.5)
 
 
 def test_a_servo_has_the_torque_that_mujoco_gives_it(tmp_path: Path) -> None:

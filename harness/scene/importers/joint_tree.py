@@ -218,7 +218,14 @@ def _drive(c: Coordinate) -> Drive | None:
     s = c.servo
     if s is None:
         return None
-    return Drive(stiffness=s.stiffness, damping=s.damping, target=s.target, target_velocity=s.target_velocity, limit=s.limit)
+    return Drive(
+        stiffness=s.stiffness,
+        damping=s.damping,
+        target=s.target,
+        target_velocity=s.target_velocity,
+        limit=s.limit,
+        feedforward=s.feedforward or None,
+    )
 
 
 def _closure(one: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], held: Mapping[str, str], names: _Names) -> Joint:

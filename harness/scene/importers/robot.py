@@ -43,13 +43,14 @@ class Geometry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Servo:
-    """A drive: stiffness (target - x) + damping (target_velocity - x'), cut off at limit."""
+    """A drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at limit."""
 
     stiffness: float = 0.0
     damping: float = 0.0
     target: float = 0.0
     target_velocity: float = 0.0
     limit: float | None = None
+    feedforward: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

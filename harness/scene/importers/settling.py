@@ -152,7 +152,7 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
 
 
 def _servo(c: Coordinate, wish: JointWish, companion: Companion) -> Servo | None:
-    asked = (wish.stiffness, wish.damping, wish.target)
+    asked = (wish.stiffness, wish.damping, wish.target, wish.feedforward)
     drives = companion.drives
     if drives is None and all(value is None for value in asked):
         return c.servo
@@ -160,11 +160,19 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion) -> Servo | None
     general = (base.stiffness, base.damping) if drives is None else (drives.stiffness, drives.damping)
     stiffness = general[0] if wish.stiffness is None else wish.stiffness
     damping = general[1] if wish.damping is None else wish.damping
-    if stiffness == 0 and damping == 0:
+    feedforward = base.feedforward if wish.feedforward is None else wish.feedforward
+    if stiffness == 0 and damping == 0 and feedforward == 0:
         return None
     target = wish.target if wish.target is not None else (base.target if c.servo is not None else c.position or 0.0)
     limit = wish.limit or base.limit or c.effort
-    return Servo(stiffness=stiffness, damping=damping, target=target, target_velocity=wish.target_velocity, limit=limit)
+    return Servo(
+        stiffness=stiffness,
+        damping=damping,
+        target=target,
+        target_velocity=wish.target_velocity,
+        limit=limit,
+        feedforward=feedforward,
+    )
 
 
 def _bounds(links: tuple[Link, ...]) -> list[Fidelity]:

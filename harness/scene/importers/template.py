@@ -35,7 +35,8 @@ inertia = [[0.001, 0.0, 0.0], [0.0, 0.001, 0.0], [0.0, 0.0, 0.001]]
 material = "rubber"
 p_WB = [1.0, 0.0, 1.5]
 
-# Joints: revolute, prismatic (both with position, limits, spring, drive), ball, fixed, distance.
+# Joints: revolute, prismatic (both with position, limits, spring, drive), ball, fixed, distance (a rod; with limits a rope;
+# with a spring alone a spring between anchor_W on the parent and child_anchor_W on the child).
 [[joints]]
 type = "revolute"
 name = "hinge"
@@ -46,6 +47,7 @@ axis_W = [0.0, 1.0, 0.0]
 # limits = { lower = -1.0, upper = 1.0 }
 # spring = { stiffness = 0.0, damping = 0.1, rest = 0.0 }
 # drive = { stiffness = 10.0, damping = 1.0, target = 0.5, limit = 5.0 }
+# drive = { feedforward = 0.2 }  # a motor of constant torque [N m], or force [N] of a slide
 
 # One law for each pair of materials that can touch; pairs in `apart` pass through each other.
 [[surfaces]]

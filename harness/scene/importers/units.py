@@ -102,6 +102,7 @@ def _coordinate(c: Coordinate, L: float, M: float) -> Coordinate:
             target=servo.target * own,
             target_velocity=servo.target_velocity * own,
             limit=None if servo.limit is None else servo.limit * force,
+            feedforward=servo.feedforward * force,
         )
     return replace(
         c,

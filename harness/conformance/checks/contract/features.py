@@ -185,6 +185,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.LIMITS: lambda: _slide(limits=Limits(lower=-0.1, upper=0.1)),
     Feature.SPRINGS: lambda: _slide(spring=Spring(stiffness=10.0, damping=1.0)),
     Feature.DRIVES: lambda: _slide(drive=Drive(stiffness=10.0, damping=1.0, target=0.5)),
+    Feature.FEEDFORWARD: lambda: _slide(drive=Drive(feedforward=1.0)),
     Feature.PAIR_FRICTION: _no_rule,
     Feature.STATIC_FRICTION: lambda: _surface(Surface(between=_TOUCHING, static_friction=0.6, kinetic_friction=0.4)),
     Feature.ROLLING_FRICTION: lambda: _surface(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.intake.refusal import RobotError
-from harness.scene import Ball, Body, ConvexHull, Drive, Fixed, Prismatic, Revolute, Scene, Surface
+from harness.scene import Ball, Body, ConvexHull, Distance, Drive, Fixed, Prismatic, Revolute, Scene, Spring, Surface
 from harness.scene.importers.companion import Companion, JointWish, Massless, Units
 from tests.robot_files import imported, mjcf, row
 
@@ -254,6 +254,22 @@ def test_a_loop_is_closed_by_a_connection_or_a_weld(tmp_path: Path) -> None:
     with pytest.raises(RobotError, match=r"equality 'e': equality of kind joint.*--drop equality"):
         imported(tmp_path, coupled)
     assert len(imported(tmp_path, coupled, drop=frozenset(("equality",))).scene.joints) == 2
+
+
+def test_a_tendon_between_two_sites_is_a_spring_between_two_bodies(tmp_path: Path) -> None:
+    body = f'<freejoint/>{BALL}<site name="s" pos=".1 0 0"/></body><body name="b"><site name="w" pos="0 0 3"/>'
+    tendon = '<tendon><spatial name="t" stiffness="20" damping="3" {}><site site="{}"/><site site="{}"/></spatial></tendon>'
+    got = imported(tmp_path, mjcf(body, tendon.format('springlength="0.5"', "s", "w")))
+    line = got.scene.joints[0]
+    assert isinstance(line, Distance)
+    assert (line.parent, line.child, line.spring) == ("world", "arm", Spring(stiffness=20.0, damping=3.0, rest=0.5))
+    start = got.scene.body("arm").p_WB
+    assert line.anchor_W == (0.0, 0.0, 3.0)
+    assert line.child_anchor_W == pytest.approx((start[0] + 0.1, start[1], start[2]))
+    assert row(got, "tendon").outcome == "exact"
+    for extra in ('springlength="0.5 1"', 'limited="true" range="0 2"', 'frictionloss="1"'):
+        with pytest.raises(RobotError, match=r"tendon 't': tendon: .*--drop tendon"):
+            imported(tmp_path, mjcf(body, tendon.format(extra, "s", "w")))
 
 
 def test_a_tendon_counts_only_where_it_pulls(tmp_path: Path) -> None:

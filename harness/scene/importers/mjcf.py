@@ -4,6 +4,7 @@ What is compiled has joint coordinates that begin at `ref`, springs that act fro
 file asks for them, and contacts by bit masks; all of that is read as it stands there.
 """
 
+from collections.abc import Container
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from harness.intake.documents import named
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
-from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_shapes
+from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_shapes, mjcf_tendons
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders
 from harness.scene.importers.mjcf_model import Model, compile_apart
@@ -61,7 +62,9 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
         for k in range(len(names))
     )
     closures = _closures(model, names, rows, needs)
-    needs += _others(model, text)
+    springs = mjcf_tendons.springs(model, names, rows)
+    closures += springs.values()
+    needs += _others(model, text, springs)
     rows += _beside(model, text)
     free = any(c.kind == "free" for link in links for c in link.coordinates)
     gravity = (0.0, 0.0, 0.0) if model.flag("gravity") else tuple(float(g) for g in model.opt_gravity)
@@ -247,13 +250,12 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
     return found
 
 
-def _others(model: Model, text: Prepared) -> list[Need]:
+def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]:
     needs = [Need(kind=kind, element=kind, names=tuple(names)) for kind, names in text.strange.items()]
     active = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
-        if any(np.any(model.arrays[f"tendon_{word}"][k] != 0) for word in ("stiffness", "damping", "frictionloss", "armature"))
-        or model.tendon_limited[k]
+        if k not in springs and (mjcf_tendons.pulls(model, k) or model.tendon_limited[k])
     ]
     if active:
         needs.append(Need(kind="tendon", element="tendon", names=tuple(active)))
@@ -289,7 +291,11 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
                     consequence="it measures or shows, and moves nothing",
                 )
             )
-    passive = [model.name("tendon", k) for k in range(len(model.tendon_limited)) if not model.tendon_limited[k]]
+    passive = [
+        model.name("tendon", k)
+        for k in range(len(model.tendon_limited))
+        if not model.tendon_limited[k] and not mjcf_tendons.pulls(model, k)
+    ]
     if passive:
         rows.append(
             Fidelity(

@@ -8,7 +8,8 @@ TEMPLATE = """\
 
 gravity = [0.0, 0.0, -9.81]
 
-# Bodies: mass [kg], inertia about the centre of mass [kg m2], p_WB [m] and q_WB at the start.
+# Bodies: mass [kg], inertia about the centre of mass [kg m2] (no mass points: a small ball has 2/5 m r^2), p_WB [m] and q_WB
+# at the start.
 [[bodies]]
 name = "ground"
 motion = "static"           # dynamic (the default), static, kinematic

@@ -72,7 +72,12 @@ def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: froz
         )
     told = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
     laws: list[tuple[str, str]] = [(need.kind, name) for need in told for name in need.names]
-    laws += [("closure", closure.name) for closure in robot.closures if "equality" not in dropped]
+    laws += [("closure", one.name) for one in robot.closures if one.kind != "spring" and "equality" not in dropped]
+    laws += [
+        ("tendon", f"{one.name} of {one.stiffness:g} N/m, {one.damping:g} N s/m, rest {one.rest:g} m")
+        for one in robot.closures
+        if one.kind == "spring"
+    ]
     return RobotFacts(
         source=robot.source,
         joints=tuple(joints),

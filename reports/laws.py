@@ -17,7 +17,6 @@ NAMES = {
     "pair_friction": "friction of any pairs",
     "static_friction": "static above kinetic friction",
     "closed_loop": "closed loops",
-    "distance": "rods and ropes",
     "distance_spring": "springs between points of two bodies",
     "feedforward": "motors of constant torque",
     "springs": "springs and dampers of joints",

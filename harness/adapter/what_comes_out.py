@@ -74,7 +74,7 @@ def _felt(read: Callable[[str], Any], name: str) -> tuple[Floats, Floats]:
     return found
 
 
-def _joints(read: Callable[[], Any], joints: int) -> JointStates:
+def _joints(read: Callable[[], JointStates], joints: int) -> JointStates:
     """What the engine holds of its joints; NaN says that it holds nothing. Raises: BrokenContract, Diverged."""
     found = read()
     _kind("joint_states()", found, JointStates)

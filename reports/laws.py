@@ -17,6 +17,8 @@ NAMES = {
     "pair_friction": "friction of any pairs",
     "static_friction": "static above kinetic friction",
     "closed_loop": "closed loops",
+    "distance_spring": "springs between points of two bodies",
+    "feedforward": "motors of constant torque",
     "springs": "springs and dampers of joints",
     "limits": "stops of joints",
     "render": "pictures",

@@ -20,6 +20,10 @@ Deviations:
       rigid up to their limit; no track takes them, as they are another law.
     * Dry friction in a joint is Bullet's own motor that asks for no velocity, with a bounded force: Coulomb's law; a joint that
       Bullet's motor drives cannot have it. A coupling is Bullet's gear, a velocity constraint: what it drifts is rounding.
+    * A spring between points of two bodies (`Distance` with a spring) is a pair of forces of the adapter, held over each
+      (sub)step: those of its start where no pose lets them reverse a velocity within it, else those of its end along the line,
+      linearly implicit, stable at any stiffness and damped by it (`harness.adapter.distance_springs`). Across the line the
+      force is that of the start: stable while h^2 f/(m l) < 4, f the tension, m the mass at the end of the line, l its length.
     * A kinematic body is a body of 1e12 times the scene's largest mass, held up against gravity, whose velocity is prescribed
       anew in every (sub)step: pybullet offers no way to flag a body as kinematic.
     * Sub-steps are steps of dt/substeps (pybullet's numSubSteps can lose one to rounding); contact forces are their mean, the
@@ -214,6 +218,8 @@ ADAPTER = BulletAdapter(
         "default/spring_frequency": _DAMPED,
         "default/dry_friction_brakes": _DAMPED,
         "default/coupled_coordinates_move_as_one": _DAMPED,
+        "default/distance_spring_has_its_frequency": _DAMPED,
+        "default/distance_spring_pulls_where_it_is_tied": _DAMPED,
         "default/huge_state_is_not_reset": _CLAMPED,
         "default/rays_match_closed_forms": _GRAZING,
         "tuned/rays_match_closed_forms": _GRAZING,
@@ -245,6 +251,11 @@ ADAPTER = BulletAdapter(
             "torque for each (sub)step",
         ),
         Emulation(
+            feature=Feature.DISTANCE_SPRING,
+            how="pybullet has no spring between points of two bodies; the adapter works out a pair of forces for each "
+            "(sub)step",
+        ),
+        Emulation(
             feature=Feature.KINEMATIC,
             how="pybullet has no kinematic body; it is one of 1e12 times the greatest mass, told its velocity each (sub)step",
         ),
@@ -257,6 +268,8 @@ ADAPTER = BulletAdapter(
     deviations=(
         "springs and drives are torques of the adapter, held over each (sub)step; linearly implicit wherever those of its "
         "start could reverse a velocity within it, with the feet held that bore a force in the step before",
+        "springs between points of two bodies are forces of the adapter, too stiff ones linearly implicit along the line; "
+        "across it stable while h^2 f/(m l) < 4, with f the tension and l the length",
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",
         "contact forces are the mean over the sub-steps; friction may be left on a point that bears nothing",
         "rays and images are taken in a second world of the same shapes at the present poses; grazing rays miss by millimetres",

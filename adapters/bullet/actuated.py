@@ -33,9 +33,13 @@ def actuated(plan: Plan, made: Assembly, tree: Tree) -> Actuation | None:
             joint = link.joint
             drive = joint.drive if Effect.DRIVES in plan.effects else None
             target = 0.0 if drive is None else drive.target
-            if drive is not None and plan.options["drives"] == "motor":
+            if drive is not None and plan.options["drives"] == "motor" and drive.stiffness + drive.damping > 0:
                 if joint.friction_loss:
                     raise Unsupported(f"joint '{joint.name}': dry friction beside a motor", "a joint of Bullet has one motor")
+                if drive.feedforward:
+                    raise Unsupported(
+                        f"joint '{joint.name}': feedforward", "Bullet's own motors hold a velocity and take no torque beside"
+                    )
                 motors.append(Actuator(joint.name, k, joint.position, None, drive, target))
                 drive = None
             if joint.spring is not None or drive is not None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from adapters.bullet.drives import Actuation
 from adapters.bullet.vendor import Port
 from harness.adapter import Notice
+from harness.adapter.distance_springs import DistanceSprings
 from harness.scene import Vector3
 from harness.trajectory import Floats
 
@@ -20,7 +21,8 @@ class Assembly:
         nothing, pybullet would make one of each collision shape. q_IB (n, 4): turns I against B.
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
-        address: (number, link) -> place. joints: of each that is a link's, by name, (number, link).
+        coordinates: (number, link, position in the initial pose) of joints with a coordinate, by name. springs: those between
+        points of two bodies. address: (number, link) -> place. joints: of each that is a link's, by name, (number, link).
         waiting: (number, link) of bodies whose contacts wait until they touch.
         notices: what the engine computes beside the scene.
     """
@@ -32,6 +34,8 @@ class Assembly:
     linked: dict[int, tuple[int, ...]] = field(default_factory=dict)
     actuators: dict[int, Actuation] = field(default_factory=dict)
     prescribed: list[tuple[int, int, Vector3]] = field(default_factory=list)
+    coordinates: dict[str, tuple[int, int, float]] = field(default_factory=dict)
+    springs: DistanceSprings | None = None
     address: dict[tuple[int, int], int] = field(default_factory=dict)
     joints: dict[str, tuple[int, int]] = field(default_factory=dict)
     waiting: set[tuple[int, int]] = field(default_factory=set)

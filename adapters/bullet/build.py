@@ -35,6 +35,7 @@ def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[s
     port.call("setGravity", *plan.gravity)
     _filter(plan, made)
     _surplus(plan, made)
+    made.springs = plan.springs
     simulation = BulletSimulation(scene, resolved_settings(port, settings, plan.options), made)
     _verify(plan, made, simulation)
     return simulation
@@ -46,7 +47,9 @@ def _check(plan: Plan) -> None:
         check_shapes(body)
     for joint in plan.joints:
         if isinstance(joint, Distance):
-            raise Unsupported(f"distance joint '{joint.name}'", "Bullet has no constraint that keeps two points at a distance")
+            raise Unsupported(
+                f"distance joint '{joint.name}'", "Bullet has no constraint that keeps or bounds the distance of two points"
+            )
 
 
 def _put_bodies(plan: Plan, made: Assembly) -> None:

@@ -31,6 +31,7 @@ class Actuator:
             total -= self.spring.stiffness * (x - self.spring.rest) + self.spring.damping * rate
         if self.drive is not None:
             pull = self.drive.stiffness * (self.target - x) + self.drive.damping * (self.drive.target_velocity - rate)
+            pull += self.drive.feedforward or 0.0
             limit = self.drive.limit
             total += pull if limit is None else min(max(pull, -limit), limit)
         return total
@@ -77,7 +78,7 @@ class Actuation:
     springs: Floats = field(init=False)
     """Stiffness, damping and rest, (3, a)."""
     drives: Floats = field(init=False)
-    """Stiffness, damping, target velocity and limit, (4, a)."""
+    """Stiffness, damping, target velocity, limit and feedforward, (5, a)."""
 
     def __post_init__(self) -> None:
         if not self.actuators:
@@ -87,7 +88,10 @@ class Actuation:
         self.springs = np.array([(s.stiffness, s.damping, s.rest) for s in springs]).T
         limits = [math.inf if d.limit is None else d.limit for d in drives]
         self.drives = np.array(
-            [(d.stiffness, d.damping, d.target_velocity, limit) for d, limit in zip(drives, limits, strict=True)]
+            [
+                (d.stiffness, d.damping, d.target_velocity, limit, d.feedforward or 0.0)
+                for d, limit in zip(drives, limits, strict=True)
+            ]
         ).T
 
     def efforts(self, port: Port, number: int) -> list[float]:
@@ -99,7 +103,7 @@ class Actuation:
             return [a.effort(state[0], state[1]) for a, state in zip(self.actuators, states, strict=True)]
         x = np.array([a.position + state[0] for a, state in zip(self.actuators, states, strict=True)])
         v = np.array([state[1] for state in states])
-        (k, c, free), (stiff, damped, target_velocity, limit), h = self.springs, self.drives, self.h
+        (k, c, free), (stiff, damped, target_velocity, limit, constant), h = self.springs, self.drives, self.h
         passive, active = c + h * k, damped + h * stiff
         held = self.footing.held(port, number, start=self.pose is None)
         stance = tuple(sorted((one.link, len(one.rows)) for one in held))
@@ -109,7 +113,8 @@ class Actuation:
             if self.pose is None or stance != self.stance:
                 self.unpushed = None
             self.pose, self.push, self.stance = x, h * mobility, stance
-        rest, pull = k * (x - free), stiff * ([a.target for a in self.actuators] - x) + damped * target_velocity
+        rest = k * (x - free)
+        pull = stiff * ([a.target for a in self.actuators] - x) + damped * target_velocity + constant
         onward = v + h * self.fall if self.unpushed is None else 2 * v - self.unpushed
         end = self.yielding @ (onward + self.push @ (pull - rest))
         # A drive beyond its limit is a constant, which may bring the next one to its own.

@@ -112,6 +112,7 @@ def _tell_joint(plan: Plan, made: Assembly, number: int, k: int, link: Link, tre
             # A motor that asks for no velocity, with a bounded force, is Coulomb's law: it holds, or brakes by all of it.
             made.port.call("setJointMotorControl2", number, k, bullet.VELOCITY_CONTROL, force=joint.friction_loss or 0.0)
             made.port.call("resetJointState", number, k, 0.0, rate)
+            made.coordinates[joint.name] = number, k, joint.position
             if joint.limits is not None:
                 lower = -1e12 if joint.limits.lower is None else joint.limits.lower - joint.position
                 upper = 1e12 if joint.limits.upper is None else joint.limits.upper - joint.position

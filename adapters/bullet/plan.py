@@ -8,6 +8,7 @@ from adapters.bullet.frames import plus
 from adapters.bullet.options import substep, with_slop
 from adapters.bullet.surfaces import Coefficients, braked, coefficients, rubbing, stands
 from harness.adapter import Settings
+from harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from harness.adapter.rotations import conjugate, principal_frame
 from harness.adapter.touching_kinds import Kind
 from harness.scene import Body, Effect, Joint, Quaternion, Scene, Shape, Vector3, multiply, rotate
@@ -24,11 +25,11 @@ class Plan:
 
     Terms:
         options: all of them, the vendor's where the settings leave them open. effects: the scene's, worked out once. touching:
-        do contacts wait until bodies touch? joints: none where the scene does not call for them. law: what each kind of body
-        carries. braked: the kinds that rolling or torsional friction acts on. rubbing: the shapes that each kind meets with
-        friction but without rebound. resting: does nothing move at the start, and no plane slope? principal: of each body its
-        moments [kg m2] and q_BI. greatest: the greatest mass [kg] of what moves. gravity: in W, 0 where the scene does not call
-        for it [m/s2].
+        do contacts wait until bodies touch? joints: none where the scene does not call for them, without the distance springs,
+        which are forces (`springs`). law: what each kind of body carries. braked: the kinds that rolling or torsional friction
+        acts on. rubbing: the shapes that each kind meets with friction but without rebound. resting: does nothing move at the
+        start, and no plane slope? principal: of each body its moments [kg m2] and q_BI. greatest: the greatest mass [kg] of
+        what moves. gravity: in W, 0 where the scene does not call for it [m/s2].
     """
 
     scene: Scene
@@ -37,6 +38,7 @@ class Plan:
     effects: Effect
     touching: bool
     joints: Sequence[Joint]
+    springs: DistanceSprings | None
     law: Mapping[Kind, Coefficients]
     braked: frozenset[Kind]
     rubbing: Mapping[Kind, frozenset[type]]
@@ -53,13 +55,15 @@ class Plan:
         # that from the rebound: restitution is right only if contacts wait until bodies touch, and if penetration is
         # corrected apart from velocity.
         touching = options["restitution"] == "touching" and Effect.RESTITUTION in effects
+        joints = scene.joints if Effect.JOINTS in effects else ()
         return cls(
             scene=scene,
             settings=settings,
             options=with_slop(settings, options) if touching else options,
             effects=effects,
             touching=touching,
-            joints=scene.joints if Effect.JOINTS in effects else (),
+            joints=[joint for joint in joints if not is_distance_spring(joint)],
+            springs=DistanceSprings.of(scene, joints, substep(settings)),
             law=coefficients(scene),
             braked=braked(scene),
             rubbing=rubbing(scene),

@@ -15,8 +15,12 @@ from harness.adapter.rotations import IDENTITY, products
 from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+from harness.trajectory.joint_states import JointStates
 
 __all__ = ["BulletSimulation"]
+
+Pushes = tuple[tuple[int, int, Any, Any], ...]
+"""(number, link, force in W [N], torque in W [N m]) of bodies."""
 
 
 class BulletSimulation:
@@ -38,7 +42,7 @@ class BulletSimulation:
         self._drives = {
             a.joint: a for group in made.actuators.values() for a in (*group.actuators, *group.motors) if a.drive is not None
         }
-        self._pushed: tuple[tuple[int, int, Any, Any], ...] = ()
+        self._pushed: Pushes = ()
         self._twin: Twin | None = None
         self._open = True
         self._watched = False
@@ -57,7 +61,8 @@ class BulletSimulation:
     def step(self, count: int = 1) -> None:
         """Advance by count * dt. Raises: Diverged."""
         advance, client = self._port.bullet.stepSimulation, self._port.client
-        acts = bool(self._made.actuators or self._made.prescribed or self._pushed)
+        made = self._made
+        acts = bool(made.actuators or made.prescribed or made.springs or self._pushed)
         if breaks["at"] != self._breaks:
             break_contacts_at(self._port, self._breaks)
         self._touched = []
@@ -84,13 +89,29 @@ class BulletSimulation:
                 p.setJointMotorControlArray(number, links, p.TORQUE_CONTROL, forces=efforts, physicsClientId=client)
             if actuation.motors:
                 self._drive(number, actuation)
-        for number, link, force, torque in self._pushed:
+        for number, link, force, torque in (*self._pushed, *self._sprung()):
             if link < 0:
                 position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
             else:
                 position = p.getLinkState(number, link, computeForwardKinematics=1, physicsClientId=client)[0]
             p.applyExternalForce(number, link, force, position, p.WORLD_FRAME, physicsClientId=client)
             p.applyExternalTorque(number, link, torque, p.WORLD_FRAME, physicsClientId=client)
+
+    def _sprung(self) -> Pushes:
+        """What the springs between points of two bodies push in the coming (sub)step."""
+        if self._made.springs is None:
+            return ()
+        present = State.empty(len(self._scene.bodies))
+        self.state(present)
+        return self._pushes(*self._made.springs.forces(present))
+
+    def _pushes(self, f_B_W: Floats, tau_B_W: Floats) -> Pushes:
+        """Forces [N] and torques [N m], each (n, 3), by Bullet's numbers; bodies that nothing pushes are left out."""
+        return tuple(
+            (number, link, f_B_W[place].tolist(), tau_B_W[place].tolist())
+            for (number, link), place in self._made.address.items()
+            if self._scene.bodies[place].movable and (f_B_W[place].any() or tau_B_W[place].any())
+        )
 
     def _drive(self, number: int, actuation: Actuation) -> None:
         """Tell Bullet's own motors where to: v' = gain (target - q)/h + rate, with all the force that takes, to the limit."""
@@ -160,6 +181,16 @@ class BulletSimulation:
             q[self._turned] = products(q[self._turned], self._turns)
         out.p_WB[moving], out.q_WB[moving] = table[:, :3], q
         out.v_WB[moving], out.w_WB[moving] = table[:, 7:10], table[:, 10:]
+
+    def joint_states(self) -> JointStates:
+        """Coordinates and rates of the joints of multibodies; what closes a loop has none, and pybullet tells no reactions."""
+        found = JointStates.unknown(self._scene)
+        for k, joint in enumerate(self._scene.joints):
+            if joint.name in self._made.coordinates:
+                number, link, position = self._made.coordinates[joint.name]
+                q, rate = self._port.call("getJointState", number, link)[:2]
+                found.coordinate[k], found.rate[k] = position + q, rate
+        return found
 
     def _points(self) -> list[Any]:
         """The binding's tuples of the points that touched or bore a force in the last sub-step.
@@ -232,11 +263,7 @@ class BulletSimulation:
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""
         check_wrench(len(self._scene.bodies), f_B_W, tau_B_W)
-        self._pushed = tuple(
-            (number, link, f_B_W[place].tolist(), tau_B_W[place].tolist())
-            for (number, link), place in self._made.address.items()
-            if self._scene.bodies[place].movable and (f_B_W[place].any() or tau_B_W[place].any())
-        )
+        self._pushed = self._pushes(f_B_W, tau_B_W)
 
     def warnings(self) -> tuple[Notice, ...]:
         """What the engine computes beside the scene."""

@@ -36,6 +36,10 @@ Deviations:
       explodes where dt^2 k or dt d is not small against the inertia). On 'tuned' ('auto'), where something can hold them,
       springs and drives are therefore torques of the velocity foreseen for the end of the step ('stable': stable PD control
       with what bore in the last step): the same law, under which an equilibrium stays. An impact is foreseen one step late.
+    * A spring between points of two bodies (`Distance` with a spring) is a pair of forces of the adapter, held over each
+      sub-step: those of its start where no pose lets them reverse a velocity within it, else those of its end along the line,
+      linearly implicit, stable at any stiffness and damped by it (`harness.adapter.distance_springs`). Across the line the
+      force is that of the start: stable while h^2 f/(m l) < 4, f the tension, m the mass at the end of the line, l its length.
     * Damping of a joint-free body is DART's joint damping (implicit) where that is v' = -c v, w' = -c w exactly (no
       angular damping, or a spherical inertia); otherwise a force and a torque of the start of the step over (1 + c dt).
     * No detector has every pair of shapes right (`WRONG_PAIRS`). FCL, the vendor's default, has no capsule (it puts a ball of
@@ -126,11 +130,13 @@ ADAPTER = DartAdapter(
         | Feature.BALL
         | Feature.REVOLUTE
         | Feature.PRISMATIC
+        | Feature.DISTANCE_SPRING
         | Feature.CLOSED_LOOP
         | Feature.LIMITS
         | Feature.SPRINGS
         | Feature.DRIVES
         | Feature.FRICTION_LOSS
+        | Feature.FEEDFORWARD
         | Feature.RESTITUTION
         | Feature.LINEAR_DAMPING
         | Feature.ANGULAR_DAMPING
@@ -208,6 +214,10 @@ ADAPTER = DartAdapter(
             tracks=("tuned",),
         ),
         Emulation(
+            feature=Feature.DISTANCE_SPRING,
+            how="dartpy has no spring between points of two bodies; the adapter works out a pair of forces for each sub-step",
+        ),
+        Emulation(
             feature=Feature.LINEAR_DAMPING,
             how="DART damps joints, not bodies; a force of the adapter stands for it; else it is DART's own joint damping",
             where="where joints hold the body, or it has an uneven inertia and angular damping",
@@ -228,6 +238,8 @@ ADAPTER = DartAdapter(
         "a share is taken back a step: 0.01, on 'tuned' 0.2",
         "drives by DART's own servo ('drives': 'servo') hold a velocity and do not sag: another law than the scene's",
         "springs, dampers and drives are implicit and damp by themselves",
+        "springs between points of two bodies are forces of the adapter, too stiff ones linearly implicit along the line; "
+        "across it stable while h^2 f/(m l) < 4, with f the tension and l the length",
         "beside contact implicit drives sag and gain energy, so that on 'tuned' they are stable PD control there",
         "where FCL, the vendor's default, has shapes wrong (capsules, hulls, meshes, cylinders on boxes or cylinders, solids "
         "on planes), ODE or Bullet detects; what neither has right is refused",

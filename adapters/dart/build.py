@@ -15,6 +15,7 @@ from adapters.dart.surfaces import coefficients
 from adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
 from adapters.dart.vendor import overheard
 from harness.adapter import Notice, Settings, SettingsError, Unsupported
+from harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from harness.scene import Effect, Scene
 
 __all__ = ["build"]
@@ -24,7 +25,8 @@ def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
     options, effects = validated(settings), scene.effects
     touching = Effect.CONTACT in effects
-    joints = scene.joints if Effect.JOINTS in effects else ()
+    every_joint = scene.joints if Effect.JOINTS in effects else ()
+    joints = tuple(joint for joint in every_joint if not is_distance_spring(joint))
     by_kind = coefficients(scene) if touching else {}
     for effect, why in (
         (Effect.ROLLING_FRICTION, "DART has no rolling friction"),
@@ -50,6 +52,7 @@ def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:
         start(built)
         add_constraints(built, cut)
         keep_apart(built)
+    built.springs = DistanceSprings.of(scene, every_joint, built.world.getTimeStep())
     # The one message that says what it does not do: the request that it claims to ignore takes effect (see `resolved`).
     built.notices += [Notice(f"dart: {line}") for line in heard if "primary LCP solver that is the same" not in line]
     built.notices += _surplus(scene)

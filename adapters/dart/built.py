@@ -5,6 +5,7 @@ from typing import Any
 
 from adapters.dart.drives import Motor
 from harness.adapter import Notice, Settings
+from harness.adapter.distance_springs import DistanceSprings
 from harness.scene import Scene
 from harness.trajectory import Floats
 
@@ -17,9 +18,9 @@ class Built:
 
     Terms:
         nodes: one BodyNode for each body. free: bodies alone under a FreeJoint; linked: all other moving ones. belts: joints of
-        kinematic bodies with (w_WB, v_WB). damped: (body, linear, angular damping [1/s]) that act as forces. shapes: for rays.
-        loops: (place of the body, point in B [m]) of what a constraint holds together.
-        cone: the solver of the exact friction cone.
+        kinematic bodies with (w_WB, v_WB). coordinates: DART's joints that have one, by name. damped: (body, linear, angular
+        damping [1/s]) that act as forces. shapes: for rays. springs: those between points of two bodies. loops: (place of the
+        body, point in B [m]) of what a constraint holds together. cone: the solver of the exact friction cone.
     """
 
     scene: Scene
@@ -32,9 +33,11 @@ class Built:
     linked: list[int] = field(default_factory=list)
     skeletons: list[Any] = field(default_factory=list)
     belts: list[tuple[Any, Floats]] = field(default_factory=list)
+    coordinates: dict[str, Any] = field(default_factory=dict)
     damped: list[tuple[int, float, float]] = field(default_factory=list)
     motors: dict[str, Motor] = field(default_factory=dict)
     shapes: list[Any] = field(default_factory=list)
+    springs: DistanceSprings | None = None
     loops: list[tuple[tuple[int, Floats], ...]] = field(default_factory=list)
     cone: Any = None
     notices: list[Notice] = field(default_factory=list)

@@ -65,7 +65,7 @@ class Motor:
         spring, drive = self.spring, self.drive
         return (
             spring.stiffness * (spring.rest - x) - spring.damping * v,
-            drive.stiffness * (self.target - x) + drive.damping * (drive.target_velocity - v),
+            drive.stiffness * (self.target - x) + drive.damping * (drive.target_velocity - v) + (drive.feedforward or 0.0),
         )
 
     def inertia(self, dt: float, saturated: bool) -> float:
@@ -88,6 +88,7 @@ class Motor:
         force = spring.stiffness * spring.rest
         if shared:
             force += drive.stiffness * self.target + drive.damping * drive.target_velocity
+            force += drive.feedforward or 0.0
         # DART refuses a rest position outside of the limits and says so on the console only.
         rest = min(max(force / k, self.joint.getPositionLowerLimit(0)), self.joint.getPositionUpperLimit(0)) if k > 0 else 0.0
         if k > 0:
@@ -99,7 +100,8 @@ class Motor:
 
 
 def drive_within_limits(motors: list[Motor], dt: float) -> None:
-    """Limited drives: f = k (t - x') + c (u - v') with x' = x + dt v', v' = v + dt (a + M^-1 f), then cut off.
+    """Limited drives: f = k (t - x') + c (u - v') + b with x' = x + dt v', v' = v + dt (a + M^-1 f), then cut off;
+    b is the feedforward.
 
     a is the acceleration without them, M the mass matrix augmented by DART's implicit springs and dampers.
     """
@@ -112,6 +114,7 @@ def drive_within_limits(motors: list[Motor], dt: float) -> None:
     wanted = np.array([m.target for m in motors]), np.array([m.drive.target_velocity for m in motors])
     v_free = v + dt * (a - mobility @ [m.rubbed for m in motors])
     push = k * (wanted[0] - x - dt * v_free) + c * (wanted[1] - v_free)
+    push += np.array([m.drive.feedforward or 0.0 for m in motors])
     gain = dt * (c + dt * k)
     # What dry friction holds does not move within the step, unless the drive can tear it loose where it stands.
     held = np.array([m.held for m in motors])

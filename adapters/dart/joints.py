@@ -68,6 +68,7 @@ def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prisma
             f"joint '{joint.name}': coupling to '{joint.coupling.joint}'",
             "dartpy 6.20 has mimic joints, and binds no way to say whom they follow",
         )
+    built.coordinates[joint.name] = made
     made.setPosition(0, joint.position)
     if joint.friction_loss:
         made.setCoulombFriction(0, joint.friction_loss)
@@ -99,6 +100,8 @@ def _set_servo(built: Built, motor: Motor, name: str) -> None:
     """Let DART's own motor drive a joint. Raises: Unsupported."""
     if motor.push != 0.0:
         raise Unsupported(f"joint '{name}'", "a servo of DART takes no force beside, as a spring that rests beyond a limit is")
+    if motor.drive.feedforward:
+        raise Unsupported(f"joint '{name}': feedforward", "a servo of DART holds a velocity and takes no torque beside")
     motor.joint.setActuatorType(built.dart.dynamics.ActuatorType.SERVO)
     if motor.drive.limit is not None:
         motor.joint.setForceLowerLimit(0, -motor.drive.limit)

@@ -16,6 +16,7 @@ from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
 from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
 from harness.scene import Camera, Effect
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+from harness.trajectory.joint_states import JointStates
 
 __all__ = ["DartSimulation"]
 
@@ -63,19 +64,28 @@ class DartSimulation(Simulation):
     def _advance(self, built: Built, count: int) -> None:
         """Take `count` sub-steps. Raises: Diverged."""
         advance = built.world.step
-        pushed = self._forced or self._wrench is not None
+        pushed = self._forced or self._wrench is not None or built.springs is not None
         while count > 0:
             # A run that broke is left early: DART would go on and fill the console with its repairs.
             few = min(count, 1 if self._last_seen and self._steps < FIRST_STEPS else STEPS_UNCHECKED)
             for _ in range(few):
                 if pushed:
-                    push(built, self._wrench, self._movable)
+                    push(built, self._loads(built), self._movable)
                     if self._foresight:
                         self._foresight.foresee(self._steps > 0)
                 advance()
             count -= few
             self._steps += few
             self._check(built)
+
+    def _loads(self, built: Built) -> Wrenches | None:
+        """What pushes the bodies in the coming sub-step: from outside, and springs between points of two of them."""
+        if built.springs is None:
+            return self._wrench
+        present = State.empty(len(built.scene.bodies))
+        self.state(present)
+        force, torque = built.springs.forces(present)
+        return (force, torque) if self._wrench is None else (force + self._wrench[0], torque + self._wrench[1])
 
     def _check(self, built: Built) -> None:
         """DART replaces a pose that is not finite by the identity, but the velocities stay what they are: ask them."""
@@ -118,6 +128,16 @@ class DartSimulation(Simulation):
         flip = np.einsum("ij,ij->i", q_WB, self._last.q_WB[places]) < 0
         q_WB[flip] *= -1.0
         self._last.q_WB[places] = q_WB
+
+    def joint_states(self) -> JointStates:
+        """Coordinates and rates of the joints of skeletons; what is a constraint has none, and dartpy tells no reactions."""
+        scene = self._open.scene
+        found = JointStates.unknown(scene)
+        for k, joint in enumerate(scene.joints):
+            if joint.name in self._open.coordinates:
+                made = self._open.coordinates[joint.name]
+                found.coordinate[k], found.rate[k] = made.getPosition(0), made.getVelocity(0)
+        return found
 
     def contacts(self) -> Contacts:
         """The contacts of the last step, those of sleeping bodies as they were last seen."""

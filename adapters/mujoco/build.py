@@ -17,10 +17,11 @@ from adapters.mujoco.settle import FAULTY_SPARSE, settle
 from adapters.mujoco.simulation import MujocoSimulation
 from adapters.mujoco.start import check_start, start
 from adapters.mujoco.surfaces import Law, contact_laws
+from adapters.mujoco.trees import Link
 from adapters.mujoco.vendor import flag
-from adapters.mujoco.world import Indices, World
+from adapters.mujoco.world import Hung, Indices, World
 from harness.adapter import Notice, Settings, Unsupported
-from harness.scene import Distance, Effect, Fixed, Prismatic, Revolute, Scene
+from harness.scene import Distance, Effect, Fixed, Joint, Prismatic, Revolute, Scene
 
 __all__ = ["build"]
 
@@ -82,11 +83,19 @@ def _indices(plan: Plan, draft: Draft, model: Any) -> Indices:
         q_MB=q_BM * (1.0, -1.0, -1.0, -1.0) if turned else None,
         single=all(link.above < 0 and (link.joint is None or isinstance(link.joint, Fixed)) for link in plan.links),
         drives=dict(draft.drives),
+        hung={link.joint.name: _hung(plan, link, link.joint) for link in plan.links if link.joint is not None},
         inertial={
             name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0]))
             for name in draft.inertial
         },
     )
+
+
+def _hung(plan: Plan, link: Link, joint: Joint) -> Hung:
+    """Where a native joint or a weld stands."""
+    child = plan.index[joint.child]
+    anchor = getattr(joint, "anchor_W", plan.p[child])
+    return Hung(link.body, link.turned, plan.R_WM[child].T @ (np.array(anchor) - plan.p[child]))
 
 
 def _notices(plan: Plan, mj: Any, model: Any) -> tuple[Notice, ...]:

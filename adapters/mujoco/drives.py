@@ -7,7 +7,7 @@ __all__ = ["add_drives"]
 
 
 def add_drives(plan: Plan, draft: Draft) -> None:
-    """PD drives: force = stiffness ctrl + damping target_velocity - stiffness x - damping x', cut off at the limit."""
+    """PD drives: stiffness ctrl + damping target_velocity - stiffness x - damping x' + feedforward, cut off at the limit."""
     mj = draft.mj
     native = {link.joint.name: link.body for link in plan.links if link.joint is not None}
     for joint in plan.joints:
@@ -16,7 +16,8 @@ def add_drives(plan: Plan, draft: Draft) -> None:
             continue
         made = draft.spec.add_actuator(name=f"d.{joint.name}", target=f"f{native[joint.name]}", trntype=mj.mjtTrn.mjTRN_JOINT)
         made.gaintype, made.gainprm = mj.mjtGain.mjGAIN_FIXED, [drive.stiffness, *([0.0] * 9)]
-        bias = [drive.damping * drive.target_velocity, -drive.stiffness, -drive.damping]
+        constant = drive.damping * drive.target_velocity + (drive.feedforward or 0.0)
+        bias = [constant, -drive.stiffness, -drive.damping]
         made.biastype, made.biasprm = mj.mjtBias.mjBIAS_AFFINE, [*bias, *([0.0] * 7)]
         if drive.limit is not None:
             made.forcelimited, made.forcerange = mj.mjtLimited.mjLIMITED_TRUE, [-drive.limit, drive.limit]

@@ -8,6 +8,7 @@ import numpy as np
 from adapters.mujoco.frames import cross
 from adapters.mujoco.images import Renderer
 from adapters.mujoco.inertial import Inertial
+from adapters.mujoco.joint_states import JointReader
 from adapters.mujoco.rays import cast, caster
 from adapters.mujoco.vendor import FATAL, OPEN, flag
 from adapters.mujoco.world import World
@@ -16,6 +17,7 @@ from harness.adapter.rotations import products
 from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
 from harness.scene import Camera
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+from harness.trajectory.joint_states import JointStates
 
 __all__ = ["MujocoSimulation"]
 
@@ -35,7 +37,7 @@ class MujocoSimulation:
         self._clean = self._numbers.tobytes()
         self._movable = np.array([k for k, b in enumerate(world.scene.bodies) if b.movable], dtype=np.int64)
         self._root = self._m.body_rootid[self._indices.body]
-        self._renderer, self._inertial = Renderer(world), Inertial(world)
+        self._renderer, self._inertial, self._joints = Renderer(world), Inertial(world), JointReader(world)
 
     @property
     def resolved(self) -> Settings:
@@ -111,6 +113,10 @@ class MujocoSimulation:
     def inertial(self, name: str) -> tuple[Floats, Floats]:
         """Specific force [m/s2] and angular velocity [rad/s] in S, each (3,), by MuJoCo's own sensors at this instant."""
         return self._inertial.read(name)
+
+    def joint_states(self) -> JointStates:
+        """What the engine holds of the scene's joints at this instant, see `harness.adapter`."""
+        return self._joints.read()
 
     def command(self, targets: Mapping[str, float]) -> None:
         """Set the targets of drives [rad or m]."""

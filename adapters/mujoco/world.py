@@ -7,7 +7,20 @@ from typing import Any
 from harness.scene import Scene
 from harness.trajectory import Floats, Integers
 
-__all__ = ["Indices", "World"]
+__all__ = ["Hung", "Indices", "World"]
+
+
+@dataclass(frozen=True, slots=True)
+class Hung:
+    """A joint by which a body hangs.
+
+    Terms: body: its place in the scene. turned: is it the scene's parent? anchor_M (3,): the anchor in the principal frame M of
+    the scene's child [m].
+    """
+
+    body: int
+    turned: bool
+    anchor_M: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +30,8 @@ class Indices:
     Terms:
         body (n,): MuJoCo's body of each body of the scene. scene_body (nbody,): the way back, -1 for the world.
         q_MB (n, 4): from B to the principal frame M, or None where all of them agree. single: no body hangs on another one.
-        drives: actuator by joint. inertial: indices of accelerometer and gyroscope in the sensor data, by sensor.
+        drives: actuator by joint. hung: the native joints and welds, by name. inertial: indices of accelerometer and gyroscope
+        in the sensor data, by sensor.
     """
 
     body: Integers
@@ -25,6 +39,7 @@ class Indices:
     q_MB: Floats | None
     single: bool
     drives: Mapping[str, int]
+    hung: Mapping[str, Hung]
     inertial: Mapping[str, tuple[int, int]]
 
 

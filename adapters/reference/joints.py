@@ -5,12 +5,15 @@ from typing import TYPE_CHECKING, Any, assert_never
 import numpy as np
 
 from harness.adapter import Unsupported
-from harness.scene import Ball, Distance, Effect, Fixed, Joint, Prismatic, Revolute
+from harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute
 
 if TYPE_CHECKING:
     import engine
 
-__all__ = ["engine_joint"]
+__all__ = ["engine_joint", "shift_of_target"]
+
+NEVER_REACHED = 1e6
+"""A joint's rate [rad/s or m/s] beyond all of a scene: half of it is where a motor of constant torque would begin to fall."""
 
 
 def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
@@ -72,12 +75,35 @@ def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str
         spring = joint.spring
         extras["spring"] = engine.Spring(stiffness=spring.stiffness, damping=spring.damping, rest=spring.rest)
     if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
-        drive = joint.drive
-        extras["drive"] = engine.Drive(
-            stiffness=drive.stiffness,
-            damping=drive.damping,
-            target=drive.target,
-            target_velocity=drive.target_velocity,
-            limit=np.inf if drive.limit is None else drive.limit,
-        )
+        extras["drive"] = _drive(joint.drive)
     return extras
+
+
+def shift_of_target(drive: Drive) -> float:
+    """What a feedforward moves the target by [rad or m]: k (target - x) + b = k (target + b/k - x)."""
+    return (drive.feedforward or 0.0) / drive.stiffness if drive.stiffness > 0 else 0.0
+
+
+def _drive(drive: Drive) -> "engine.Drive":
+    """A drive in the engine's law, which knows no feedforward: exact, as a shift of the target or of the target velocity.
+
+    Without stiffness and damping it is a damper towards a rate that nothing reaches, cut off at the torque: at less than half
+    of that rate the cut force is the torque to the last bit.
+    """
+    import engine
+
+    limit = np.inf if drive.limit is None else drive.limit
+    stiffness, damping, rate = drive.stiffness, drive.damping, drive.target_velocity
+    if drive.feedforward and stiffness == 0:
+        if damping > 0:
+            rate += drive.feedforward / damping
+        else:
+            limit = min(limit, abs(drive.feedforward))
+            damping, rate = 2.0 * limit / NEVER_REACHED, np.copysign(NEVER_REACHED, drive.feedforward)
+    return engine.Drive(
+        stiffness=stiffness,
+        damping=damping,
+        target=drive.target + shift_of_target(drive),
+        target_velocity=rate,
+        limit=limit,
+    )

@@ -5,10 +5,11 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
+from adapters.reference.joints import shift_of_target
 from adapters.reference.sensing import picture
 from harness.adapter import Diverged, Notice, Settings, Unsupported
 from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
-from harness.scene import Camera, Effect, Scene
+from harness.scene import Camera, Effect, Prismatic, Revolute, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
 
 if TYPE_CHECKING:
@@ -22,9 +23,10 @@ class ReferenceSimulation:
 
     def __init__(self, world: "engine.World", scene: Scene, resolved: Settings) -> None:
         self._world, self._scene, self._resolved = world, scene, resolved
-        self._drives = {j.name for j in scene.joints if getattr(j, "drive", None) is not None}
-        if Effect.DRIVES not in scene.effects:
-            self._drives = set()
+        acting = scene.joints if Effect.DRIVES in scene.effects else ()
+        self._shifts = {
+            j.name: shift_of_target(j.drive) for j in acting if isinstance(j, Revolute | Prismatic) and j.drive is not None
+        }
 
     @property
     def resolved(self) -> Settings:
@@ -86,8 +88,8 @@ class ReferenceSimulation:
         """Set the targets [rad or m] of drives, those that act."""
         check_targets(self._scene, targets)
         for name, target in targets.items():
-            if name in self._drives:
-                self._world.command(name, float(target))
+            if name in self._shifts:
+                self._world.command(name, float(target) + self._shifts[name])
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""

@@ -8,6 +8,7 @@ Systems (1981), chapter 4 (envelope).
 """
 
 import math
+from typing import Final
 
 import numpy as np
 
@@ -30,7 +31,6 @@ __all__ = ["apply", "apply_all", "assemble", "factor", "is_careful", "rate", "so
 
 NOISE = 1e-11
 """Pivots of soft rows below this share of their diagonal are round-off."""
-
 
 NOBODY: Final = -1
 """In place of a body that does not move."""

@@ -28,11 +28,14 @@ The contract, proven by `harness.conformance`:
 * Arrays that are handed in are checked at one door, `harness.adapter.what_goes_in`: `wrench`, `cast`, `caster`, `command` and
   `state` raise `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
-* Four things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
+* Five things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
   and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock:
   `build_batch`, many worlds of one scene on one thread, and `Simulation.caster(origins, directions, max_range)`, a function
   that casts the same rays again into arrays made beforehand. For forces told anew before each step: `Simulation.force_lead`,
   the share of a step after whose start a force held over it is to be evaluated (see `harness.case.forces`); 0 unless said.
+  For joints: `Simulation.joint_states()`, the coordinates, rates and reactions that the engine itself holds of the scene's
+  joints at this instant (see `harness.trajectory.joint_states`), NaN where it holds none; `harness.adapter.joints.joints_of`
+  reads every engine's, from the poses of the bodies where the engine says nothing.
 """
 
 from abc import ABC, abstractmethod
@@ -85,6 +88,8 @@ class Feature(Flag):
     REVOLUTE = auto()
     PRISMATIC = auto()
     DISTANCE = auto()
+    DISTANCE_SPRING = auto()
+    """A spring and damper between two points, which holds nothing."""
     CLOSED_LOOP = auto()
     LIMITS = auto()
     SPRINGS = auto()
@@ -95,6 +100,8 @@ class Feature(Flag):
     """Dry friction along joint coordinates."""
     COUPLING = auto()
     """Joint coordinates tied to each other linearly."""
+    FEEDFORWARD = auto()
+    """A constant torque or force in a drive's law, and so motors."""
     PAIR_FRICTION = auto()
     """Friction per pair of materials, whatever the pairs."""
     STATIC_FRICTION = auto()

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from harness.adapter import Feature
 from harness.adapter.disjoint_sets import DisjointSets
+from harness.adapter.distance_springs import is_distance_spring
 from harness.scene import WORLD, Ball, Distance, Effect, Fixed, Joint, Scene
 
 __all__ = ["features_of"]
@@ -48,6 +49,9 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
 def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
     joints = scene.joints if Effect.JOINTS in effects else ()
     for joint in joints:
+        if is_distance_spring(joint):
+            yield Feature.DISTANCE_SPRING
+            continue
         yield Feature[joint.type.upper()]
         if isinstance(joint, Fixed | Ball):
             continue
@@ -59,6 +63,8 @@ def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield from (feature for name, feature in _ALONG.items() if getattr(joint, name))
         if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
             yield Feature.DRIVES
+            if joint.drive.feedforward:
+                yield Feature.FEEDFORWARD
     if _loops(scene, joints):
         yield Feature.CLOSED_LOOP
 

@@ -14,6 +14,7 @@ from harness.adapter import Diverged, Notice, Settings, Simulation
 from harness.adapter.notice import as_notices
 from harness.scene import Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+from harness.trajectory.joint_states import JointStates
 
 __all__ = ["LARGEST", "Answering", "BrokenContract", "sane"]
 
@@ -73,18 +74,31 @@ def _felt(read: Callable[[str], Any], name: str) -> tuple[Floats, Floats]:
     return found
 
 
+def _joints(read: Callable[[], JointStates], joints: int) -> JointStates:
+    """What the engine holds of its joints; NaN says that it holds nothing. Raises: BrokenContract, Diverged."""
+    found = read()
+    _kind("joint_states()", found, JointStates)
+    for name, shape in (("coordinate", (joints,)), ("rate", (joints,)), ("reaction", (joints, 6))):
+        value = getattr(found, name)
+        _array(f"joint_states().{name}", value, shape, "f")
+        _numbers(f"joint_states().{name}", np.nan_to_num(value, nan=0.0, posinf=np.inf, neginf=-np.inf), shape)
+    return found
+
+
 class Answering:
     """A simulation of a scene whose answers are checked; in all else it is the simulation itself."""
 
     def __init__(self, simulation: Simulation, scene: Scene) -> None:
         self._simulation, self._names = simulation, [body.name for body in scene.bodies]
-        self._bodies = len(self._names)
+        self._bodies, self._joints = len(self._names), len(scene.joints)
 
     def __getattr__(self, name: str) -> Any:
         """What is not checked, and what not every engine has. Raises: AttributeError."""
         if name.startswith("_"):
             raise AttributeError(name)
         found = getattr(self._simulation, name)
+        if name == "joint_states":
+            return partial(_joints, found, self._joints)
         return partial(_felt, found) if name == "inertial" else found
 
     @property

@@ -4,7 +4,14 @@ from harness.conformance.check import ConformanceCheck
 from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, shapes
 from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
 from harness.conformance.checks.contract.declarations import declarations_check
-from harness.conformance.checks.joints import along_coordinates, constraints, coordinates, drives
+from harness.conformance.checks.joints import (
+    along_coordinates,
+    constraints,
+    coordinates,
+    distance_springs,
+    drives,
+    joint_states,
+)
 from harness.conformance.checks.motion import dynamics, frames, precision, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
 
@@ -27,8 +34,10 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *friction.CHECKS,
     *constraints.CHECKS,
     *coordinates.CHECKS,
+    *distance_springs.CHECKS,
     *drives.CHECKS,
     *along_coordinates.CHECKS,
+    *joint_states.CHECKS,
     *rays.CHECKS,
     *images.CHECKS,
     *present.CHECKS,

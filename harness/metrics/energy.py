@@ -96,8 +96,8 @@ def _held_change(scene: Scene, actual: Trajectory) -> Floats:
         drive = getattr(joint, "drive", None)
         if drive is None:
             continue
-        if drive.target_velocity != 0 or drive.limit is not None or drive.motion is not None:
-            raise NotMeasurable(f"joint '{joint.name}': its drive moves or has a limit, so that it is no spring")
+        if drive.target_velocity != 0 or drive.limit is not None or drive.motion is not None or drive.feedforward:
+            raise NotMeasurable(f"joint '{joint.name}': its drive moves, pushes or has a limit, so that it is no spring")
         held += 0.5 * drive.stiffness * np.square(joint_coordinate(scene, joint, actual) - drive.target)
     if len(actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")

@@ -55,6 +55,10 @@ class Body:
         largest = float(np.abs(tensor).max())
         if np.abs(tensor - tensor.T).max() > 1e-9 * largest:
             raise ValueError(f"{where}: inertia {tensor.tolist()} kg m2 is not symmetric")
+        if largest == 0.0:
+            raise ValueError(
+                f"{where}: inertia is zero; no engine here turns a mass point, expected that of a small ball, 2/5 m r^2"
+            )
         a, b, c = np.linalg.eigvalsh(tensor)
         if a <= 0:
             raise ValueError(f"{where}: inertia with principal moments ({a:g}, {b:g}, {c:g}) kg m2 is not positive")

@@ -41,9 +41,10 @@ class Spring:
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Drive:
-    """A PD drive: stiffness (target - x) + damping (target_velocity - x'), cut off at `limit` [N or N m] (None: none).
+    """A PD drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at `limit` (None: none).
 
-    Terms: motion: how the target moves; None where it stays.
+    Terms: feedforward, limit [N or N m]. With feedforward alone it is a motor of constant torque or force. motion: how the
+    target moves; None where it stays.
     """
 
     stiffness: NonNegative = 0.0
@@ -51,6 +52,7 @@ class Drive:
     target: Finite = 0.0
     target_velocity: Finite = 0.0
     limit: Positive | None = None
+    feedforward: Finite | None = None
     motion: Motion | None = None
 
     def __post_init__(self) -> None:

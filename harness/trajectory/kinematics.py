@@ -131,8 +131,16 @@ def joint_coordinate(scene: Scene, joint: Joint, trajectory: Trajectory) -> Floa
     return unwrapped
 
 
-def joint_rate(scene: Scene, joint: Revolute, trajectory: Trajectory) -> Floats:
-    """The rate [rad/s] of a revolute joint at each time, (t,): angular velocity of the child over the parent's, on the axis."""
+def joint_rate(scene: Scene, joint: Joint, trajectory: Trajectory) -> Floats:
+    """The rate [rad/s or m/s] of the coordinate of a revolute, prismatic or distance joint at each time, (t,).
+
+    Of a revolute joint the angular velocity of the child over the parent's, on the axis; of the others the velocity of the
+    child's anchor over that of the parent's point there, along the axis or the line. Raises: TypeError: it has no coordinate.
+    """
+    if isinstance(joint, Prismatic | Distance):
+        return _sliding_rate(scene, joint, trajectory)
+    if not isinstance(joint, Revolute):
+        raise TypeError(f"joint '{joint.name}': a {joint.type} joint has no coordinate")
     q_P0, q_P = _attitude(scene, joint.parent, trajectory)
     axis = rotate(q_P, np.broadcast_to(rotate_back(q_P0, np.array(joint.axis_W)), (len(trajectory), 3)))
     turning = trajectory.w_WB[:, scene.index(joint.child)]
@@ -140,3 +148,25 @@ def joint_rate(scene: Scene, joint: Revolute, trajectory: Trajectory) -> Floats:
         turning = turning - trajectory.w_WB[:, scene.index(joint.parent)]
     rate: Floats = np.sum(turning * axis, axis=-1)
     return rate
+
+
+def _sliding_rate(scene: Scene, joint: Prismatic | Distance, trajectory: Trajectory) -> Floats:
+    on_parent, on_child = anchors(scene, joint, trajectory)
+    way = on_child - on_parent
+    if isinstance(joint, Prismatic):
+        along = _sliding_axis(scene, joint, trajectory)
+        on_parent = on_child
+    else:
+        along = way / np.linalg.norm(way, axis=-1, keepdims=True)
+    speed = _speed_of(scene, joint.child, on_child, trajectory) - _speed_of(scene, joint.parent, on_parent, trajectory)
+    rate: Floats = np.sum(speed * along, axis=-1)
+    return rate
+
+
+def _speed_of(scene: Scene, name: str, point: Floats, trajectory: Trajectory) -> Floats:
+    """The velocity [m/s] in W of the points (t, 3) m of a body, (t, 3)."""
+    if name == WORLD:
+        return np.zeros_like(point)
+    place = scene.index(name)
+    speed: Floats = trajectory.v_WB[:, place] + np.cross(trajectory.w_WB[:, place], point - trajectory.p_WB[:, place])
+    return speed

@@ -7,9 +7,9 @@ import pytest
 
 from harness.intake.import_wishes import Wishes, package_roots
 from harness.intake.refusal import RobotError
-from harness.scene import Surface
+from harness.scene import Drive, Surface
 from harness.scene.file import dump_toml, parse
-from harness.scene.importers.companion import Companion, Ground, load_companion
+from harness.scene.importers.companion import Companion, Ground, JointWish, load_companion
 from harness.scene.importers.reading import read
 from harness.scene.importers.scenarios import CLEARANCE, HOLD_RATE, SWING
 from harness.scene.importers.template import TEMPLATE
@@ -99,6 +99,12 @@ def test_drop_lets_go_a_robot_without_drives_just_above_the_ground(tmp_path: Pat
         imported(tmp_path, urdf(base=INERTIAL), scenario="drop")
     with pytest.raises(RobotError, match="scenario drop needs a floating root, and it is fixed"):
         imported(tmp_path, urdf(base=SHAPED), scenario="drop", root="fixed")
+
+
+def test_a_joint_s_feedforward_in_the_companion_is_a_motor(tmp_path: Path) -> None:
+    told = Companion(joints={"j": JointWish(feedforward=1.5)})
+    # The effort of the file bounds it, as it bounds every drive.
+    assert imported(tmp_path, urdf(), told).scene.joints[0].drive == Drive(limit=5.0, feedforward=1.5)  # type: ignore[union-attr]
 
 
 def test_hold_gives_each_joint_a_critically_damped_drive_of_its_own_inertia(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.intake.refusal import RobotError
-from harness.scene import Ball, Body, ConvexHull, Coupling, Fixed, Prismatic, Revolute, Scene, Surface
+from harness.scene import Ball, Body, ConvexHull, Coupling, Distance, Drive, Fixed, Prismatic, Revolute, Scene, Spring, Surface
 from harness.scene.importers.companion import Companion, JointWish, Massless, Units
 from tests.robot_files import imported, mjcf, row
 
@@ -229,6 +229,22 @@ def test_a_servo_becomes_a_drive_and_a_motor_without_a_command_does_nothing(tmp_
     assert joint(imported(tmp_path, muscle, drop=frozenset(("actuator",)))).drive is None
 
 
+def test_a_motor_with_a_command_is_a_constant_torque_that_its_range_bounds(tmp_path: Path) -> None:
+    body = f'<joint name="j" axis="0 1 0"/>{BALL}'
+    keys = '<keyframe><key name="on" qpos="0" ctrl="{}"/></keyframe>'
+    motor = '<actuator><motor joint="j" gear="3" ctrlrange="-1 1" forcerange="-4 4"/></actuator>'
+    for ctrl, torque in ((0.5, 1.5), (-2.0, -3.0)):
+        folder = tmp_path / f"{torque}"
+        folder.mkdir()
+        got = imported(folder, mjcf(body, motor + keys.format(ctrl)), Companion(keyframe="on"))
+        assert joint(got).drive == Drive(limit=12.0, feedforward=torque)
+        assert row(got, "actuator").outcome == "exact"
+    # Torque 3 (10 u + 0.5 - 4 3 q): the constant term of a general actuator stands beside its gains.
+    general = '<actuator><general joint="j" gear="3" gainprm="10" biastype="affine" biasprm=".5 -4 0"/></actuator>'
+    drive = joint(imported(tmp_path, mjcf(body, general))).drive
+    assert drive == Drive(stiffness=36.0, feedforward=1.5)
+
+
 def test_a_servo_has_the_torque_that_mujoco_gives_it(tmp_path: Path) -> None:
     import mujoco
 
@@ -260,6 +276,22 @@ def test_a_loop_is_closed_by_a_connection_or_a_weld(tmp_path: Path) -> None:
     with pytest.raises(RobotError, match=r"equality 'e': equality of joints that is no line.*--drop equality"):
         imported(tmp_path, coupled)
     assert len(imported(tmp_path, coupled, drop=frozenset(("equality",))).scene.joints) == 2
+
+
+def test_a_tendon_between_two_sites_is_a_spring_between_two_bodies(tmp_path: Path) -> None:
+    body = f'<freejoint/>{BALL}<site name="s" pos=".1 0 0"/></body><body name="b"><site name="w" pos="0 0 3"/>'
+    tendon = '<tendon><spatial name="t" stiffness="20" damping="3" {}><site site="{}"/><site site="{}"/></spatial></tendon>'
+    got = imported(tmp_path, mjcf(body, tendon.format('springlength="0.5"', "s", "w")))
+    line = got.scene.joints[0]
+    assert isinstance(line, Distance)
+    assert (line.parent, line.child, line.spring) == ("world", "arm", Spring(stiffness=20.0, damping=3.0, rest=0.5))
+    start = got.scene.body("arm").p_WB
+    assert line.anchor_W == (0.0, 0.0, 3.0)
+    assert line.child_anchor_W == pytest.approx((start[0] + 0.1, start[1], start[2]))
+    assert row(got, "tendon").outcome == "exact"
+    for extra in ('springlength="0.5 1"', 'limited="true" range="0 2"', 'frictionloss="1"'):
+        with pytest.raises(RobotError, match=r"tendon 't': tendon: .*--drop tendon"):
+            imported(tmp_path, mjcf(body, tendon.format(extra, "s", "w")))
 
 
 def test_a_tendon_counts_only_where_it_pulls(tmp_path: Path) -> None:

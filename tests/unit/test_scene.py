@@ -62,6 +62,10 @@ TETRAHEDRON = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0
         (lambda: Body(name="b", mass=math.nan), "mass"),
         (lambda: Body(name="b", inertia=principal_inertia(1, 1, 5)), "body 'b'.*triangle inequality"),
         (lambda: Body(name="b", inertia=principal_inertia(1, -1, 1)), "body 'b'.*not positive"),
+        (
+            lambda: Body(name="b", inertia=principal_inertia(0, 0, 0)),
+            "body 'b': inertia is zero; no engine here turns a mass point",
+        ),
         (lambda: Body(name="b", inertia=((1, 0.5, 0), (0, 1, 0), (0, 0, 1))), "body 'b'.*not symmetric"),
         (lambda: Body(name="b", q_WB=(0.0, 0.0, 0.0, 0.0)), "q_WB"),
         (lambda: Body(name="b", v_WB=(math.nan, 0.0, 0.0)), "v_WB"),

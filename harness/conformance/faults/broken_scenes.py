@@ -13,6 +13,7 @@ from harness.scene import (
     Body,
     Box,
     Capsule,
+    Distance,
     PlacedShape,
     Prismatic,
     Revolute,
@@ -32,6 +33,7 @@ __all__ = [
     "stiffer",
     "every_surface",
     "swap_inertia",
+    "tied_to_centres",
 ]
 
 
@@ -120,3 +122,9 @@ def stiffer(joint: Revolute | Prismatic) -> Revolute | Prismatic:
     return (
         joint if joint.spring is None else replace(joint, spring=replace(joint.spring, stiffness=1.1 * joint.spring.stiffness))
     )
+
+
+def tied_to_centres(scene: Scene) -> Scene:
+    """Distances begin at the centre of mass of their child."""
+    joints = tuple(replace(j, child_anchor_W=scene.body(j.child).p_WB) if isinstance(j, Distance) else j for j in scene.joints)
+    return replace(scene, joints=joints)

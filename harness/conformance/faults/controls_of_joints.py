@@ -5,7 +5,8 @@ from dataclasses import replace
 from typing import Any
 
 from harness.adapter import Feature
-from harness.conformance.faults.broken_scenes import every_joint, stiffer
+from harness.conformance.faults.broken_joints import misread_joints, on_the_parent, reversed_rates, within_a_turn
+from harness.conformance.faults.broken_scenes import every_joint, stiffer, tied_to_centres
 from harness.conformance.faults.broken_steps import CommandsFirstDriveOnly, DeafToUnknownJoints, joined
 from harness.conformance.faults.control import Control
 from harness.conformance.faults.plant import changed_scene, wrapped
@@ -13,6 +14,7 @@ from harness.scene import Distance, Joint, Prismatic, Revolute
 
 __all__ = ["JOINT_CONTROLS"]
 
+_TOLD = Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS
 _D = Feature.PRISMATIC | Feature.DRIVES
 
 
@@ -25,6 +27,13 @@ def _without(part: str, **changed: float | None) -> Callable[[Any], Joint]:
         return changed_joint
 
     return change
+
+
+def _unlimited_motor(joint: Any) -> Joint:
+    """A joint whose drive, where it has a constant force, has no limit."""
+    drive = getattr(joint, "drive", None)
+    changed: Joint = joint if drive is None or not drive.feedforward else replace(joint, drive=replace(drive, limit=None))
+    return changed
 
 
 JOINT_CONTROLS: tuple[Control, ...] = (
@@ -65,6 +74,20 @@ JOINT_CONTROLS: tuple[Control, ...] = (
         plant=joined(_without("drive", target_velocity=0.0)),
         caught_by=("target_velocity_acts",),
         needs=_D,
+    ),
+    Control(
+        name="feedforward_dropped",
+        fault="the constant force of a drive is lost",
+        plant=joined(_without("drive", feedforward=None)),
+        caught_by=("feedforward_acts", "motor_turns_two_bodies"),
+        needs=_D | Feature.FEEDFORWARD | Feature.REVOLUTE,
+    ),
+    Control(
+        name="feedforward_beyond_the_limit",
+        fault="the constant force of a motor is not cut off",
+        plant=joined(_unlimited_motor),
+        caught_by=("feedforward_acts",),
+        needs=_D | Feature.FEEDFORWARD,
     ),
     Control(
         name="command_reaches_the_first_drive",
@@ -120,6 +143,27 @@ JOINT_CONTROLS: tuple[Control, ...] = (
         needs=_D | Feature.REVOLUTE,
     ),
     Control(
+        name="joint_rates_reversed",
+        fault="the rates of joints are told with the other sign",
+        plant=misread_joints(reversed_rates),
+        caught_by=("joint_states_agree_with_the_poses",),
+        needs=_TOLD,
+    ),
+    Control(
+        name="joint_angles_within_a_turn",
+        fault="the angles of joints are told without their full turns",
+        plant=misread_joints(within_a_turn),
+        caught_by=("joint_states_agree_with_the_poses",),
+        needs=_TOLD,
+    ),
+    Control(
+        name="joint_reactions_on_the_parent",
+        fault="the reactions of joints are told as they act on the parent",
+        plant=misread_joints(on_the_parent),
+        caught_by=("joint_reactions_bear_what_hangs",),
+        needs=_TOLD,
+    ),
+    Control(
         name="rod_hung_elsewhere",
         fault="a rod is hung from another place",
         plant=changed_scene(
@@ -130,6 +174,27 @@ JOINT_CONTROLS: tuple[Control, ...] = (
         ),
         caught_by=("distance_joint_keeps_its_length",),
         needs=Feature.DISTANCE,
+    ),
+    Control(
+        name="distance_spring_rests_at_zero",
+        fault="the rest of a spring between two bodies is lost",
+        plant=joined(_without("spring", rest=0.0)),
+        caught_by=("distance_spring_has_its_frequency", "distance_spring_holds_what_hangs"),
+        needs=Feature.DISTANCE_SPRING,
+    ),
+    Control(
+        name="distance_spring_without_damper",
+        fault="the damper between two bodies is lost",
+        plant=joined(_without("spring", damping=0.0)),
+        caught_by=("distance_spring_has_its_frequency", "distance_spring_holds_what_hangs"),
+        needs=Feature.DISTANCE_SPRING,
+    ),
+    Control(
+        name="distance_spring_tied_to_the_centre",
+        fault="a spring between two bodies pulls at the child's centre of mass",
+        plant=changed_scene(tied_to_centres),
+        caught_by=("distance_spring_pulls_where_it_is_tied",),
+        needs=Feature.DISTANCE_SPRING,
     ),
 )
 """Each on one engine that has what it needs."""

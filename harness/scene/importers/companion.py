@@ -71,8 +71,9 @@ class JointWish:
     """One joint.
 
     Terms:
-        position, velocity: at the start [rad or m, per second]. target, target_velocity, stiffness, damping, limit: of its
-        drive. motion: how the target moves. limits: the range in place of the file's; 'none' for an open one.
+        position, velocity: at the start [rad or m, per second]. target, target_velocity, stiffness, damping, limit,
+        feedforward [N m or N]: of its drive; feedforward alone is a motor of constant torque or force. motion: how the target
+        moves. limits: the range in place of the file's; 'none' for an open one.
     """
 
     position: Finite | None = None
@@ -82,6 +83,7 @@ class JointWish:
     stiffness: NonNegative | None = None
     damping: NonNegative | None = None
     limit: Positive | None = None
+    feedforward: Finite | None = None
     limits: tuple[Finite, Finite] | Literal["none"] | None = None
     motion: Motion | None = None
 

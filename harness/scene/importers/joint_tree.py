@@ -7,13 +7,27 @@ import numpy as np
 
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
-from harness.scene import WORLD, Ball, Body, Drive, Fixed, Joint, Limits, PlacedShape, Plane, Prismatic, Revolute, Spring
+from harness.scene import (
+    WORLD,
+    Ball,
+    Body,
+    Distance,
+    Drive,
+    Fixed,
+    Joint,
+    Limits,
+    PlacedShape,
+    Plane,
+    Prismatic,
+    Revolute,
+    Spring,
+)
 from harness.scene.importers.companion import Companion, Massless
 from harness.scene.importers.consequences import Massive
 from harness.scene.importers.kinematics import Line, Posed
 from harness.scene.importers.materials import Laws
 from harness.scene.importers.merging import Group, check_inertia
-from harness.scene.importers.poses import Pose, pose, quaternion, vector
+from harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
 from harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
 from harness.scene.importers.ties import coupled
 
@@ -232,12 +246,15 @@ def _drive(c: Coordinate) -> Drive | None:
         target_velocity=s.target_velocity,
         limit=s.limit,
         motion=s.motion,
+        feedforward=s.feedforward or None,
     )
 
 
 def _closure(one: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], held: Mapping[str, str], names: _Names) -> Joint:
     a, b = held[owner[one.link_A]], held[owner[one.link_B]]
     p_A, p_B = at.pose[one.link_A].of(one.anchor_A), at.pose[one.link_B].of(one.anchor_B)
+    if one.kind == "spring":
+        return _line_spring(one, robot, (a, b), (p_A, p_B), names)
     gap = float(np.linalg.norm(p_A - p_B))
     turned = np.eye(3) if one.R_AB is None else at.pose[one.link_A].R @ one.R_AB @ at.pose[one.link_B].R.T
     askew = float(np.linalg.norm(turned - np.eye(3))) / np.sqrt(2)
@@ -257,6 +274,27 @@ def _closure(one: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], he
     if one.kind == "fixed":
         return Fixed(name=name, parent=a, child=b, collide=True)
     return Ball(name=name, parent=a, child=b, anchor_W=vector((p_A + p_B) / 2), collide=True)
+
+
+def _line_spring(one: Closure, robot: Robot, ends: tuple[str, str], points: tuple[Array, Array], names: _Names) -> Joint:
+    """A spring between points of two bodies."""
+    (a, b), (p_A, p_B) = ends, points
+    if a == b or float(np.linalg.norm(p_A - p_B)) < LOOSE:
+        raise RobotError(
+            f"{robot.source}: spring {quoted(one.name, 80)} begins and ends on {quoted(a, 80)} or at one point, expected two "
+            "bodies and a distance"
+        )
+    if b == WORLD:
+        a, b, p_A, p_B = b, a, p_B, p_A
+    return Distance(
+        name=names.fresh(one.name),
+        parent=a,
+        child=b,
+        anchor_W=vector(p_A),
+        child_anchor_W=vector(p_B),
+        spring=Spring(stiffness=one.stiffness, damping=one.damping, rest=one.rest),
+        collide=True,
+    )
 
 
 LOOSE = 1e-5

@@ -4,6 +4,7 @@ What is compiled has joint coordinates that begin at `ref`, springs that act fro
 file asks for them, and contacts by bit masks; all of that is read as it stands there.
 """
 
+from collections.abc import Container
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import numpy as np
 from harness.intake.documents import named
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
-from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_sensors, mjcf_shapes
+from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_sensors, mjcf_shapes, mjcf_tendons
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders
 from harness.scene.importers.mjcf_model import Model, compile_apart
@@ -64,7 +65,9 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
     )
     closures = _closures(model, names, rows, needs)
     links = _tied(model, links, needs)
-    needs += _others(model, text)
+    springs = mjcf_tendons.springs(model, names, rows)
+    closures += springs.values()
+    needs += _others(model, text, springs)
     sensors, more = mjcf_sensors.read(model, names)
     rows += [*more, *_beside(model, text)]
     free = any(c.kind == "free" for link in links for c in link.coordinates)
@@ -285,13 +288,12 @@ def _tied(model: Model, links: tuple[Link, ...], needs: list[Need]) -> tuple[Lin
     return tuple(replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates)) for link in links)
 
 
-def _others(model: Model, text: Prepared) -> list[Need]:
+def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]:
     needs = [Need(kind=kind, element=kind, names=tuple(names)) for kind, names in text.strange.items()]
     active = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
-        if any(np.any(model.arrays[f"tendon_{word}"][k] != 0) for word in ("stiffness", "damping", "frictionloss", "armature"))
-        or model.tendon_limited[k]
+        if k not in springs and (mjcf_tendons.pulls(model, k) or model.tendon_limited[k])
     ]
     if active:
         needs.append(Need(kind="tendon", element="tendon", names=tuple(active)))
@@ -329,7 +331,11 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
                     else "it shows, and moves nothing",
                 )
             )
-    passive = [model.name("tendon", k) for k in range(len(model.tendon_limited)) if not model.tendon_limited[k]]
+    passive = [
+        model.name("tendon", k)
+        for k in range(len(model.tendon_limited))
+        if not model.tendon_limited[k] and not mjcf_tendons.pulls(model, k)
+    ]
     if passive:
         rows.append(
             Fidelity(

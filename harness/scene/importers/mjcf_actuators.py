@@ -1,4 +1,4 @@
-"""MJCF's actuators: position and velocity servos of one joint as drives; motors, which do nothing without a command; others."""
+"""MJCF's actuators: servos of one joint as drives, motors with a command as their constant force; others."""
 
 from typing import TypeAlias
 
@@ -47,7 +47,8 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, list[Fidelity], list[Need]]
                 name=listed(idle),
                 count=len(idle),
                 outcome="left_out",
-                consequence="a motor without a command has no force; a scene has no command for one",
+                consequence="a motor without a command has no force; a keyframe's ctrl is one, and so is a joint's feedforward "
+                "in the companion file",
             )
         )
     return servos, rows, [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
@@ -77,14 +78,17 @@ def _servo(model: Model, k: int, ctrl: Array) -> Servo | None:
     limit = _limit(model, k, joint, gear)
     if limit == 0:
         return None
-    if b0 == b1 == b2 == 0:
-        return Servo() if gain * command == 0 else None
-    if b0 != 0 or b1 > 0 or b2 > 0:
+    constant = b0 * gear
+    if b1 == b2 == 0:
+        constant += gain * command * gear
+        return Servo(limit=limit, feedforward=constant) if constant else Servo()
+    if b1 > 0 or b2 > 0:
         return None
     stiffness, damping = -b1 * gear * gear, -b2 * gear * gear
     if b1 == 0:
-        return Servo(damping=damping, target_velocity=gain * command / (-b2 * gear), limit=limit)
-    return Servo(stiffness=stiffness, damping=damping, target=gain * command / (-b1 * gear), limit=limit)
+        return Servo(damping=damping, target_velocity=gain * command / (-b2 * gear), limit=limit, feedforward=constant)
+    target = gain * command / (-b1 * gear)
+    return Servo(stiffness=stiffness, damping=damping, target=target, limit=limit, feedforward=constant)
 
 
 def _command(model: Model, k: int, ctrl: Array) -> float:

@@ -22,7 +22,9 @@ ARRAYS = (
     "actuator_gaintype", "actuator_gainprm", "actuator_biastype", "actuator_biasprm", "actuator_dyntype",
     "actuator_forcelimited", "actuator_forcerange", "actuator_ctrllimited", "actuator_ctrlrange", "actuator_ctrladr",
     "actuator_armature", "actuator_damping", "tendon_stiffness", "tendon_damping", "tendon_frictionloss", "tendon_limited",
-    "tendon_armature", "mesh_vert", "mesh_vertadr", "mesh_vertnum", "mesh_face", "mesh_faceadr", "mesh_facenum",
+    "tendon_armature", "tendon_stiffnesspoly", "tendon_dampingpoly", "tendon_springyield", "tendon_lengthspring",
+    "tendon_adr", "tendon_num", "wrap_type", "wrap_objid",
+    "mesh_vert", "mesh_vertadr", "mesh_vertnum", "mesh_face", "mesh_faceadr", "mesh_facenum",
     "geom_rgba", "geom_matid", "mat_rgba", "key_qpos", "key_qvel", "key_ctrl", "site_quat", "sensor_type", "sensor_objtype",
     "sensor_objid", "sensor_cutoff", "sensor_noise",
 )  # fmt: skip
@@ -74,6 +76,7 @@ def compiled() -> dict[str, Any]:
             ("Gain", "GAIN"),
             ("Bias", "BIAS"),
             ("Dyn", "DYN"),
+            ("Wrap", "WRAP"),
             ("DisableBit", "DSBL"),
             ("Obj", "OBJ"),
             ("Sensor", "SENS"),

@@ -76,7 +76,10 @@ class Look:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Servo:
-    """A drive: stiffness (target - x) + damping (target_velocity - x'), cut off at limit; motion: how its target moves."""
+    """A drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at limit.
+
+    Terms: motion: how its target moves.
+    """
 
     stiffness: float = 0.0
     damping: float = 0.0
@@ -84,6 +87,7 @@ class Servo:
     target_velocity: float = 0.0
     limit: float | None = None
     motion: Motion | None = None
+    feedforward: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,18 +164,22 @@ class Link:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Closure:
-    """What holds two links together beside the tree: a point ('ball') or everything ('fixed').
+    """What acts between two links beside the tree: it holds a point ('ball') or everything ('fixed'), or is a 'spring'.
 
-    Terms: anchor_A, anchor_B [m]: the point in either link. R_AB: how B is turned in A where everything is held.
+    Terms: anchor_A, anchor_B [m]: the point in either link. R_AB: how B is turned in A where everything is held. stiffness
+    [N/m], damping [N s/m], rest [m]: of a spring between the two points.
     """
 
     name: str
-    kind: Literal["ball", "fixed"]
+    kind: Literal["ball", "fixed", "spring"]
     link_A: str
     link_B: str
     anchor_A: Array
     anchor_B: Array
     R_AB: Array | None = None
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -170,7 +170,7 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
 
 
 def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion | None) -> Servo | None:
-    asked = (wish.stiffness, wish.damping, wish.target)
+    asked = (wish.stiffness, wish.damping, wish.target, wish.feedforward)
     drives = companion.drives
     if (drives is None or c.tie is not None) and all(value is None for value in asked) and motion is None:
         return c.servo
@@ -178,7 +178,8 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion 
     general = (base.stiffness, base.damping) if drives is None else (drives.stiffness, drives.damping)
     stiffness = general[0] if wish.stiffness is None else wish.stiffness
     damping = general[1] if wish.damping is None else wish.damping
-    if stiffness == 0 and damping == 0 and motion is None:
+    feedforward = base.feedforward if wish.feedforward is None else wish.feedforward
+    if stiffness == 0 and damping == 0 and feedforward == 0 and motion is None:
         return None
     target = wish.target if wish.target is not None else (base.target if c.servo is not None else c.position or 0.0)
     limit = wish.limit or base.limit or c.effort
@@ -189,6 +190,7 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion 
         target_velocity=wish.target_velocity,
         limit=limit,
         motion=motion or base.motion,
+        feedforward=feedforward,
     )
 
 

@@ -8,7 +8,8 @@ TEMPLATE = """\
 
 gravity = [0.0, 0.0, -9.81]
 
-# Bodies: mass [kg], inertia about the centre of mass [kg m2], p_WB [m] and q_WB at the start.
+# Bodies: mass [kg], inertia about the centre of mass [kg m2] (no mass points: a small ball has 2/5 m r^2), p_WB [m] and q_WB
+# at the start.
 [[bodies]]
 name = "ground"
 motion = "static"           # dynamic (the default), static, kinematic
@@ -35,7 +36,8 @@ inertia = [[0.001, 0.0, 0.0], [0.0, 0.001, 0.0], [0.0, 0.0, 0.001]]
 material = "rubber"
 p_WB = [1.0, 0.0, 1.5]
 
-# Joints: revolute, prismatic (both with position and what stands in comments below), ball, fixed, distance.
+# Joints: revolute, prismatic (both with position and what stands in comments below), ball, fixed, distance (a rod; with limits
+# a rope; with a spring alone a spring between anchor_W on the parent and child_anchor_W on the child).
 [[joints]]
 type = "revolute"
 name = "hinge"
@@ -46,6 +48,7 @@ axis_W = [0.0, 1.0, 0.0]
 # limits = { lower = -1.0, upper = 1.0 }
 # spring = { stiffness = 0.0, damping = 0.1, rest = 0.0 }
 # drive = { stiffness = 10.0, damping = 1.0, target = 0.5, limit = 5.0 }
+# drive = { feedforward = 0.2 }  # a motor of constant torque [N m], or force [N] of a slide
 # armature = 0.01             # rotor inertia about the axis [kg m2; kg of a slide]
 # friction_loss = 0.2         # dry friction, at most [N m; N of a slide]
 # coupling = { joint = "other", ratio = 2.0, offset = 0.0 }  # this coordinate is ratio times the other's, plus offset

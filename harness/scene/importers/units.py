@@ -43,7 +43,7 @@ def scaled(robot: Robot, units: Units) -> Robot:
     return replace(
         robot,
         links=tuple(_link(link, units, slides) for link in robot.links),
-        closures=tuple(_closure(one, length) for one in robot.closures),
+        closures=tuple(_closure(one, length, units.mass) for one in robot.closures),
         gravity=None
         if robot.gravity is None
         else (robot.gravity[0] * length, robot.gravity[1] * length, robot.gravity[2] * length),
@@ -67,8 +67,15 @@ def _pose(X: Pose, length: float) -> Pose:
     return Pose(X.R, X.p * length)
 
 
-def _closure(one: Closure, length: float) -> Closure:
-    return replace(one, anchor_A=one.anchor_A * length, anchor_B=one.anchor_B * length)
+def _closure(one: Closure, length: float, mass: float) -> Closure:
+    return replace(
+        one,
+        anchor_A=one.anchor_A * length,
+        anchor_B=one.anchor_B * length,
+        stiffness=one.stiffness * mass,
+        damping=one.damping * mass,
+        rest=one.rest * length,
+    )
 
 
 def _link(link: Link, units: Units, slides: Container[str]) -> Link:
@@ -120,6 +127,7 @@ def _coordinate(c: Coordinate, L: float, M: float, slides: Container[str]) -> Co
             target=servo.target * own,
             target_velocity=servo.target_velocity * own,
             limit=None if servo.limit is None else servo.limit * force,
+            feedforward=servo.feedforward * force,
         )
     return replace(
         c,

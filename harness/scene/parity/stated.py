@@ -75,7 +75,12 @@ def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: froz
     laws += [
         ("mimic", c.name) for link in robot.links for c in link.coordinates if c.tie is not None and not dropped & c.tie.kinds
     ]
-    laws += [("closure", closure.name) for closure in robot.closures if "equality" not in dropped]
+    laws += [("closure", one.name) for one in robot.closures if one.kind != "spring" and "equality" not in dropped]
+    laws += [
+        ("tendon", f"{one.name} of {one.stiffness:g} N/m, {one.damping:g} N s/m, rest {one.rest:g} m")
+        for one in robot.closures
+        if one.kind == "spring"
+    ]
     return RobotFacts(
         source=robot.source,
         joints=tuple(joints),

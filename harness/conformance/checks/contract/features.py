@@ -175,6 +175,16 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.DISTANCE: lambda: _joint(
         Distance(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), child_anchor_W=(0.0, 0.0, -1.0))
     ),
+    Feature.DISTANCE_SPRING: lambda: _joint(
+        Distance(
+            name="j",
+            parent=WORLD,
+            child="body",
+            anchor_W=(0.0, 0.0, 0.0),
+            child_anchor_W=(0.0, 0.0, -1.0),
+            spring=Spring(stiffness=10.0, damping=1.0, rest=1.0),
+        )
+    ),
     Feature.CLOSED_LOOP: _loop,
     Feature.LIMITS: lambda: _slide(limits=Limits(lower=-0.1, upper=0.1)),
     Feature.SPRINGS: lambda: _slide(spring=Spring(stiffness=10.0, damping=1.0)),
@@ -188,6 +198,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
             replace(_RAIL, name="other", child="other", anchor_W=(0.0, 3.0, -1.0)),
         ),
     ),
+    Feature.FEEDFORWARD: lambda: _slide(drive=Drive(feedforward=1.0)),
     Feature.PAIR_FRICTION: _no_rule,
     Feature.STATIC_FRICTION: lambda: _surface(Surface(between=_TOUCHING, static_friction=0.6, kinetic_friction=0.4)),
     Feature.ROLLING_FRICTION: lambda: _surface(

@@ -1,12 +1,12 @@
-"""Checks of drives: the target velocity acts, and a command reaches every drive that it names and no other."""
+"""Checks of drives: target velocity and feedforward act, and a command reaches every drive that it names and no other."""
 
 from math import exp
 
 from harness.adapter import Adapter, Feature, Settings
 from harness.conformance.check import ConformanceCheck, Finding, judge, near
 from harness.conformance.runs import FINE, built, final, state_of
-from harness.conformance.scenes import free
-from harness.scene import WORLD, Drive, Prismatic, Scene
+from harness.conformance.scenes import TURNED, free
+from harness.scene import WORLD, Drive, Prismatic, Revolute, Scene
 
 __all__ = ["CHECKS"]
 
@@ -59,6 +59,46 @@ def _command_reaches_every_drive(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
+def _feedforward_acts(adapter: Adapter, settings: Settings) -> Finding:
+    """Motors of 1.5 N, one of them cut off at 1 N; one beside a damper; one beside a PD law, before and after a command."""
+    t, m, c = 0.3, 2.0, 8.0
+    scene = _driven(
+        Drive(feedforward=1.5),
+        Drive(feedforward=-1.5, limit=1.0),
+        Drive(damping=c, target_velocity=0.2, feedforward=1.5),
+        Drive(stiffness=200.0, damping=40.0, target=0.1, feedforward=6.0),
+    )
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        simulation.step(300)
+        early = state_of(simulation, scene).v_WB[:3, 0]
+        simulation.step(1200)
+        first = float(state_of(simulation, scene).p_WB[3, 0])
+        simulation.command({"slide3": -0.1})
+        simulation.step(1500)
+        second = float(state_of(simulation, scene).p_WB[3, 0])
+    speeds = (1.5 * t / m, -1.0 * t / m, (0.2 + 1.5 / c) * (1 - exp(-c * t / m)))
+    return judge(
+        near("speeds after .3 s under a motor, a limited one and a damped one [m/s]", early, speeds, 5e-3, "f t/m, 2 %"),
+        near("place at rest under k (x0 - x) + b [m]", first, 0.1 + 6.0 / 200.0, 2e-3, "e^(-10 t) has died out"),
+        near("place after the command to -.1 [m]", second, -0.1 + 6.0 / 200.0, 2e-3, "a command leaves the push as it is"),
+    )
+
+
+def _motor_turns_two_bodies(adapter: Adapter, settings: Settings) -> Finding:
+    """A motor between two wheels about a slanted axis: opposite turns about that axis, each of tau t/I; the hub rests."""
+    axis, tau, t = (2.0 / 3, -1.0 / 3, 2.0 / 3), 0.6, 0.3
+    bodies = (free("stator", moments=(0.6, 0.6, 0.6)), free("rotor", moments=(0.3, 0.3, 0.3), q=TURNED))
+    hub = Revolute(
+        name="hub", parent="stator", child="rotor", anchor_W=(0.0, 0.0, 0.0), axis_W=axis, drive=Drive(feedforward=tau)
+    )
+    end = final(adapter, Scene(bodies=bodies, joints=(hub,), gravity=(0.0, 0.0, 0.0)), settings.with_dt(FINE), t)
+    expected = [[-tau * t / 0.6 * c for c in axis], [tau * t / 0.3 * c for c in axis]]
+    return judge(
+        near("angular velocities [rad/s]", end.w_WB, expected, 0.02, "tau t/I and no more; 3 % for default damping"),
+        near("places of both [m]", end.p_WB, [[0.0] * 3] * 2, 1e-6, "a couple moves no centre of mass"),
+    )
+
+
 CHECKS = (
     ConformanceCheck(
         name="target_velocity_acts",
@@ -72,5 +112,17 @@ CHECKS = (
         run=_command_reaches_every_drive,
         needs=Feature.PRISMATIC | Feature.DRIVES,
         excusable=False,
+    ),
+    ConformanceCheck(
+        name="feedforward_acts",
+        question="Does a constant force in a drive's law act, alone, beside the PD law and within the limit?",
+        run=_feedforward_acts,
+        needs=Feature.PRISMATIC | Feature.DRIVES | Feature.FEEDFORWARD,
+    ),
+    ConformanceCheck(
+        name="motor_turns_two_bodies",
+        question="Does a motor between two bodies turn both, about the joint's axis and against each other?",
+        run=_motor_turns_two_bodies,
+        needs=Feature.REVOLUTE | Feature.DRIVES | Feature.FEEDFORWARD,
     ),
 )

@@ -1,0 +1,34 @@
+"""The joints of a running simulation: coordinates, rates and reactions, by the engine where it tells them, else by poses."""
+
+from typing import Any
+
+import numpy as np
+
+from harness.adapter.contract import Simulation
+from harness.scene import Scene
+from harness.trajectory import Floats, State
+from harness.trajectory.joint_states import JointStates, joint_states
+
+__all__ = ["joints_of"]
+
+
+def joints_of(simulation: Simulation, scene: Scene, near: Floats | None = None) -> JointStates:
+    """Coordinates [rad or m], rates and reactions of the scene's joints at this instant.
+
+    Coordinates and rates are known on every engine: what it does not tell itself follows from the poses and velocities of the
+    bodies. Reactions are NaN where the engine does not tell them.
+
+    Args: near (j,): earlier coordinates, which tell the turn of an angle that is read off poses; None: the first one.
+    """
+    state = State.empty(len(scene.bodies))
+    simulation.state(state)
+    meant = joint_states(scene, state, near)
+    own: Any = getattr(simulation, "joint_states", None)
+    if own is None:
+        return meant
+    said: JointStates = own()
+    return JointStates(
+        np.where(np.isnan(said.coordinate), meant.coordinate, said.coordinate),
+        np.where(np.isnan(said.rate), meant.rate, said.rate),
+        said.reaction,
+    )

@@ -1,0 +1,130 @@
+"""Checks of what an engine itself tells of joints: coordinates and rates against the poses, reactions against statics."""
+
+from typing import Any
+
+import numpy as np
+
+from harness.adapter import Adapter, Feature, Settings, Simulation
+from harness.adapter.joints import joints_of
+from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near, that
+from harness.conformance.runs import FINE, ROUNDING, built, state_of
+from harness.conformance.scenes import TURNED, G, free
+from harness.scene import WORLD, Fixed, Prismatic, Revolute, Scene, Spring, Vector3
+from harness.trajectory.joint_states import JointStates, joint_states
+
+__all__ = ["CHECKS"]
+
+_NOWHERE: Vector3 = (0.0, 0.0, 0.0)
+
+
+def _told(simulation: Simulation) -> JointStates:
+    """What the engine itself says. Raises: NotApplicable."""
+    read: Any = getattr(simulation, "joint_states", None)
+    if read is None:
+        raise NotApplicable("the engine tells nothing of joints: they are read off the poses of the bodies")
+    found: JointStates = read()
+    return found
+
+
+def _v(a: object) -> Vector3:
+    x, y, z = (float(c) for c in np.asarray(a))
+    return (x, y, z)
+
+
+def _coordinates_agree_with_the_poses(adapter: Adapter, settings: Settings) -> Finding:
+    """A wheel that turns more than once, a slide on it, and a hinge whose child carries its parent, all off their zeros."""
+    axis, hub, w = np.array([1.0, 2.0, 2.0]) / 3, np.array([0.2, 0.1, 0.0]), 30.0
+    spin = w * axis
+    places = {"wheel": hub, "carriage": np.array([0.6, 0.1, 0.0]), "flap": np.array([1.0, 0.5, -0.3])}
+    bodies = [
+        free(name, p=_v(p), q=TURNED, v=_v(np.cross(spin, p - hub)), w=_v(spin)) for name, p in places.items() if name != "flap"
+    ]
+    bodies.append(free("flap", p=_v(places["flap"]), moments=(0.1, 0.2, 0.25), w=(0.0, 1.0, 0.0)))
+    bodies.append(free("post", p=(1.0, 0.0, 0.0)))
+    joints = (
+        Revolute(name="hub", parent=WORLD, child="wheel", anchor_W=_v(hub), axis_W=_v(axis), position=-0.5),
+        Prismatic(
+            name="slide",
+            parent="wheel",
+            child="carriage",
+            anchor_W=_v(hub),
+            axis_W=(0.6, 0.8, 0.0),
+            position=0.3,
+            spring=Spring(stiffness=3000.0, rest=0.3),
+        ),
+        Fixed(name="foot", parent=WORLD, child="post"),
+        Revolute(name="hinge", parent="flap", child="post", anchor_W=(1.0, 0.5, -0.3), axis_W=(0.0, 1.0, 0.0), position=0.2),
+    )
+    scene = Scene(bodies=tuple(bodies), joints=joints, gravity=_NOWHERE)
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        started = _told(simulation)
+        simulation.step(300)
+        said = _told(simulation)
+        meant = joint_states(scene, state_of(simulation, scene), near=said.coordinate)
+        filled = joints_of(simulation, scene)
+    moving = [0, 1, 3]
+    because = "the same numbers, by rounding"
+    return judge(
+        near("coordinates at the start", started.coordinate[moving], (-0.5, 0.3, 0.2), ROUNDING, "the scene's positions"),
+        near(
+            "rates at the start",
+            started.rate[moving],
+            (w, 0.0, -1.0),
+            ROUNDING * w,
+            "the scene's velocities, child over parent",
+        ),
+        near("coordinates against the poses", said.coordinate[moving], meant.coordinate[moving], ROUNDING, because),
+        near("rates against the velocities", said.rate[moving], meant.rate[moving], ROUNDING * w, because),
+        that(
+            said.coordinate[0] > 2.0 * np.pi,
+            f"angle of the wheel: got {said.coordinate[0]:.6g} rad, expected more than a turn after .3 s at 30 rad/s",
+        ),
+        near("what the harness reads", filled.coordinate[moving], said.coordinate[moving], 0.0, "the engine's own"),
+    )
+
+
+def _reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
+    """A bracket welded to the wall with a boom on a hinge, held level by its spring: weights and their moments, at rest."""
+    bracket, boom = free("bracket", mass=2.0, p=(0.5, 0.0, 1.0)), free("boom", mass=1.0, p=(1.4, 0.2, 1.0))
+    moment = 1.0 * G * 0.4
+    joints = (
+        Fixed(name="weld", parent=WORLD, child="bracket"),
+        Revolute(
+            name="hinge",
+            parent="bracket",
+            child="boom",
+            anchor_W=(1.0, 0.0, 1.0),
+            axis_W=(0.0, 1.0, 0.0),
+            # About y a weight at +x turns positively: the spring has to hold against it.
+            spring=Spring(stiffness=1000.0, damping=50.0, rest=-moment / 1000.0),
+        ),
+    )
+    scene = Scene(bodies=(bracket, boom), joints=joints)
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        said = _told(simulation)
+        if np.isnan(said.reaction).all():
+            raise NotApplicable("the engine tells no reactions of joints")
+        simulation.step(10)
+        said = _told(simulation)
+    weld = (0.0, 0.0, 3.0 * G, 0.2 * 1.0 * G, -0.9 * 1.0 * G, 0.0)
+    hinge = (0.0, 0.0, 1.0 * G, 0.2 * 1.0 * G, -moment, 0.0)
+    return judge(
+        near("force and torque of the weld on the bracket [N, N m]", said.reaction[0], weld, 1e-3 * G, "weight times arm"),
+        near("force and torque of the hinge on the boom [N, N m]", said.reaction[1], hinge, 1e-3 * G, "weight times arm"),
+    )
+
+
+CHECKS = (
+    ConformanceCheck(
+        name="joint_states_agree_with_the_poses",
+        question="Are the coordinates and rates that the engine tells those of its bodies?",
+        run=_coordinates_agree_with_the_poses,
+        needs=Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS,
+    ),
+    ConformanceCheck(
+        name="joint_reactions_bear_what_hangs",
+        question="Are the forces and torques that the engine tells of joints those that hold up what hangs on them?",
+        run=_reactions_bear_what_hangs,
+        needs=Feature.REVOLUTE | Feature.FIXED | Feature.SPRINGS,
+    ),
+)

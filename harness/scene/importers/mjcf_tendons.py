@@ -1,0 +1,61 @@
+"""MJCF's tendons: one between two sites that has a spring or damper alone is a spring between two bodies."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.intake.refusal import listed
+from harness.scene.importers.fidelity import Fidelity
+from harness.scene.importers.mjcf_model import Model
+from harness.scene.importers.robot import Closure
+
+__all__ = ["pulls", "springs"]
+
+
+def pulls(model: Model, k: int) -> bool:
+    """Has a tendon a force or an inertia of its own, a limit apart?"""
+    words = ("stiffness", "damping", "frictionloss", "armature")
+    return any(bool(np.any(model.arrays[f"tendon_{word}"][k] != 0)) for word in words)
+
+
+def springs(model: Model, links: Sequence[str], rows: list[Fidelity]) -> dict[int, Closure]:
+    """Springs between two links, by the place of their tendon. Args: links: names by body; rows: are added to."""
+    made: dict[int, Closure] = {}
+    for k in range(len(model.tendon_limited)):
+        stiffness = 0.0 if model.flag("spring") else float(model.tendon_stiffness[k])
+        damping = 0.0 if model.flag("damper") else float(model.tendon_damping[k])
+        if _is_line(model, k) and stiffness + damping > 0:
+            first = int(model.tendon_adr[k])
+            a, b = (int(site) for site in model.wrap_objid[first : first + 2])
+            made[k] = Closure(
+                name=model.name("tendon", k),
+                kind="spring",
+                link_A=links[int(model.site_bodyid[a])],
+                link_B=links[int(model.site_bodyid[b])],
+                anchor_A=np.array(model.site_pos[a], dtype=np.float64),
+                anchor_B=np.array(model.site_pos[b], dtype=np.float64),
+                stiffness=stiffness,
+                damping=damping,
+                rest=float(model.tendon_lengthspring[k][0]),
+            )
+    if made:
+        names = [spring.name for spring in made.values()]
+        rows.append(
+            Fidelity(
+                element="tendon",
+                name=listed(names),
+                count=len(names),
+                outcome="exact",
+                becomes="springs between points of two bodies",
+            )
+        )
+    return made
+
+
+def _is_line(model: Model, k: int) -> bool:
+    """Does a tendon run straight from one site to another, with a linear spring and damper and nothing else?"""
+    first, count = int(model.tendon_adr[k]), int(model.tendon_num[k])
+    straight = count == 2 and all(model.word("Wrap", int(w)) == "site" for w in model.wrap_type[first : first + 2])
+    low, high = (float(x) for x in model.tendon_lengthspring[k])
+    beside = ("frictionloss", "armature", "limited", "stiffnesspoly", "dampingpoly", "springyield")
+    return straight and low == high and not any(bool(np.any(model.arrays[f"tendon_{word}"][k])) for word in beside)

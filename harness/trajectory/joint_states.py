@@ -1,0 +1,53 @@
+"""Coordinates and rates of a scene's joints at an instant, as an engine tells them or as the poses of the bodies do.
+
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 4.4 (joints as functions of the relative pose).
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from harness.scene import Ball, Fixed, Scene
+from harness.trajectory.kinematics import joint_coordinate, joint_rate
+from harness.trajectory.trajectory import Floats, State, Trajectory
+
+__all__ = ["JointStates", "joint_states"]
+
+
+@dataclass(frozen=True, slots=True)
+class JointStates:
+    """The joints of a scene, in its order; NaN where a joint has no such thing or nobody tells it.
+
+    Terms:
+        coordinate (j,) rad or m, rate (j,) per second: of revolute, prismatic and distance joints. reaction (j, 6): force [N]
+        and torque [N m] in W that the parent exerts on the child through the joint, springs and drives included, about the
+        joint's anchor on the child (of a fixed joint, the child's centre of mass).
+    """
+
+    coordinate: Floats
+    rate: Floats
+    reaction: Floats
+
+    @classmethod
+    def unknown(cls, scene: Scene) -> Self:
+        """Room for the joints of a scene, with nothing known."""
+        count = len(scene.joints)
+        return cls(np.full(count, np.nan), np.full(count, np.nan), np.full((count, 6), np.nan))
+
+
+def joint_states(scene: Scene, state: State, near: Floats | None = None) -> JointStates:
+    """Coordinates and rates that the poses and velocities of the bodies mean, exactly; no reactions, which poses do not tell.
+
+    Args: near (j,): coordinates [rad] of which angles take the branch nearest to; None: that of half a turn about the start.
+    """
+    found = JointStates.unknown(scene)
+    moment = Trajectory(np.zeros(1), state.p_WB[None], state.q_WB[None], state.v_WB[None], state.w_WB[None])
+    for k, joint in enumerate(scene.joints):
+        if isinstance(joint, Fixed | Ball):
+            continue
+        found.coordinate[k] = joint_coordinate(scene, joint, moment)[0]
+        found.rate[k] = joint_rate(scene, joint, moment)[0]
+        if near is not None and joint.type == "revolute" and np.isfinite(near[k]):
+            found.coordinate[k] += 2.0 * np.pi * np.round((near[k] - found.coordinate[k]) / (2.0 * np.pi))
+    return found

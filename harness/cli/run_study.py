@@ -134,7 +134,7 @@ def run(
     elif any(robot.values()):
         raise click.BadParameter(
             f"for scene and robot files alone; {quoted(study)} is none",
-            param_hint="--drop, --package, --root, --scenario, --one-friction",
+            param_hint="--drop, --package, --root, --scenario, --convex, --one-friction",
         )
     _once("--engine", engine_names)
 

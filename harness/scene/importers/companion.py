@@ -114,6 +114,7 @@ class Companion:
     drop: tuple[Drop, ...] = ()
     packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
     one_friction: bool = False
+    convex: Annotated[int, Field(ge=2, le=64)] | None = None
     duration: Positive | None = None
     look_at: tuple[Name, ...] = ()
     seed: Annotated[int, Field(ge=0, lt=2**32)] | None = None

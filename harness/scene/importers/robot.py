@@ -146,7 +146,7 @@ class Robot:
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
         rows: what was settled while it was read.
-        needs: what has to be dropped by the user.
+        needs: what has to be dropped by the user. wordless: fields of a Coordinate that the format has no word for.
     """
 
     name: str
@@ -159,6 +159,7 @@ class Robot:
     collide: bool = False
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
+    wordless: frozenset[str] = frozenset()
     source: str = ""
 
 

@@ -26,8 +26,8 @@ def pair_of(path_A: Path, path_B: Path, wishes: Wishes) -> tuple[RobotFacts, Rob
     read = [robot_of(path, wishes) for path in (path_A, path_B)]
     roots = [robot.root or wishes.root or companion.root for robot, companion, _ in read]
     a, b = (
-        _facts(robot, own or other or "fixed", all_wishes, path)
-        for (robot, _, all_wishes), own, other, path in zip(read, roots, roots[::-1], (path_A, path_B), strict=True)
+        _facts(robot, own or other or "fixed", all_wishes)
+        for (robot, _, all_wishes), own, other in zip(read, roots, roots[::-1], strict=True)
     )
     return a, b
 
@@ -35,18 +35,18 @@ def pair_of(path_A: Path, path_B: Path, wishes: Wishes) -> tuple[RobotFacts, Rob
 def facts_of(path: Path, wishes: Wishes) -> RobotFacts:
     """The facts that a file states; its root is fixed where neither the file nor its user says. Raises: RobotError."""
     robot, companion, wishes = robot_of(path, wishes)
-    return _facts(robot, robot.root or wishes.root or companion.root or "fixed", wishes, path)
+    return _facts(robot, robot.root or wishes.root or companion.root or "fixed", wishes)
 
 
-def _facts(robot: Robot, root: Root, wishes: Wishes, path: Path) -> RobotFacts:
+def _facts(robot: Robot, root: Root, wishes: Wishes) -> RobotFacts:
     if robot.root is None and root == "floating":
         free = Coordinate(name=f"{robot.links[0].name}.root", kind="free")
         robot = replace(robot, links=(replace(robot.links[0], coordinates=(free,)), *robot.links[1:]))
-    return of_robot(robot, wishes.drop, frozenset() if path.suffix.lower() == ".urdf" else frozenset({"speed"}))
+    return of_robot(robot, wishes.drop)
 
 
-def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: frozenset[str] = frozenset()) -> RobotFacts:
-    """The facts of a neutral robot. Args: dropped: kinds of elements that are taken out. wordless: as in RobotFacts."""
+def of_robot(robot: Robot, dropped: frozenset[str] = frozenset()) -> RobotFacts:
+    """The facts of a neutral robot. Args: dropped: kinds of elements that are taken out."""
     robot = replace(robot, links=tuple(_at_zero(link) for link in robot.links))
     at = posed(robot, IDENTITY)
     joints: list[JointFacts] = []
@@ -79,7 +79,7 @@ def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: froz
         masses=masses,
         gravity=robot.gravity,
         laws=tuple(laws),
-        wordless=wordless,
+        wordless=robot.wordless,
     )
 
 

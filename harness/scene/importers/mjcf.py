@@ -17,7 +17,7 @@ from harness.scene.importers.files import Folders
 from harness.scene.importers.mjcf_model import Model, compile_apart
 from harness.scene.importers.mjcf_text import Prepared, prepared
 from harness.scene.importers.poses import Array, Pose, matrix, pose
-from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid
+from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
 from harness.scene.importers.xml_text import Element
 
 __all__ = ["read", "robot_of"]
@@ -76,6 +76,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
         collide=model.flag("filterparent"),
         rows=tuple(rows),
         needs=tuple(needs),
+        ties=tuple(_ties(model)),
         source=source,
     )
 
@@ -245,6 +246,17 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
             )
         )
     return found
+
+
+def _ties(model: Model) -> list[Tie]:
+    """Equations between two joints that are linear."""
+    found: list[Tie] = []
+    for k, raw in enumerate(model.eq_type):
+        a, b, poly = int(model.eq_obj1id[k]), int(model.eq_obj2id[k]), model.eq_data[k][:5]
+        if model.word("Eq", int(raw)) == "joint" and model.eq_active0[k] and b >= 0 and not poly[2:].any():
+            names = {"follower": model.name("joint", a), "leader": model.name("joint", b)}
+            found.append(Tie(name=model.name("equality", k), ratio=float(poly[1]), offset=float(poly[0]), **names))
+    return [] if model.flag("equality") else found
 
 
 def _others(model: Model, text: Prepared) -> list[Need]:

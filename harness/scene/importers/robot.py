@@ -18,7 +18,9 @@ from harness.scene import Matrix3, Shape, Surface, Vector3
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 
-__all__ = ["Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "symmetric"]
+__all__ = [
+    "Closure", "Contacts", "Coordinate", "Geometry", "Link", "Kind", "Need", "Robot", "Servo", "Solid", "Tie", "symmetric",
+]  # fmt: skip
 
 Kind = Literal["revolute", "prismatic", "ball", "free"]
 
@@ -117,6 +119,17 @@ class Closure:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Tie:
+    """A linear law between two coordinates: follower = ratio leader + offset [rad or m]. Terms: name: the element's own."""
+
+    name: str
+    follower: str
+    leader: str
+    ratio: float
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Contacts:
     """Who touches whom, by contact keys and by links.
 
@@ -145,8 +158,8 @@ class Robot:
         links: parents before children. root: how the root is held, None where the format does not say. gravity [m/s2]: None
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
-        rows: what was settled while it was read.
-        needs: what has to be dropped by the user. wordless: fields of a Coordinate that the format has no word for.
+        rows: what was settled while it was read. needs: what has to be dropped by the user. ties: what some of these needs say,
+        in numbers. wordless: fields of a Coordinate that the format has no word for.
     """
 
     name: str
@@ -159,6 +172,7 @@ class Robot:
     collide: bool = False
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
+    ties: tuple[Tie, ...] = ()
     wordless: frozenset[str] = frozenset()
     source: str = ""
 

@@ -8,7 +8,7 @@ from harness.scene import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere, Tri
 from harness.scene.importers.companion import Units
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import Pose
-from harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Robot, Solid
+from harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Robot, Solid, Tie
 
 __all__ = ["SUSPECT", "scaled", "suspected"]
 
@@ -42,6 +42,7 @@ def scaled(robot: Robot, units: Units) -> Robot:
         robot,
         links=tuple(_link(link, units) for link in robot.links),
         closures=tuple(_closure(one, length) for one in robot.closures),
+        ties=tuple(_tie(tie, robot, length) for tie in robot.ties),
         gravity=None
         if robot.gravity is None
         else (robot.gravity[0] * length, robot.gravity[1] * length, robot.gravity[2] * length),
@@ -63,6 +64,12 @@ def scaled(robot: Robot, units: Units) -> Robot:
 
 def _pose(X: Pose, length: float) -> Pose:
     return Pose(X.R, X.p * length)
+
+
+def _tie(tie: Tie, robot: Robot, length: float) -> Tie:
+    slides = {c.name for link in robot.links for c in link.coordinates if c.kind == "prismatic"}
+    own, led = (length if name in slides else 1.0 for name in (tie.follower, tie.leader))
+    return replace(tie, ratio=tie.ratio * own / led, offset=tie.offset * own)
 
 
 def _closure(one: Closure, length: float) -> Closure:

@@ -18,7 +18,7 @@ from harness.scene.importers import urdf_grammar, urdf_shapes
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders, text_of
 from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid
+from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
 from harness.scene.importers.xml_text import Element, elements
 
 __all__ = ["read"]
@@ -51,6 +51,7 @@ def read(path: Path, folders: Folders, density: float | None = None, convex: int
         root="fixed" if root_name == "world" and links[root_name].inertial is None else None,
         rows=tuple(rows),
         needs=tuple(needs),
+        ties=tuple(_tie(joint) for joint in parsed.joints if joint.mimic is not None and joint.type != "fixed"),
         source=where,
     )
 
@@ -181,6 +182,13 @@ def _needs(joints: list[Any], lines: dict[tuple[str, str], Element]) -> list[Nee
             )
         )
     return needs
+
+
+def _tie(joint: Any) -> Tie:
+    """The law of a <mimic>; a multiplier that is not given is 1, an offset 0."""
+    law = joint.mimic
+    ratio = 1.0 if law.multiplier is None else float(law.multiplier)
+    return Tie(name=joint.name, follower=joint.name, leader=law.joint, ratio=ratio, offset=float(law.offset or 0.0))
 
 
 def _rows(joints: list[Any], foreign: dict[str, int]) -> list[Fidelity]:

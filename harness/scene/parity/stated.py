@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from harness.intake.import_wishes import Root, Wishes
-from harness.scene.importers.kinematics import posed
+from harness.scene.importers.kinematics import Posed, posed
 from harness.scene.importers.merging import grouped
 from harness.scene.importers.poses import IDENTITY, Array
 from harness.scene.importers.reading import robot_of
 from harness.scene.importers.robot import Coordinate, Link, Robot
 from harness.scene.importers.solids import moved
-from harness.scene.parity.facts import FIXED, JointFacts, MassFacts, RobotFacts
+from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 
-__all__ = ["facts_of", "of_robot", "pair_of"]
+__all__ = ["audited", "facts_of", "of_robot", "pair_of"]
 
 _DRIVEN = "actuator"
 """Needs of this kind are of what drives a robot, and are not compared."""
@@ -36,6 +36,13 @@ def facts_of(path: Path, wishes: Wishes) -> RobotFacts:
     """The facts that a file states; its root is fixed where neither the file nor its user says. Raises: RobotError."""
     robot, companion, wishes = robot_of(path, wishes)
     return _facts(robot, robot.root or wishes.root or companion.root or "fixed", wishes)
+
+
+def audited(path: Path, wishes: Wishes) -> tuple[RobotFacts, Root]:
+    """The facts that a file states, and how a loader is to hold its root. Raises: RobotError."""
+    robot, companion, wishes = robot_of(path, wishes)
+    root = wishes.root or companion.root or "fixed" if robot.root is None else "fixed"
+    return _facts(robot, robot.root or root, wishes), root
 
 
 def _facts(robot: Robot, root: Root, wishes: Wishes) -> RobotFacts:
@@ -70,17 +77,40 @@ def of_robot(robot: Robot, dropped: frozenset[str] = frozenset()) -> RobotFacts:
             centre=np.zeros(3) if solid is None else solid.centre,
             inertia=np.zeros((3, 3)) if solid is None or solid.inertia is None else solid.inertia,
         )
-    told = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
-    laws: list[tuple[str, str]] = [(need.kind, name) for need in told for name in need.names]
-    laws += [("closure", closure.name) for closure in robot.closures if "equality" not in dropped]
+    laws = _laws(robot, at, last, dropped)
     return RobotFacts(
         source=robot.source,
         joints=tuple(joints),
         masses=masses,
         gravity=robot.gravity,
-        laws=tuple(laws),
+        laws=laws,
         wordless=robot.wordless,
     )
+
+
+def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: frozenset[str]) -> tuple[Law, ...]:
+    """Ties and closures with their numbers, all else by its name."""
+    kept = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
+    tied = {tie.name for tie in robot.ties}
+    said = {name for need in kept if need.kind in ("mimic", "equality") for name in need.names}
+    laws = [
+        Law(kind="mimic", name=tie.follower, partners=(tie.leader,), ratio=tie.ratio, offset=tie.offset)
+        for tie in robot.ties
+        if tie.name in said
+    ]
+    laws += [Law(kind=need.kind, name=name) for need in kept for name in need.names if name not in tied]
+    for closure in robot.closures if "equality" not in dropped else ():
+        p_A, p_B = (at.pose[link].of(p) for link, p in ((closure.link_A, closure.anchor_A), (closure.link_B, closure.anchor_B)))
+        laws.append(
+            Law(
+                kind="closure",
+                name=closure.name,
+                partners=(last[closure.link_A], last[closure.link_B]),
+                points=((p_A[0], p_A[1], p_A[2]), (p_B[0], p_B[1], p_B[2])),
+                whole=closure.kind == "fixed",
+            )
+        )
+    return tuple(laws)
 
 
 def _at_zero(link: Link) -> Link:

@@ -129,7 +129,7 @@ _CAUGHT = (
 
 ADAPTER = BulletAdapter(
     loaders=("", "URDF_USE_INERTIA_FROM_FILE"),
-    loader_defaults={"": {"inertia": "PyBullet Quickstart Guide, loadURDF, flags: URDF_USE_INERTIA_FROM_FILE"}},
+    loader_defaults={("", ".urdf"): {"inertia": "PyBullet Quickstart Guide, loadURDF, flags: URDF_USE_INERTIA_FROM_FILE"}},
     name="bullet",
     title="Bullet",
     distribution="pybullet",

@@ -23,6 +23,8 @@ def load(path: Path, request: Request) -> Loaded:
     """The loaded multibody. Args: request: its way is 'URDF_USE_INERTIA_FROM_FILE' or ''. Raises: Unsupported."""
     if path.suffix.lower() not in (".urdf", ".xml", ".mjcf"):
         raise Unsupported("the file", "pybullet's loaders read URDF, MJCF and SDF")
+    if request.way and path.suffix.lower() != ".urdf":
+        raise Unsupported("the file", f"{request.way} is for loadURDF alone")
     bullet = pybullet_module()
     port = connected(bullet)
     try:

@@ -111,7 +111,7 @@ _SWEPT = (
 
 ADAPTER = DartAdapter(
     loaders=("",),
-    loader_defaults={"": dict.fromkeys(("lower", "upper"), _ENFORCED)},
+    loader_defaults={("", ending): dict.fromkeys(("lower", "upper"), _ENFORCED) for ending in (".urdf", ".xml", ".mjcf")},
     name="dart",
     title="DART",
     distribution="dartpy",

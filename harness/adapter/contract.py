@@ -277,7 +277,8 @@ class Adapter(ABC):
         none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
         them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
         loaders: the ways in which its own package reads a robot file, '' for its defaults; none where it reads none.
-        loader_defaults: by loader, the quantities that its documentation says it changes, each with the place that says so.
+        loader_defaults: by loader and ending of a file, the quantities that its documentation says it changes, each with the
+        place that says so.
     """
 
     name: str
@@ -298,7 +299,7 @@ class Adapter(ABC):
     loads: tuple[str, ...] = ()
     single_precision: bool = False
     loaders: tuple[str, ...] = ()
-    loader_defaults: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    loader_defaults: Mapping[tuple[str, str], Mapping[str, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for one in self.emulated:

@@ -66,7 +66,7 @@ def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterat
             yield replace(
                 reading,
                 source=loaded.facts.source,
-                rows=_documented(rows, adapter.loader_defaults.get(way, {})),
+                rows=_documented(rows, adapter.loader_defaults.get((way, file.suffix.lower()), {})),
                 matrix_gap=loaded.matrix_gap,
                 notes=loaded.notes,
             )

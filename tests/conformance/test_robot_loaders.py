@@ -28,7 +28,7 @@ QUERIED = 1e-5
     ("engine", "loader", "tolerance"), [("mujoco", "", DOUBLE), ("dart", "", DOUBLE), ("bullet", FROM_FILE, QUERIED)]
 )
 def test_a_sound_arm_is_read_as_it_is_stated(engine: str, loader: str, tolerance: float, tmp_path: Path) -> None:
-    """Its facts are the file's, and the engine's own mass matrix is that of its facts; DART enforces no limits unless told to."""
+    """Its facts are the file's, and the engine's own mass matrix is that of its facts; DART enforces no limits unless told."""
     pytest.importorskip({"bullet": "pybullet", "dart": "dartpy"}.get(engine, engine))
     path = tmp_path / "arm.urdf"
     path.write_text(URDF.replace('<axis xyz="1 1 0"/>', '<axis xyz="0.6 0.8 0"/>'))

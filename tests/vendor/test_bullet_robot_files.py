@@ -162,15 +162,15 @@ def test_the_place_of_a_geom_does_not_count_for_the_centre_of_mass(world: World,
     assert world.calculateMassMatrix(body, [0.0])[0][0] == pytest.approx(mass / 12 * 2 * 0.2**2)
 
 
-def test_damping_stiffness_and_armature_of_mjcf_are_dropped(world: World, tmp_path: Path) -> None:
+def test_damping_stiffness_dry_friction_and_armature_of_mjcf_are_dropped(world: World, tmp_path: Path) -> None:
     """A hinge at 1 rad/s keeps its rate to a thousandth for .1 s, and a rotor of 1 kg m2 is not in the mass matrix.
 
     By a damper of .5 N m s/rad on .03 kg m2 it would lose three quarters of it. What pybullet damps unless told not to is off.
     """
-    words = ' damping="0.5" stiffness="3" armature="1"'
+    words = ' damping="0.5" stiffness="3" armature="1" frictionloss="0.4"'
     body = mjcf(world, tmp_path / "p.xml", f'<body name="l">{HINGE.format(words)}{BALL.format("")}</body>')
     assert world.calculateMassMatrix(body, [0.0])[0][0] < 0.03
-    assert world.getJointInfo(body, 0)[6] == 0.0
+    assert world.getJointInfo(body, 0)[6:8] == (0.0, 0.0)
     world.changeDynamics(body, -1, linearDamping=0.0, angularDamping=0.0)
     world.setJointMotorControl2(body, 0, pybullet.VELOCITY_CONTROL, force=0)
     world.resetJointState(body, 0, 0.0, 1.0)
@@ -189,7 +189,7 @@ def limits(world: World, path: Path, compiler: str, words: str) -> tuple[float, 
 
 
 def test_a_range_of_mjcf_counts_only_where_limited_is_said(world: World, tmp_path: Path) -> None:
-    """`autolimits`, on unless a file says otherwise, came to MJCF after this loader; a lower above the upper one is none here."""
+    """`autolimits`, on unless a file says otherwise, came to MJCF after this loader; lower above upper is none."""
     lower, upper = limits(world, tmp_path / "a.xml", '<compiler angle="degree"/>', "")
     assert lower > upper
     assert limits(world, tmp_path / "b.xml", '<compiler angle="degree"/>', 'limited="true"') == pytest.approx((-1.0, 1.0))
@@ -208,3 +208,27 @@ def test_freejoint_is_an_unknown_word_and_a_joint_of_type_free_is_none(world: Wo
         path.write_text(f'<mujoco><worldbody><body name="l" pos="0 0 1">{joint}{BALL.format("")}</body></worldbody></mujoco>')
         (body,) = world.loadMJCF(str(path))
         assert world.getDynamicsInfo(body, -1)[0] > 0
+
+
+TIED = (
+    '<mujoco><compiler angle="radian"/><worldbody><body name="a"><joint name="a" type="hinge" axis="0 0 1"/><geom '
+    'type="sphere" size="0.1" mass="1"/></body><body name="b" pos="1 0 0"><joint name="b" type="hinge" axis="0 0 1"/><geom '
+    'type="sphere" size="0.1" mass="1"/></body></worldbody><equality><joint joint1="b" joint2="a" polycoef="0 0.5 0 0 0"/>'
+    "</equality></mujoco>"
+)
+"""Of two hinges the second is to turn half as far as the first."""
+
+
+def test_an_equality_between_joints_of_mjcf_is_left_out(world: World, tmp_path: Path) -> None:
+    """While one is pushed the other stays where it is, to the bit."""
+    path = tmp_path / "p.xml"
+    path.write_text(TIED)
+    bodies = {world.getJointInfo(body, 0)[1]: body for body in world.loadMJCF(str(path)) if world.getNumJoints(body)}
+    for body in bodies.values():
+        world.setJointMotorControl2(body, 0, pybullet.VELOCITY_CONTROL, force=0)
+    world.setGravity(0, 0, 0)
+    for _ in range(24):
+        world.setJointMotorControl2(bodies[b"a"], 0, pybullet.TORQUE_CONTROL, force=1.0)
+        world.stepSimulation()
+    assert world.getJointState(bodies[b"a"], 0)[0] > 0.004
+    assert world.getJointState(bodies[b"b"], 0)[0] == 0.0

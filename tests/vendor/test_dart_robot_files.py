@@ -90,12 +90,12 @@ def test_so_does_that_of_a_geom_and_of_two_geoms_one_weighs_nothing(tmp_path: Pa
     assert made.getMassMatrix()[0, 0] == pytest.approx(1.0 + 3 * 1.0**2)
 
 
-def test_stiffness_and_armature_of_mjcf_are_dropped_and_damping_is_kept(tmp_path: Path) -> None:
-    words = ' stiffness="3" armature="0.4" damping="0.2"'
+def test_stiffness_armature_and_dry_friction_of_mjcf_are_dropped_and_damping_is_kept(tmp_path: Path) -> None:
+    words = ' stiffness="3" armature="0.4" damping="0.2" frictionloss="0.1"'
     ball = '<geom type="sphere" size="0.1" mass="3"/>'
     made = skeletons(tmp_path / "p.xml", f'<body name="l">{HINGE.format(words)}{ball}</body>')["l"]
     joint = made.getJoint("j")
-    assert (joint.getSpringStiffness(0), joint.getDampingCoefficient(0)) == (0.0, 0.2)
+    assert (joint.getSpringStiffness(0), joint.getCoulombFriction(0), joint.getDampingCoefficient(0)) == (0.0, 0.0, 0.2)
     assert made.getMassMatrix()[0, 0] == pytest.approx(1.0)  # the unit tensor alone, and no rotor
 
 
@@ -114,3 +114,27 @@ def test_a_free_joint_of_mjcf_becomes_a_weld(tmp_path: Path) -> None:
     for joint, kind, freedoms in (("<freejoint/>", "WeldJoint", 0), ('<joint type="free"/>', "FreeJoint", 6)):
         made = skeletons(tmp_path / "p.xml", f'<body name="l" pos="0 0 1">{joint}{ball}</body>')["l"]
         assert (made.getJoint(0).getType(), made.getNumDofs()) == (kind, freedoms)
+
+
+TIED = (
+    '<mujoco><compiler angle="radian"/><worldbody><body name="a"><joint name="a" type="hinge" axis="0 0 1"/><geom '
+    'type="sphere" size="0.1" mass="1"/></body><body name="b" pos="1 0 0"><joint name="b" type="hinge" axis="0 0 1"/><geom '
+    'type="sphere" size="0.1" mass="1"/></body></worldbody><equality><joint joint1="b" joint2="a" polycoef="0 0.5 0 0 0"/>'
+    "</equality></mujoco>"
+)
+"""Of two hinges the second is to turn half as far as the first."""
+
+
+def test_an_equality_between_joints_of_mjcf_is_left_out(tmp_path: Path) -> None:
+    """While one is pushed the other stays where it is, to the bit."""
+    path = tmp_path / "p.xml"
+    path.write_text(TIED)
+    world = dartpy.utils.MjcfParser.readWorld(str(path))
+    world.setGravity([0, 0, 0])
+    joints = [world.getSkeleton(k).getJoint(0) for k in range(world.getNumSkeletons())]
+    pushed, other = (next(joint for joint in joints if joint.getName() == name) for name in "ab")
+    for _ in range(100):
+        pushed.setForce(0, 1.0)
+        world.step()
+    assert pushed.getPosition(0) > 0.004
+    assert other.getPosition(0) == 0.0

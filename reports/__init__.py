@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["build", "open_viewer", "recording_of", "serve", "write_recordings"]
+__all__ = ["build", "open_viewer", "parity_page", "recording_of", "serve", "write_recordings"]
 
 
 def build(folder: Path) -> Path:
@@ -18,6 +18,18 @@ def build(folder: Path) -> Path:
     from reports.html import write_report  # late: importing `reports` must stay cheap for the command line
 
     return write_report(folder)
+
+
+def parity_page(folder: Path) -> Path:
+    """Write the page of a comparison of robot files beside the record `folder/parity.json`; returns its path.
+
+    Raises:
+        OSError: the record cannot be read, or the page cannot be written.
+        Damaged: the record is not what was written.
+    """
+    from reports.parity import write_page
+
+    return write_page(folder)
 
 
 def write_recordings(folder: Path) -> tuple[Path, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
-from harness.study.strangers import points, trouble
+from harness.intake.strangers import points, trouble
 
 if TYPE_CHECKING:
     from harness.store.store import Store

@@ -70,7 +70,7 @@ from harness.scene import Effect, Scene
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.scene.parity.loaded import Loaded
+    from harness.scene.parity.loaded import Loaded, Request
 
 __all__ = ["ADAPTER"]
 
@@ -86,11 +86,11 @@ class BulletAdapter(Adapter):
         except importlib.metadata.PackageNotFoundError as error:
             raise Unavailable("pybullet is not installed; it publishes wheels for Python 3.10 and 3.11 only") from error
 
-    def load_robot(self, path: "Path", loader: str) -> "Loaded":
+    def load_robot(self, path: "Path", request: "Request") -> "Loaded":
         """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
         from adapters.bullet.robot_loader import load
 
-        return load(path, loader)
+        return load(path, request)
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene in a private world. Raises: Unsupported, Unavailable, SettingsError."""
@@ -135,6 +135,7 @@ _CAUGHT = (
 
 ADAPTER = BulletAdapter(
     loaders=("", "URDF_USE_INERTIA_FROM_FILE"),
+    loader_defaults={("", ".urdf"): {"inertia": "PyBullet Quickstart Guide, loadURDF, flags: URDF_USE_INERTIA_FROM_FILE"}},
     name="bullet",
     title="Bullet",
     distribution="pybullet",

@@ -1,6 +1,8 @@
 """What pybullet's own loaders make of a robot file: `loadURDF` or `loadMJCF`, read back by its queries at zero positions."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -9,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from adapters.bullet.vendor import Port, connected, pybullet_module, silenced
 from harness.adapter import Unsupported
 from harness.scene.parity.facts import FIXED, JointFacts
-from harness.scene.parity.loaded import Loaded, LoadedLink, gathered, matrix_gap
+from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
 
 __all__ = ["load"]
 
@@ -17,18 +19,17 @@ _OPEN = 1e9
 """A bound beyond which pybullet means none."""
 
 
-def load(path: Path, variant: str) -> Loaded:
-    """The loaded multibody, its root fixed. Args: variant: 'URDF_USE_INERTIA_FROM_FILE' or ''. Raises: Unsupported."""
+def load(path: Path, request: Request) -> Loaded:
+    """The loaded multibody. Args: request: its way is 'URDF_USE_INERTIA_FROM_FILE' or ''. Raises: Unsupported."""
+    if path.suffix.lower() not in (".urdf", ".xml", ".mjcf"):
+        raise Unsupported("the file", "pybullet's loaders read URDF, MJCF and SDF")
+    if request.way and path.suffix.lower() != ".urdf":
+        raise Unsupported("the file", f"{request.way} is for loadURDF alone")
     bullet = pybullet_module()
     port = connected(bullet)
-    flags = getattr(bullet, variant) if variant else 0
     try:
-        with silenced():
-            if path.suffix.lower() == ".urdf":
-                body = port.call("loadURDF", str(path), useFixedBase=True, flags=flags)
-            else:
-                bodies = port.call("loadMJCF", str(path), flags=flags)
-                body = max(bodies, key=lambda b: port.call("getNumJoints", b))
+        with TemporaryDirectory(prefix="plumbline-packages-") as scratch, silenced():
+            body, others = _loaded(port, _among_packages(path, request.packages, Path(scratch)), request)
     except (bullet.error, ValueError) as error:
         raise Unsupported("the file", f"pybullet's loader refuses it: {error}") from None
     count = port.call("getNumJoints", body)
@@ -36,12 +37,9 @@ def load(path: Path, variant: str) -> Loaded:
         port.call("resetJointState", body, k, 0.0)
     base_name = port.call("getBodyInfo", body)[0].decode()
     names = {-1: f"{base_name} (base)"} | {k: port.call("getJointInfo", body, k)[12].decode() for k in range(count)}
-    base = LoadedLink(
-        name=names[-1], parent=None, joints=(), mass=0.0, centre=np.zeros(3), inertia=np.zeros((3, 3))
-    )  # what is fixed to the world does not count
-    endless = _continuous(path)
-    links = [base, *(_link(port, body, k, names, endless) for k in range(count))]
-    facts = gathered(f"pybullet {'with ' + variant if variant else 'by default'}", links)
+    endless = _continuous(path) if path.suffix.lower() == ".urdf" else frozenset()
+    links = [_base(port, body, names[-1], request.root, path), *(_link(port, body, k, names, endless) for k in range(count))]
+    facts = gathered(f"pybullet {'with ' + request.way if request.way else 'by default'}", links)
     movable = [k for k in range(count) if port.call("getJointInfo", body, k)[2] != bullet.JOINT_FIXED]
     order = [port.call("getJointInfo", body, k)[1].decode() for k in movable]
 
@@ -53,7 +51,47 @@ def load(path: Path, variant: str) -> Loaded:
         places = [order.index(name) for name in q]
         return M[np.ix_(places, places)] if M.shape == (len(order), len(order)) else None
 
-    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix))
+    notes = (f"{others} more bodies that move were made of the file, and are not compared",) if others else ()
+    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), notes=notes)
+
+
+def _loaded(port: Port, path: Path, request: Request) -> tuple[int, int]:
+    """The body of the file with the most joints, and how many others can move."""
+    flags = getattr(port.bullet, request.way) if request.way else 0
+    if path.suffix.lower() == ".urdf":
+        return port.call("loadURDF", str(path), useFixedBase=request.root == "fixed", flags=flags), 0
+    bodies = port.call("loadMJCF", str(path), flags=flags)
+    if not bodies:
+        raise Unsupported("the file", "pybullet's loader makes no body of it")
+    moving = [b for b in bodies if port.call("getNumJoints", b) or port.call("getDynamicsInfo", b, -1)[0] > 0]
+    body = max(moving or bodies, key=lambda b: port.call("getNumJoints", b))
+    return body, max(0, len(moving) - 1)
+
+
+def _among_packages(path: Path, packages: Mapping[str, Path], scratch: Path) -> Path:
+    """The file with the packages beside its folder, where pybullet looks for them, as links."""
+    if not packages:
+        return path
+    home = scratch / "plumbline-home"
+    home.symlink_to(path.parent, target_is_directory=True)
+    for name, folder in packages.items():
+        (scratch / name).symlink_to(folder, target_is_directory=True)
+    return home / path.name
+
+
+def _base(port: Port, body: int, name: str, root: str, path: Path) -> LoadedLink:
+    """The root; one that is free is put with its frame at W's origin. What is fixed to the world does not count."""
+    dynamics = port.call("getDynamicsInfo", body, -1)
+    mass, moments, p, q = float(dynamics[0]), dynamics[2], dynamics[3], dynamics[4]
+    free = root == "floating" if path.suffix.lower() == ".urdf" else mass > 0
+    if not free:
+        return LoadedLink(name=name, parent=None, joints=(), mass=0.0, centre=np.zeros(3), inertia=np.zeros((3, 3)))
+    port.call("resetBasePositionAndOrientation", body, p, q)
+    R = Rotation.from_quat(q).as_matrix()
+    joint = JointFacts(name=f"{name}.root", kind="free", parent=FIXED, axis=np.array([1.0, 0.0, 0.0]), anchor=np.zeros(3))
+    return LoadedLink(
+        name=name, parent=None, joints=(joint,), mass=mass, centre=np.array(p), inertia=R @ np.diag(moments) @ R.T
+    )
 
 
 def _continuous(path: Path) -> frozenset[str]:

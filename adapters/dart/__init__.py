@@ -77,9 +77,12 @@ from harness.scene import Effect, Scene
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.scene.parity.loaded import Loaded
+    from harness.scene.parity.loaded import Loaded, Request
 
 __all__ = ["ADAPTER"]
+
+
+_ENFORCED = "DART tutorial Biped: bounds are enforced only after Joint.setLimitEnforcement(True)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,13 +94,13 @@ class DartAdapter(Adapter):
         load()
         return importlib.metadata.version("dartpy")
 
-    def load_robot(self, path: "Path", loader: str) -> "Loaded":
+    def load_robot(self, path: "Path", request: "Request") -> "Loaded":
         """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
         from adapters.dart.robot_loader import load
 
-        if loader:
-            raise Unsupported(f"loader {loader!r}", "there is one alone")
-        return load(path)
+        if request.way:
+            raise Unsupported(f"loader {request.way!r}", "there is one alone")
+        return load(path, request)
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
@@ -112,6 +115,7 @@ _SWEPT = (
 
 ADAPTER = DartAdapter(
     loaders=("",),
+    loader_defaults={("", ending): dict.fromkeys(("lower", "upper"), _ENFORCED) for ending in (".urdf", ".xml", ".mjcf")},
     name="dart",
     title="DART",
     distribution="dartpy",

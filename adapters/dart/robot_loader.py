@@ -1,4 +1,4 @@
-"""What DART's own loader makes of a robot file: `DartLoader`, read back from the skeleton at zero positions."""
+"""What DART's own loaders make of a robot file: `DartLoader` or `MjcfParser`, read back from skeletons at zero positions."""
 
 from pathlib import Path
 from typing import Any
@@ -8,37 +8,41 @@ import numpy as np
 from adapters.dart.vendor import load as dart_module
 from adapters.dart.vendor import overheard
 from harness.adapter import Unsupported
-from harness.scene.parity.facts import FIXED, JointFacts
-from harness.scene.parity.loaded import Loaded, LoadedLink, gathered, matrix_gap
+from harness.scene.parity.facts import FIXED, JointFacts, Law
+from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
 
 __all__ = ["load"]
 
 _KINDS = {"RevoluteJoint": "revolute", "PrismaticJoint": "prismatic", "BallJoint": "ball", "FreeJoint": "free"}
 
 
-def load(path: Path) -> Loaded:
-    """The loaded skeleton, its root fixed. Raises: Unsupported, Unavailable."""
+def load(path: Path, request: Request) -> Loaded:
+    """The loaded skeletons. Raises: Unsupported, Unavailable."""
     dart = dart_module()
-    if path.suffix.lower() != ".urdf":
-        raise Unsupported("MJCF", "DartLoader reads URDF alone")
+    kind = path.suffix.lower()
+    if kind not in (".urdf", ".xml", ".mjcf"):
+        raise Unsupported(
+            "the file", "DART's loaders read URDF and MJCF, and SDF and SKEL, of which there is no neutral import"
+        )
     heard: list[str] = []
     with overheard(heard):
-        loader = dart.utils.DartLoader()
-        options = dart.utils.DartLoaderOptions()
-        options.mDefaultRootJointType = dart.utils.DartLoaderRootJointType.FIXED
-        loader.setOptions(options)
-        skeleton = loader.parseSkeleton(str(path))
-    if skeleton is None:
-        raise Unsupported("the file", f"DartLoader refuses it: {' '.join(heard)[:300]}")
-    skeleton.setPositions(np.zeros(skeleton.getNumDofs()))
+        skeletons = _of_urdf(dart, path, request) if kind == ".urdf" else _of_mjcf(dart, path)
+    if not skeletons:
+        reader = "DartLoader" if kind == ".urdf" else "MjcfParser"
+        raise Unsupported("the file", f"{reader} refuses it: {' '.join(heard)[:300]}")
     links, laws = [], []
-    for k in range(skeleton.getNumBodyNodes()):
-        node = skeleton.getBodyNode(k)
-        joint = node.getParentJoint()
-        if "MIMIC" in str(joint.getActuatorType()).upper():
-            laws.append(("mimic", joint.getName()))
-        links.append(_link(node, joint))
+    for skeleton in skeletons:
+        skeleton.setPositions(np.zeros(skeleton.getNumDofs()))
+        for k in range(skeleton.getNumBodyNodes()):
+            node = skeleton.getBodyNode(k)
+            joint = node.getParentJoint()
+            if "MIMIC" in str(joint.getActuatorType()).upper():
+                laws.append(Law(kind="mimic", name=joint.getName()))  # dartpy does not tell what it follows
+            links.append(_link(node, joint))
     facts = gathered("DART", links, tuple(laws))
+    skeleton = max(skeletons, key=lambda one: one.getNumDofs())
+    if sum(one.getNumDofs() > 0 for one in skeletons) > 1:
+        return Loaded(facts=facts)
     places = {
         skeleton.getJoint(k).getName(): int(skeleton.getJoint(k).getIndexInSkeleton(0))
         for k in range(skeleton.getNumJoints())
@@ -54,6 +58,23 @@ def load(path: Path) -> Loaded:
         return np.array(skeleton.getMassMatrix())[np.ix_(order, order)]
 
     return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix))
+
+
+def _of_urdf(dart: Any, path: Path, request: Request) -> list[Any]:
+    loader, options, roots = dart.utils.DartLoader(), dart.utils.DartLoaderOptions(), dart.utils.DartLoaderRootJointType
+    options.mDefaultRootJointType = roots.FLOATING if request.root == "floating" else roots.FIXED
+    loader.setOptions(options)
+    for name, folder in request.packages.items():
+        loader.addPackageDirectory(name, str(folder))
+    skeleton = loader.parseSkeleton(str(path))
+    return [] if skeleton is None else [skeleton]
+
+
+def _of_mjcf(dart: Any, path: Path) -> list[Any]:
+    """The skeletons of the world but for those of the world's own geoms and sites."""
+    world = dart.utils.MjcfParser.readWorld(str(path))
+    made = [] if world is None else [world.getSkeleton(k) for k in range(world.getNumSkeletons())]
+    return [skeleton for skeleton in made if not skeleton.getName().startswith("__")]
 
 
 def _link(node: Any, joint: Any) -> LoadedLink:
@@ -78,6 +99,7 @@ def _joint(joint: Any, X: Any) -> JointFacts:
     R = np.array(X.rotation())
     axis = R @ np.array(within.rotation()) @ np.array(joint.getAxis()) if scalar else np.array([1.0, 0.0, 0.0])
     lower, upper = float(joint.getPositionLowerLimit(0)), float(joint.getPositionUpperLimit(0))
+    scalar_limits = scalar and joint.areLimitsEnforced()
     effort, speed = float(joint.getForceUpperLimit(0)), float(joint.getVelocityUpperLimit(0))
     return JointFacts(
         name=joint.getName(),
@@ -85,10 +107,11 @@ def _joint(joint: Any, X: Any) -> JointFacts:
         parent=FIXED,
         axis=axis,
         anchor=R @ np.array(within.translation()) + np.array(X.translation()),
-        lower=lower if scalar and np.isfinite(lower) else None,
-        upper=upper if scalar and np.isfinite(upper) else None,
+        lower=lower if scalar_limits and np.isfinite(lower) else None,
+        upper=upper if scalar_limits and np.isfinite(upper) else None,
         damping=float(joint.getDampingCoefficient(0)),
         stiffness=float(joint.getSpringStiffness(0)),
+        rest=float(joint.getRestPosition(0)) if scalar and joint.getSpringStiffness(0) > 0 else 0.0,
         friction_loss=float(joint.getCoulombFriction(0)),
         effort=effort if np.isfinite(effort) and effort > 0 else None,
         speed=speed if np.isfinite(speed) and speed > 0 else None,

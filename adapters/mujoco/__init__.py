@@ -69,7 +69,10 @@ from harness.scene import Effect, Scene
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.scene.parity.loaded import Loaded
+    from harness.scene.parity.facts import RobotFacts
+    from harness.scene.parity.loaded import Loaded, Request
+    from harness.scene.parity.parting import Motion
+    from harness.trajectory import Floats
 
 __all__ = ["ADAPTER"]
 
@@ -82,13 +85,19 @@ class MujocoAdapter(Adapter):
         """The installed version. Raises: Unavailable."""
         return str(mujoco_module().__version__)
 
-    def load_robot(self, path: "Path", loader: str) -> "Loaded":
+    def load_robot(self, path: "Path", request: "Request") -> "Loaded":
         """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
         from adapters.mujoco.robot_loader import load
 
-        if loader:
-            raise Unsupported(f"loader {loader!r}", "there is one alone")
-        return load(path)
+        if request.way:
+            raise Unsupported(f"loader {request.way!r}", "there is one alone")
+        return load(path, request)
+
+    def move_robot(self, robot: "RobotFacts", motion: "Motion") -> "Floats":
+        """The positions of a robot of facts that torques move. Raises: Unsupported, Unavailable."""
+        from adapters.mujoco.robot_motion import moved
+
+        return moved(robot, motion)
 
     def build(self, scene: Scene, settings: Settings) -> MujocoSimulation:
         """Exactly this scene. Raises: Unsupported, Unavailable, SettingsError."""

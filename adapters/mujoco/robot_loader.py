@@ -1,6 +1,7 @@
 """What MuJoCo's own compiler makes of a robot file: URDF or MJCF, read back from the compiled model at qpos = 0."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -8,27 +9,33 @@ import numpy as np
 
 from adapters.mujoco.vendor import mujoco_module
 from harness.adapter import Unsupported
-from harness.scene.parity.facts import FIXED, JointFacts
-from harness.scene.parity.loaded import Loaded, LoadedLink, gathered, matrix_gap
+from harness.scene.parity.facts import FIXED, JointFacts, Law
+from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, in_packages, matrix_gap
 
 __all__ = ["load"]
 
 
-def load(path: Path) -> Loaded:
-    """The compiled model. A URDF's root is welded to the world, as the compiler does. Raises: Unsupported, Unavailable."""
+def load(path: Path, request: Request) -> Loaded:
+    """The compiled model.
+
+    The compiler welds a URDF's root to the world; a floating one is given a free joint through `MjSpec`, as users do. Meshes of
+    known packages are named by their paths. Raises: Unsupported, Unavailable.
+    """
     mj = mujoco_module()
+    if path.suffix.lower() not in (".urdf", ".xml", ".mjcf"):
+        raise Unsupported("the file", "MuJoCo's compiler reads URDF and MJCF")
     os.chdir(path.parent)
     notes: tuple[str, ...] = ()
     try:
         text = path.read_text(encoding="utf-8")
-        model = mj.MjModel.from_xml_path(str(path))
+        model = _compiled(mj.MjSpec.from_file(str(path)), request)
     except ValueError as error:
         bare = _without_shapes(text)
         if bare is None:
             raise Unsupported("the file", f"MuJoCo's compiler refuses it: {error}") from None
         notes = (f"shapes were taken out, since MuJoCo's compiler refuses them: {error}",)
         try:
-            model = mj.MjModel.from_xml_string(bare)
+            model = _compiled(mj.MjSpec.from_string(bare), request)
         except ValueError as again:
             raise Unsupported("the file", f"MuJoCo's compiler refuses it, also without shapes: {again}") from None
     data = mj.MjData(model)
@@ -37,11 +44,7 @@ def load(path: Path) -> Loaded:
         free = model.jnt_type[k] == mj.mjtJoint.mjJNT_FREE
         data.qpos[model.jnt_qposadr[k] + (3 if free else 0)] = 1.0
     mj.mj_kinematics(model, data)
-    laws = tuple(
-        ("mimic", model.joint(int(model.eq_obj1id[k])).name)
-        for k in range(model.neq)
-        if model.eq_type[k] == mj.mjtEq.mjEQ_JOINT
-    )
+    laws = tuple(_laws(mj, model, data))
     links = [_link(mj, model, data, k) for k in range(1, model.nbody)]
     facts = gathered(f"MuJoCo {mj.__version__}", links, laws, frozenset({"speed"}))
 
@@ -58,6 +61,55 @@ def load(path: Path) -> Loaded:
         return full[np.ix_(order, order)]
 
     return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), notes=notes)
+
+
+def _compiled(spec: Any, request: Request) -> Any:
+    for mesh in spec.meshes:
+        target = in_packages(mesh.file, request.packages)
+        if target is not None:
+            mesh.file = str(target)
+            spec.strippath = False
+    if request.root == "floating":
+        spec.worldbody.first_body().add_freejoint()
+    return spec.compile()
+
+
+def _laws(mj: Any, model: Any, data: Any) -> Iterator[Law]:
+    """Equalities that are active from the start, with their numbers in W."""
+    if model.opt.disableflags & mj.mjtDisableBit.mjDSBL_EQUALITY:
+        return
+    for k in np.flatnonzero(data.eq_active):
+        kind, name = mj.mjtEq(int(model.eq_type[k])), model.equality(int(k)).name or f"equality_{k}"
+        a, b, numbers = int(model.eq_obj1id[k]), int(model.eq_obj2id[k]), model.eq_data[k]
+        if kind == mj.mjtEq.mjEQ_JOINT and b >= 0 and not numbers[2:5].any():
+            start_a, start_b = (float(model.qpos0[model.jnt_qposadr[j]]) for j in (a, b))
+            ratio, offset = float(numbers[1]), start_a + float(numbers[0]) - float(numbers[1]) * start_b
+            yield Law(kind="mimic", name=_joint_name(model, a), partners=(_joint_name(model, b),), ratio=ratio, offset=offset)
+        elif kind in (mj.mjtEq.mjEQ_CONNECT, mj.mjtEq.mjEQ_WELD):
+            weld = kind == mj.mjtEq.mjEQ_WELD
+            if model.eq_objtype[k] == mj.mjtObj.mjOBJ_SITE:
+                points, bodies = [data.site_xpos[site].copy() for site in (a, b)], [int(model.site_bodyid[s]) for s in (a, b)]
+            else:
+                bodies, own = [a, b], (numbers[3:6], numbers[:3]) if weld else (numbers[:3], numbers[3:6])
+                points = [data.xpos[body] + data.xmat[body].reshape(3, 3) @ p for body, p in zip(bodies, own, strict=True)]
+            p_A, p_B = (tuple(float(x) for x in p) for p in points)
+            sides = tuple(_mover(model, body) for body in bodies)
+            yield Law(kind="closure", name=name, partners=sides, points=(p_A, p_B), whole=weld)  # type: ignore[arg-type]
+        else:
+            yield Law(kind="equality", name=name)
+
+
+def _joint_name(model: Any, j: int) -> str:
+    return model.joint(j).name or f"joint_{j}"
+
+
+def _mover(model: Any, body: int) -> str:
+    """The joint that moves a body; that of the world is FIXED."""
+    while body > 0:
+        if model.body_jntnum[body]:
+            return _joint_name(model, int(model.body_jntadr[body] + model.body_jntnum[body] - 1))
+        body = int(model.body_parentid[body])
+    return FIXED
 
 
 def _without_shapes(text: str) -> str | None:
@@ -96,7 +148,7 @@ def _joint(mj: Any, model: Any, data: Any, j: int) -> JointFacts:
     limited = bool(model.jnt_limited[j])
     stiffness = float(np.max(model.jnt_stiffness[j]))
     return JointFacts(
-        name=model.joint(j).name or f"joint_{j}",
+        name=_joint_name(model, j),
         kind=kinds.get(mj.mjtJoint(int(model.jnt_type[j])), "revolute"),  # type: ignore[arg-type]
         parent=FIXED,
         axis=data.xaxis[j].copy(),

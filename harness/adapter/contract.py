@@ -52,7 +52,9 @@ from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 if TYPE_CHECKING:
-    from harness.scene.parity.loaded import Loaded
+    from harness.scene.parity.facts import RobotFacts
+    from harness.scene.parity.loaded import Loaded, Request
+    from harness.scene.parity.parting import Motion
 
 __all__ = [
     "Adapter",
@@ -288,6 +290,8 @@ class Adapter(ABC):
         none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
         them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
         loaders: the ways in which its own package reads a robot file, '' for its defaults; none where it reads none.
+        loader_defaults: by loader and ending of a file, the quantities that its documentation says it changes, each with the
+        place that says so.
     """
 
     name: str
@@ -308,6 +312,7 @@ class Adapter(ABC):
     loads: tuple[str, ...] = ()
     single_precision: bool = False
     loaders: tuple[str, ...] = ()
+    loader_defaults: Mapping[tuple[str, str], Mapping[str, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for one in self.emulated:
@@ -327,12 +332,21 @@ class Adapter(ABC):
         Raises: as `build`.
         """
 
-    def load_robot(self, path: Path, loader: str) -> "Loaded":
-        """What the engine's own package makes of a robot file (URDF or MJCF), its root fixed, read back by its own means.
+    def load_robot(self, path: Path, request: "Request") -> "Loaded":
+        """What the engine's own package makes of a robot file (URDF or MJCF), read back by its own means.
 
-        Args: loader: one of `loaders`. Raises: Unsupported, Unavailable.
+        Args: request: which of `loaders`, how a root is held, where packages lie. Raises: Unsupported, Unavailable.
         """
-        raise Unsupported(f"{path.name} by loader {loader!r}", f"{self.title} has no loader of its own for URDF and MJCF")
+        raise Unsupported(f"{path.name} by loader {request.way!r}", f"{self.title} has no loader of its own for URDF and MJCF")
+
+    def move_robot(self, robot: "RobotFacts", motion: "Motion") -> Floats:  # noqa: ARG002  # an engine may decline
+        """Positions of a robot of facts that torques move: (samples, joints, 4), DT apart from the start on.
+
+        Each is the coordinate [rad or m] and zeros, or the quaternion of a ball or free joint in W.
+
+        Raises: Unsupported, Unavailable.
+        """
+        raise Unsupported(f"the motion of {robot.source}", f"{self.title} moves scenes alone")
 
     @abstractmethod
     def version(self) -> str:

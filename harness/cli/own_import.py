@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from harness.cli.guard import USAGE, say, stop
-from harness.cli.robot_options import ROBOT_ENDINGS, imported_from
+from harness.cli.robot_options import imported_from, is_robot
 from harness.intake.documents import named
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def scene_to_run(name: str, folder: Path, told: "dict[str, Any]") -> str:
     """
     path = Path(name)
     asked = any(told.values())
-    if path.suffix.lower() not in ROBOT_ENDINGS and not asked:
+    if not is_robot(path) and not asked:
         return name
 
     from harness.store.imported_scenes import keep

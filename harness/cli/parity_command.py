@@ -1,4 +1,4 @@
-"""`plumbline parity`: are two robot files the same robot?"""
+"""`plumbline parity`: are two robot files the same robot, and what does each engine's own loader make of one?"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,11 @@ from harness.cli.options import json_rows, limited
 from harness.intake.import_wishes import DROPPABLE, Wishes, package_roots
 
 if TYPE_CHECKING:
+    from harness.run.importer_audit import Reading
     from harness.scene.parity.difference import Difference
+    from harness.scene.parity.facts import RobotFacts
+    from harness.scene.parity.parting import Parting
+    from harness.store.parity_record import ParityRecord, Side
 
 __all__ = ["parity"]
 
@@ -29,26 +33,48 @@ _robot_file = click.Path(path_type=Path, dir_okay=False)
 )
 @click.option("--root", type=click.Choice(["fixed", "floating"]), help="How a root is held of which its file says nothing.")
 @click.option("--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package://NAME lies; may be repeated.")
+@click.option("--move", metavar="drop|sines|CSV", help="Move FILE and OTHER by the same torques: when and where do they part?")
+@click.option("--seconds", type=click.FloatRange(min=0.01, max=60.0), default=2.0, help="How long they are moved; 2.")
+@click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where a loader of it changes FILE undocumented.")
+@click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Write the comparison and its page there.")
 @limited
 @json_rows
 def parity(file: Path, other: Path | None, as_json: bool, **told: Any) -> None:
     """Say whether FILE and OTHER (URDF, MJCF) are the same robot, and what each difference is worth.
 
-    Without OTHER, FILE is compared with what each engine's own loader makes of it, its root fixed.
+    Without OTHER, FILE is compared with what each engine's own loader makes of it.
 
-    Exit code 1 where they differ beyond the tolerance.
+    Exit code 1 where FILE and OTHER differ beyond the tolerance. What loaders change is a finding and no failure, unless --gate
+    names their engine: then 1 where it changes something that its documentation does not tell.
     """
     wishes = Wishes(drop=frozenset(told["drop"]), packages=package_roots(tuple(told["packages"])), root=told["root"])
+    from harness.scene.parity.comparison import TOLERANCE
 
-    from harness.scene.parity.comparison import TOLERANCE, compare, renamed
+    told["tolerance"] = told["tolerance"] or TOLERANCE
+    if other is None:
+        for option, name in (("--map", "names"), ("--move", "move")):
+            if told[name] is not None:
+                raise click.UsageError(f"{option} is for two files, and OTHER is not given")
+        failed = _audit(file, wishes, as_json, told)
+    else:
+        if told["gated"]:
+            raise click.UsageError("--gate is for one file: two files that differ always end in exit code 1")
+        failed = _pair(file, other, wishes, as_json, told)
+    if failed:
+        raise click.exceptions.Exit(GATE)
+
+
+def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, told: dict[str, Any]) -> bool:
+    """Compare two files. Do they differ?"""
+    from dataclasses import asdict
+
+    from harness.scene.parity.comparison import compare, renamed
     from harness.scene.parity.difference import plain
     from harness.scene.parity.joint_names import joint_names
     from harness.scene.parity.stated import pair_of
+    from harness.store.parity_record import Side
 
-    tolerance = told["tolerance"] or TOLERANCE
-    if other is None:
-        _audit(file, wishes, tolerance, told["seed"], as_json)
-        return
+    tolerance = told["tolerance"]
     a, b = pair_of(file, other, wishes)
     if told["names"] is not None:
         b = renamed(b, joint_names(told["names"], a, b))
@@ -60,51 +86,124 @@ def parity(file: Path, other: Path | None, as_json: bool, **told: Any) -> None:
         say(f"not the same robot: {len(rows)} quantities differ by more than {tolerance:g}")
     else:
         say(f"the same robot: {len(a.joints)} joints and what they move agree to {tolerance:g}")
-    if rows:
-        raise click.exceptions.Exit(GATE)
+    parted = None if told["move"] is None else _moved(a, b, told)
+    if parted is not None:
+        say(_told(parted), err=as_json)
+    side = Side(name=other.name, source=b.source, rows=tuple(plain(row) for row in rows))
+    parting = None if parted is None else {"move": _move_name(told["move"]), **asdict(parted)}
+    _keep(file, a, "floating" if a.joints and a.joints[0].kind == "free" else "fixed", (side,), told, parting)
+    return bool(rows)
 
 
-def _audit(file: Path, wishes: Wishes, tolerance: float, seed: int, as_json: bool) -> None:
-    """Compare a file with what each engine's own loader makes of it."""
-    from dataclasses import replace
+def _moved(a: "RobotFacts", b: "RobotFacts", told: dict[str, Any]) -> "Parting":
+    """Both under the same torques. Raises: RobotError, Unsupported."""
+    import numpy as np
 
-    from harness.adapter import Unsupported
-    from harness.run.robot_loaders import loaded_apart
-    from harness.scene.parity.comparison import compare
-    from harness.scene.parity.difference import plain
-    from harness.scene.parity.kinds import kind_of
-    from harness.scene.parity.stated import facts_of
+    from harness.intake.refusal import RobotError
+    from harness.scene.parity.comparison import EARTH, aligned
+    from harness.scene.parity.motion import Configuration
+    from harness.scene.parity.parting import motion_of, parting
+    from harness.scene.parity.states import drawn
     from harness.study import plugins
 
-    stated = facts_of(file, replace(wishes, root=None))
-    rows = []
-    engines = plugins.names("adapters")
-    for name, loader in ((engine, way) for engine in engines for way in plugins.adapter(engine).loaders):
-        title = f"{name} {loader}".strip()
-        try:
-            loaded = loaded_apart(name, loader, file)
-        except Unsupported as error:
-            say(f"{title}: {error}", err=True)
-            continue
-        for note in loaded.notes:
-            say(f"{title}: {note}", err=True)
-        if loaded.matrix_gap is not None and loaded.matrix_gap > tolerance:
-            say(
-                f"{title}: its own mass matrix is {loaded.matrix_gap:.3g} off what its queries say; do not trust the rows",
-                err=True,
-            )
-        changes = [replace(row, kind=kind_of(row)) for row in compare(stated, loaded.facts, tolerance, seed)]
-        rows += [{"loader": title, **plain(row)} for row in changes]
-        if as_json:
-            continue
-        if changes:
-            cells = [(row.kind, *_cells(row)) for row in changes]
-            print_table(f"A: {stated.source}; B: {loaded.facts.source}", ("kind", *_COLUMNS), cells)
-        say(f"{title}: {f'{len(changes)} quantities differ' if changes else 'reads the robot that the file states'}")
+    partner = aligned(a, b)
+    if partner is None or not a.joints:
+        raise RobotError(
+            "--move: the trees of the two files differ, so that no motion of both can be compared; --map may mend it"
+        )
+    gravity = np.array(a.gravity or b.gravity or EARTH)
+    start: Configuration = drawn(a, partner, told["seed"])[0]
+    if any(law.kind == "closure" for law in (*a.laws, *partner.laws)):
+        start = Configuration(np.zeros(len(a.joints)), {}, start.rates)
+    motion = motion_of(told["move"], a, start, gravity, told["seconds"])
+    engine = plugins.adapter("mujoco")
+    return parting(a, engine.move_robot(a, motion), engine.move_robot(partner, motion))
+
+
+def _told(parted: "Parting") -> str:
+    far = f"'{parted.farthest}' is the farthest, {parted.distance:.3g} {parted.farthest_unit} at most"
+    if parted.time is None:
+        return f"moved alike, they do not part in {parted.duration:g} s: {far}"
+    return f"moved alike, they part after {parted.time:.4g} s, at '{parted.joint}'; {far} within {parted.duration:g} s"
+
+
+def _move_name(move: str) -> str:
+    from harness.scene.parity.parting import MOVES
+
+    return move if move in MOVES else Path(move).name
+
+
+def _audit(file: Path, wishes: Wishes, as_json: bool, told: dict[str, Any]) -> bool:
+    """Compare a file with what each engine's own loader makes of it. Does a gated engine change it undocumented?"""
+    from harness.run.importer_audit import audit
+    from harness.scene.parity.difference import plain
+    from harness.study import plugins
+
+    for name in told["gated"]:
+        if name not in plugins.names("adapters") or not plugins.adapter(name).loaders:
+            reading = [engine for engine in plugins.names("adapters") if plugins.adapter(engine).loaders]
+            raise click.BadParameter(f"'{name}', expected one of {', '.join(reading)}", param_hint="--gate")
+    readings = []
+    for reading in audit(file, wishes, told["tolerance"], told["seed"]):
+        readings.append(reading)
+        _report(reading, told["tolerance"], as_json)
     if as_json:
-        print_json(rows)
-    if rows:
-        raise click.exceptions.Exit(GATE)
+        print_json([{"loader": reading.title, **plain(row)} for reading in readings for row in reading.rows])
+    _keep(file, readings[0].stated, readings[0].root, tuple(map(_side, readings)), told)
+    return any(reading.engine in told["gated"] and (reading.refused or reading.undocumented) for reading in readings)
+
+
+def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
+    """What one loader made, on the terminal."""
+    if reading.refused:
+        say(f"{reading.title}: {reading.refused}", err=True)
+        return
+    for note in reading.notes:
+        say(f"{reading.title}: {note}", err=True)
+    if reading.matrix_gap is not None and reading.matrix_gap > tolerance:
+        gap = f"its own mass matrix is {reading.matrix_gap:.3g} off what its queries say; do not trust the rows"
+        say(f"{reading.title}: {gap}", err=True)
+    if as_json:
+        return
+    if reading.rows:
+        cells = [(row.kind + " (documented)" * bool(row.documented), *_cells(row)) for row in reading.rows]
+        print_table(f"A: {reading.stated.source}; B: {reading.source}", ("kind", *_COLUMNS), cells)
+    count = len(reading.rows)
+    documented = count - len(reading.undocumented)
+    said = f"{count} quantities differ, {documented} of them by a documented default"
+    say(f"{reading.title}: {said if count else 'reads the robot that the file states'}")
+
+
+def _side(reading: "Reading") -> "Side":
+    from harness.scene.parity.difference import plain
+    from harness.store.parity_record import Side
+
+    return Side(
+        name=reading.title, engine=reading.engine, source=reading.source, refused=reading.refused,
+        rows=tuple(plain(row) for row in reading.rows), notes=reading.notes, matrix_gap=reading.matrix_gap,
+    )  # fmt: skip
+
+
+def _keep(
+    file: Path,
+    a: "RobotFacts",
+    root: str,
+    sides: "tuple[Side, ...]",
+    told: dict[str, Any],
+    parting: dict[str, Any] | None = None,
+) -> None:
+    """Where --out asks for it, the record of the comparison and its page."""
+    if told["out"] is None:
+        return
+    import reports
+    from harness.store import parity_record
+
+    record: ParityRecord = parity_record.ParityRecord(
+        file=file.name, joints=len(a.joints), root=root, tolerance=told["tolerance"], seed=told["seed"], sides=sides,
+        parting=parting,
+    )  # fmt: skip
+    parity_record.write(told["out"], record)
+    say(f"page: {reports.parity_page(told['out'])}", err=True)
 
 
 _COLUMNS = ("quantity", "of", "A", "B", "unit", "differs by", "relative", "consequence")

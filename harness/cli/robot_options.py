@@ -14,10 +14,8 @@ from harness.intake.import_wishes import DROPPABLE, SCENARIOS, Wishes, package_r
 if TYPE_CHECKING:
     from harness.scene.importers.imported import Imported
 
-__all__ = ["NAMES", "ROBOT_ENDINGS", "imported_from", "is_scene", "robot_options", "run_options", "wishes_of"]
+__all__ = ["NAMES", "imported_from", "is_robot", "is_scene", "robot_options", "run_options", "wishes_of"]
 
-ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
-"""Endings of robot files; what they hold is found out by reading them."""
 _OPTIONS = (
     click.option(
         "--drop", "drop", multiple=True, type=click.Choice(sorted(DROPPABLE)), help="Leave out what a scene has no word for."
@@ -29,6 +27,7 @@ _OPTIONS = (
     click.option(
         "--scenario", type=click.Choice(SCENARIOS), help="What happens to the robot where its companion says nothing."
     ),
+    click.option("--convex", type=click.IntRange(2, 64), help="Take meshes of URDFs apart into at most so many convex pieces."),
     click.option("--one-friction", is_flag=True, help="Take static friction to be the kinetic one."),
 )
 NAMES = "--drop, --package, --root, --scenario, --one-friction, --dt, --duration, --budget"
@@ -51,7 +50,7 @@ def run_options(command: Command) -> Command:
 
 
 def robot_options(command: Command) -> Command:
-    """The command with --drop, --package, --root, --scenario and --one-friction."""
+    """The command with --drop, --package, --root, --scenario, --convex and --one-friction."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
@@ -65,16 +64,25 @@ def wishes_of(told: dict[str, Any]) -> Wishes:
         root=told["root"],
         scenario=told["scenario"],
         one_friction=told["one_friction"],
+        convex=told["convex"],
     )
+
+
+def is_robot(path: Path) -> bool:
+    """Is it a robot file, by its ending?"""
+    if path.suffix in {"", ".json", ".toml"}:
+        return False
+
+    from harness.scene.importers.known import robot_endings
+
+    return path.suffix.lower() in robot_endings()
 
 
 def is_scene(name: str) -> bool:
     """Is it a scene or robot file? What cannot be read is refused before anything is imported for it. Raises: InputError."""
     path = Path(name)
-    if path.suffix.lower() in ROBOT_ENDINGS:
-        return True
     if path.suffix not in {".json", ".toml"}:
-        return False
+        return is_robot(path)
     told = document(path)
     return path.suffix == ".json" or "bodies" in told
 

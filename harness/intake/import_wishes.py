@@ -60,14 +60,15 @@ class Wishes:
 
     Terms:
         drop: kinds of elements that may be left out. packages: folder by the name of a package. root: how the root is held.
-        one_friction: static friction is taken to be the kinetic one. scenario: what happens to the robot. looks: read how it
-        looks too, for pictures.
+        one_friction: static friction is taken to be the kinetic one. convex: the most convex pieces that a collision mesh is
+        taken apart into, None for its hull. scenario: what happens to the robot. looks: read how it looks too, for pictures.
     """
 
     drop: frozenset[Drop] = frozenset()
     packages: Mapping[str, Path] = field(default_factory=dict)
     root: Root | None = None
     one_friction: bool = False
+    convex: int | None = None
     scenario: Scenario | None = None
     looks: bool = False
 

@@ -1,6 +1,7 @@
 """A process of its own in which one engine's loader reads one robot file: `python -m harness.run.loader_child`.
 
-Arguments: adapter, variant, file, and where the outcome goes as JSON: what was loaded, or why it was not.
+Arguments: adapter, file, where the outcome goes as JSON (what was loaded, or why it was not), way, how a root is held, and the
+folders of packages as NAME=DIR, each one argument.
 """
 
 import json
@@ -8,20 +9,23 @@ import sys
 from pathlib import Path
 
 from harness.adapter import Unavailable, Unsupported
-from harness.scene.parity.loaded import stored
+from harness.intake.import_wishes import Root
+from harness.scene.parity.loaded import Request, stored
 from harness.study import plugins
 
 __all__: list[str] = []
 
 
-def main(name: str, variant: str, file: str, out: str) -> None:
+def main(name: str, file: str, out: str, way: str, root: Root, *packages: str) -> None:
     """Load and write."""
+    folders = {package: Path(folder) for package, _, folder in (text.partition("=") for text in packages)}
+    request = Request(way=way, root=root, packages=folders)
     try:
-        told = stored(plugins.adapter(name).load_robot(Path(file), variant))
+        told = stored(plugins.adapter(name).load_robot(Path(file), request))
     except (Unavailable, Unsupported) as error:
         told = {"why": str(error)}
     Path(out).write_text(json.dumps(told), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*sys.argv[1:])  # type: ignore[arg-type]  # written by `robot_loaders` alone

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from harness.adapter import Unsupported
 from harness.intake.safe_text import one_line
-from harness.scene.parity.loaded import Loaded, restored
+from harness.scene.parity.loaded import Loaded, Request, restored
 
 __all__ = ["DEADLINE", "loaded_apart"]
 
@@ -16,11 +16,13 @@ DEADLINE = 120.0
 """Seconds that a loader may take, its engine's import included."""
 
 
-def loaded_apart(name: str, variant: str, path: Path) -> Loaded:
+def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
     """What an engine's loader makes of a file. Raises: Unsupported, with why it does not."""
     with TemporaryDirectory(prefix="plumbline-loader-") as scratch:
         out = Path(scratch) / "loaded.json"
-        command = [sys.executable, "-m", "harness.run.loader_child", name, variant, str(path.resolve()), str(out)]
+        packages = [f"{package}={folder.resolve()}" for package, folder in request.packages.items()]
+        asked = [name, str(path.resolve()), str(out), request.way, request.root, *packages]
+        command = [sys.executable, "-m", "harness.run.loader_child", *asked]
         try:
             done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=DEADLINE, check=False)
         except subprocess.TimeoutExpired:

@@ -17,9 +17,9 @@ from harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from harness.case import Case
 from harness.case.own_titles import OWN
 from harness.intake.mendable import Mendable
+from harness.intake.strangers import points, trouble
 from harness.metric import Metric
 from harness.scene import Scene
-from harness.study.strangers import points, trouble
 
 __all__ = [
     "SCENE_PREFIX",

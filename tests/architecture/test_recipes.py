@@ -1,4 +1,4 @@
-"""The four recipes of CONTRIBUTING work as they are printed."""
+"""The five recipes of CONTRIBUTING work as they are printed."""
 
 import json
 import os
@@ -17,6 +17,7 @@ GROUPS = {
     "cases/flight_straight.py": ("cases", "flight_straight", "CASE"),
     "harness/metrics/way.py": ("metrics", "way", "METRIC"),
     "reports/pages/roll.py": ("pages", "roll", "PAGE"),
+    "harness/scene/importers/formats/chain.py": ("importers", "chain", "IMPORTER"),
 }
 
 
@@ -27,7 +28,7 @@ def recipes() -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder that looks like an installed package with all four recipes in it."""
+    """A folder that looks like an installed package with all five recipes in it."""
     folder = tmp_path_factory.mktemp("recipes")
     info = folder / "recipes-1.0.dist-info"
     info.mkdir()
@@ -49,7 +50,7 @@ def call(installed: Path, *arguments: object) -> str:
     return done.stdout
 
 
-def test_all_four_recipes_are_printed() -> None:
+def test_all_five_recipes_are_printed() -> None:
     assert recipes().keys() == GROUPS.keys()
 
 
@@ -75,3 +76,20 @@ def test_the_new_metric_is_found(installed: Path) -> None:
     environment = os.environ | {"PYTHONPATH": str(installed)}
     done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "m"
+
+
+def test_the_new_importer_reads_its_format_in_every_command(installed: Path, tmp_path: Path) -> None:
+    (tmp_path / "two.chain").write_text("upper 1.0 2.0\nlower 0.5 1.0\n")
+    rows = json.loads(call(installed, "scene", "show", tmp_path / "two.chain", "--root", "fixed", "--json"))
+    assert [(row["name"], row["mass"]) for row in rows if row["kind"] == "body"] == [("upper", 2.0), ("lower", 1.0)]
+    inertia = '<inertia ixx="{0}" ixy="0" ixz="0" iyy="{0}" iyz="0" izz="{1}"/>'
+    links = "".join(
+        f'<link name="{name}"><inertial><origin xyz="0 0 {-length / 2}"/><mass value="{mass}"/>'
+        f"{inertia.format(mass * length**2 / 12, mass * length**2 / 12e6)}</inertial></link>"
+        f'<joint name="{name}_hinge" type="continuous"><parent link="{above}"/><child link="{name}"/>'
+        f'<origin xyz="0 0 {at}"/><axis xyz="0 1 0"/></joint>'
+        for name, length, mass, above, at in (("upper", 1.0, 2.0, "base", 0.0), ("lower", 0.5, 1.0, "upper", -1.0))
+    )
+    (tmp_path / "two.urdf").write_text(f'<robot name="two"><link name="base"/>{links}</robot>')
+    same = call(installed, "parity", tmp_path / "two.chain", tmp_path / "two.urdf", "--tolerance", "1e-9")
+    assert "the same robot: 2 joints" in same

@@ -133,6 +133,7 @@ class Companion:
     drop: tuple[Drop, ...] = ()
     packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
     one_friction: bool = False
+    convex: Annotated[int, Field(ge=2, le=64)] | None = None
     commands: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
     sensors: tuple[Sensor, ...] = ()
     duration: Seconds | None = None

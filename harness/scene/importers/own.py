@@ -31,8 +31,10 @@ def read(path: Path, wishes: Wishes, companion: Companion, commands: Mapping[str
                 f"{named(path)}: {name} in its companion file is for robot files; a scene says it itself, "
                 f"expected some of {', '.join(_OF_A_RUN)}"
             )
-    if wishes.drop or wishes.packages or wishes.root or wishes.scenario:
-        raise RobotError(f"{named(path)}: --drop, --package, --root and --scenario are for robot files; a scene says it itself")
+    if wishes.drop or wishes.packages or wishes.root or wishes.scenario or wishes.convex:
+        raise RobotError(
+            f"{named(path)}: --drop, --package, --root, --scenario and --convex are for robot files; a scene says it itself"
+        )
     rows: list[Fidelity] = []
     if wishes.one_friction or companion.one_friction:
         surfaces, rows = one_friction(scene.surfaces)

@@ -12,15 +12,17 @@ from harness.intake.import_wishes import Wishes
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
 from harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
-from harness.scene.importers import mjcf, own, scenarios, urdf
+from harness.scene.importers import own, scenarios
 from harness.scene.importers.commands import load_commands
 from harness.scene.importers.companion import Base, Companion, beside, load_companion
 from harness.scene.importers.consequences import consequences
 from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.files import Folders, text_of
+from harness.scene.importers.files import Folders
 from harness.scene.importers.imported import Imported
+from harness.scene.importers.importer import Reading
 from harness.scene.importers.joint_tree import Tree, tree_of
 from harness.scene.importers.kinematics import Posed, Twist, posed
+from harness.scene.importers.known import OWN_ENDINGS, importer_of, robot_endings
 from harness.scene.importers.looks import coloured, drawn_bodies, looks_of
 from harness.scene.importers.materials import Laws, laws_of, one_friction
 from harness.scene.importers.merging import Group, grouped
@@ -31,16 +33,12 @@ from harness.scene.importers.settling import NONE, followed, rooted, settled, un
 from harness.scene.importers.sweeping import swept
 from harness.scene.importers.ties import tied, untied
 from harness.scene.importers.units import scaled, suspected
-from harness.scene.importers.xml_text import elements
 
-__all__ = ["ENDINGS", "ROBOT_ENDINGS", "commands_of", "read", "robot_of"]
-
-ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
-ENDINGS = (".toml", ".json", *ROBOT_ENDINGS)
+__all__ = ["commands_of", "read", "robot_of"]
 
 
 def read(path: Path, wishes: Wishes | None = None, companion: Companion | None = None) -> Imported:
-    """The scene of a file ending in one of ENDINGS, with what became of each element.
+    """The scene of one of our own files or of a robot file, with what became of each element.
 
     Args:
         wishes: of the command line. companion: what the file does not say; the file `NAME.plumb.toml` beside it if None.
@@ -48,25 +46,26 @@ def read(path: Path, wishes: Wishes | None = None, companion: Companion | None =
         RobotError, SceneError: naming file, line, element, attribute, value and what mends it.
     """
     wishes = wishes or Wishes()
-    if path.suffix.lower() not in ENDINGS:
-        raise RobotError(f"{named(path)}: ending {quoted(path.suffix)}, expected one of {', '.join(ENDINGS)}")
+    if path.suffix.lower() not in (*OWN_ENDINGS, *robot_endings()):
+        raise RobotError(
+            f"{named(path)}: ending {quoted(path.suffix)}, expected one of {', '.join((*OWN_ENDINGS, *robot_endings()))}"
+        )
     beside_it, wishes = _wished(path, wishes, companion)
     commands = commands_of(path, beside_it)
-    if path.suffix.lower() in (".toml", ".json"):
+    if path.suffix.lower() in OWN_ENDINGS:
         return own.read(path, wishes, beside_it, commands)
-    robot = _robot(path, Folders(path.parent, wishes.packages), beside_it)
+    robot = _robot(path, beside_it, wishes)
     return imported(robot, beside_it, wishes, commands)
 
 
 def robot_of(path: Path, wishes: Wishes | None = None) -> tuple[Robot, Companion, Wishes]:
-    """The robot that a URDF or MJCF file states, before it is made a scene, in metres and kilograms.
+    """The robot that a robot file states, before it is made a scene, in metres and kilograms.
 
     Its companion and all that is wished, the companion's wishes among them, come with it. Raises: RobotError.
     """
-    if path.suffix.lower() not in ROBOT_ENDINGS:
-        raise RobotError(f"{named(path)}: ending {quoted(path.suffix)}, expected one of {', '.join(ROBOT_ENDINGS)}")
+    importer_of(path)
     companion, wishes = _wished(path, wishes or Wishes(), None)
-    robot = _robot(path, Folders(path.parent, wishes.packages), companion)
+    robot = _robot(path, companion, wishes)
     return robot if companion.units is None else scaled(robot, companion.units), companion, wishes
 
 
@@ -89,6 +88,7 @@ def _wished(path: Path, wishes: Wishes, companion: Companion | None) -> tuple[Co
         drop=wishes.drop | frozenset(beside_it.drop),
         packages={**_inside(path, beside_it), **wishes.packages},
         one_friction=wishes.one_friction or beside_it.one_friction,
+        convex=wishes.convex or beside_it.convex,
     )
 
 
@@ -106,14 +106,9 @@ def _inside(path: Path, companion: Companion) -> dict[str, Path]:
     return roots
 
 
-def _robot(path: Path, folders: Folders, companion: Companion) -> Robot:
-    if path.suffix.lower() == ".urdf":
-        return urdf.read(path, folders, companion.density)
-    where = named(path)
-    root = elements(text_of(path, where), where)
-    if root.tag == "robot":
-        return urdf.read(path, folders, companion.density)
-    return mjcf.read(path, root, folders, companion.keyframe)
+def _robot(path: Path, companion: Companion, wishes: Wishes) -> Robot:
+    reading = Reading(folders=Folders(path.parent, wishes.packages), companion=companion, convex=wishes.convex)
+    return importer_of(path).read(path, reading)
 
 
 def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mapping[str, Samples] = NONE) -> Imported:

@@ -25,8 +25,12 @@ from harness.scene.importers.xml_text import Element, elements
 __all__ = ["read"]
 
 
-def read(path: Path, folders: Folders, density: float | None = None) -> Robot:
-    """The robot of a URDF file. Args: density [kg/m3] of shapes where no mass is given. Raises: RobotError."""
+def read(path: Path, folders: Folders, density: float | None = None, convex: int | None = None) -> Robot:
+    """The robot of a URDF file.
+
+    Args: density [kg/m3] of shapes where no mass is given. convex: the most pieces of a mesh, None for its hull.
+    Raises: RobotError.
+    """
     where = named(path)
     root = elements(text_of(path, where), where)
     checked, foreign = urdf_grammar.check(root)
@@ -35,7 +39,7 @@ def read(path: Path, folders: Folders, density: float | None = None) -> Robot:
             raise checked.refuse(f"<{tag}>: {said}")
     urdf_grammar.check_tree(checked)
     parsed = _parsed(checked)
-    shapes = urdf_shapes.Shapes(folders, density)
+    shapes = urdf_shapes.Shapes(folders, density, convex)
     links = {link.name: link for link in parsed.links}
     joints = {joint.child: joint for joint in parsed.joints}
     lines = {(tag, one.attributes["name"]): one for tag in ("link", "joint") for one in checked.all(tag)}

@@ -1,15 +1,17 @@
-"""The shapes of URDF's links: primitives as they are, meshes as convex hulls, and mass from them where none is given."""
+"""The shapes of URDF's links: primitives as they are, meshes as hulls or convex pieces, and mass from them if none is given."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from harness.intake.refusal import RobotError, listed
-from harness.scene import Box, Cylinder, Shape, Sphere
+from harness.scene import Box, ConvexHull, Cylinder, Shape, Sphere
+from harness.scene.importers.decomposition import pieces_of
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders
-from harness.scene.importers.meshes import Mesh, hull_of, load_mesh
+from harness.scene.importers.meshes import hull_of, load_mesh
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 from harness.scene.importers.robot import Geometry, Look, Solid
 from harness.scene.importers.solids import moved, of_mesh, of_shape, together
@@ -21,16 +23,17 @@ __all__ = ["Shapes"]
 class Shapes:
     """Reads the shapes of one link after the other, and keeps what is to be said of them all."""
 
-    def __init__(self, folders: Folders, density: float | None) -> None:
-        self._folders, self._density = folders, density
+    def __init__(self, folders: Folders, density: float | None, convex: int | None = None) -> None:
+        self._folders, self._density, self._convex = folders, density, convex
         self._solids: dict[str, list[Solid]] = {}
         self._exact = 0
-        self._hulls: dict[str, float] = {}
+        self._excess: dict[str, float] = {}
         self._missing: dict[str, list[str]] = {}
         self._filled: list[str] = []
         self._spread: list[str] = []
         self._drawn = 0
-        self._read: dict[tuple[str, tuple[float, ...]], tuple[Mesh, Shape, float]] = {}
+        self._pieces: dict[str, int] = {}
+        self._read: dict[tuple[str, tuple[float, ...]], tuple[list[ConvexHull], float, Solid]] = {}
 
     def of(self, link: Any, element: Element) -> tuple[Geometry, ...]:
         """The collision shapes of a link that yourdfpy has read. Raises: RobotError."""
@@ -40,8 +43,8 @@ class Shapes:
             X = IDENTITY if collision.origin is None else _pose(collision.origin)
             read = self._shape(collision.geometry, own, link.name)
             if read is not None:
-                shape, solid = read
-                made.append(Geometry(shape, X))
+                shapes, solid = read
+                made += [Geometry(shape, X) for shape in shapes]
                 self._solids.setdefault(link.name, []).append(moved(solid, X))
         return tuple(made)
 
@@ -66,15 +69,16 @@ class Shapes:
             made.append(Look(X_LG=X, file=path, scale=tuple(scale), where=own.where, colour=colour))
         return tuple(made)
 
-    def _shape(self, geometry: Any, element: Element, link: str) -> tuple[Shape, Solid] | None:
+    def _shape(self, geometry: Any, element: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
+        shape: Shape
         if geometry.mesh is not None:
             return self._mesh(geometry.mesh, element, link)
         shape = _primitive(geometry)
         assert shape is not None
         self._exact += 1
-        return shape, of_shape(shape)
+        return [shape], of_shape(shape)
 
-    def _mesh(self, mesh: Any, element: Element, link: str) -> tuple[Shape, Solid] | None:
+    def _mesh(self, mesh: Any, element: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
         scale = (1.0, 1.0, 1.0) if mesh.scale is None else tuple(float(x) for x in np.broadcast_to(mesh.scale, (3,)))
         where = f"{element.where}: mesh filename"
         path = self._folders.found(mesh.filename, where)
@@ -83,16 +87,24 @@ class Shapes:
             return None
         key = (str(path), scale)
         if key not in self._read:
-            loaded = load_mesh(path, np.array(scale), where)
-            self._read[key] = (loaded, *hull_of(loaded.vertices, where))
-        loaded, hull, volume = self._read[key]
-        solid = of_mesh(loaded) if loaded.closed else of_shape(hull)
-        if loaded.closed and solid.mass > 0:
-            self._hulls[link] = max(self._hulls.get(link, 0.0), volume / solid.mass - 1)
-        else:
-            self._hulls.setdefault(link, float("nan"))
-            solid = of_shape(hull)
-        return hull, solid
+            self._read[key] = self._loaded(path, np.array(scale), where)
+        shapes, excess, solid = self._read[key]
+        worst = self._excess.get(link, excess)
+        self._excess[link] = excess if np.isnan(worst) else max(worst, excess) if not np.isnan(excess) else worst
+        self._pieces[link] = self._pieces.get(link, 0) + len(shapes)
+        return shapes, solid
+
+    def _loaded(self, path: Path, scale: Array, where: str) -> tuple[list[ConvexHull], float, Solid]:
+        """What stands for a mesh, by how much its volume exceeds the mesh's (nan where that is open), and the mesh filled."""
+        mesh = load_mesh(path, scale, where)
+        hull, volume = hull_of(mesh.vertices, where)
+        inside = of_mesh(mesh) if mesh.closed else None
+        shapes = [hull]
+        if self._convex is not None:
+            shapes, volume = pieces_of(mesh, self._convex, where)
+        if inside is None or inside.mass <= 0:
+            return shapes, float("nan"), of_shape(hull)
+        return shapes, volume / inside.mass - 1, inside
 
     def filled(self, link: str) -> Solid | None:
         """The mass of a link's shapes at the density; None where there is no density, or no shape."""
@@ -120,16 +132,19 @@ class Shapes:
         rows = []
         if self._exact:
             rows.append(Fidelity(element="collision", name="primitives", count=self._exact, outcome="exact", becomes="shapes"))
-        if self._hulls:
-            known = [value for value in self._hulls.values() if value == value]
+        if self._excess:
+            known = [value for value in self._excess.values() if value == value]
+            what = "the hull's volume exceeds" if self._convex is None else "the pieces' volumes together exceed"
             rows.append(
                 Fidelity(
                     element="collision mesh",
-                    name=listed(list(self._hulls)),
-                    count=len(self._hulls),
+                    name=listed(list(self._excess)),
+                    count=len(self._excess),
                     outcome="approximated",
-                    becomes="convex hull",
-                    consequence="contacts where the mesh is hollow; the hull's volume exceeds a closed mesh's by at most"
+                    becomes="convex hull"
+                    if self._convex is None
+                    else f"{sum(self._pieces.values())} convex pieces by CoACD, at most {self._convex} a mesh",
+                    consequence=f"contacts where the mesh is hollow; {what} a closed mesh's by at most"
                     if known
                     else "contacts where the mesh is hollow; the mesh is open, so that its volume is not known",
                     value=max(known) if known else None,

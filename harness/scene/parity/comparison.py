@@ -16,10 +16,11 @@ from harness.scene.importers.poses import Array
 from harness.scene.parity.consequence import Change, Effect, Reference, joint_changed, mass_changed, reference, worth
 from harness.scene.parity.difference import Difference, Quantity, Value
 from harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
+from harness.scene.parity.laws import rows_of
 from harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
 from harness.scene.parity.states import drawn
 
-__all__ = ["TOLERANCE", "compare", "renamed", "same_tree"]
+__all__ = ["TOLERANCE", "aligned", "compare", "renamed", "same_tree"]
 
 TOLERANCE = 1e-5
 """Relative. Files hold decimals of five or six digits: a right angle written as 1.5708 is off by 3.7e-6 rad. Ten times
@@ -40,6 +41,10 @@ def renamed(robot: RobotFacts, names: "dict[str, str]") -> RobotFacts:
         robot,
         joints=tuple(replace(joint, name=new(joint.name), parent=new(joint.parent)) for joint in robot.joints),
         masses={new(name): replace(solid, joint=new(name)) for name, solid in robot.masses.items()},
+        laws=tuple(
+            replace(law, name=new(law.name) if law.kind == "mimic" else law.name, partners=tuple(map(new, law.partners)))
+            for law in robot.laws
+        ),
     )
 
 
@@ -47,6 +52,12 @@ def with_free_root(a: RobotFacts, b: RobotFacts) -> RobotFacts:
     """B with its free joint by A's name, where each has one: formats name it in ways of their own."""
     free_A, free_B = ([joint.name for joint in robot.joints if joint.kind == "free"] for robot in (a, b))
     return renamed(b, {free_B[0]: free_A[0]}) if len(free_A) == 1 and len(free_B) == 1 else b
+
+
+def aligned(a: RobotFacts, b: RobotFacts) -> RobotFacts | None:
+    """B with its joints in the order of A's and its free root by A's name; None where their trees differ."""
+    b = with_free_root(a, b)
+    return _in_order(a, b) if same_tree(a, b) else None
 
 
 def same_tree(a: RobotFacts, b: RobotFacts) -> bool:
@@ -69,13 +80,8 @@ def compare(a: RobotFacts, b: RobotFacts, tolerance: float = TOLERANCE, seed: in
     for name in names_A:
         if name in names_B:
             rows += _mass(name, a.masses.get(name), b.masses.get(name), extent, tolerance)
-    for side, other, words in ((a, b, ("present", "absent")), (b, a, ("absent", "present"))):
-        for kind, name in side.laws:
-            if (kind, name) not in other.laws:
-                row = _missing("law", f"{kind} {name}", *words, tolerance)
-                rows.append(
-                    (replace(row, words="it binds coordinates that move freely without it; its effect is not worked out"), None)
-                )
+    slides = frozenset(joint.name for joint in a.joints if joint.kind == "prismatic")
+    rows += [(row, None) for row in rows_of(a.laws, b.laws, slides, extent, tolerance)]
     if a.gravity is not None and b.gravity is not None:
         size = float(np.linalg.norm(np.subtract(a.gravity, b.gravity)))
         scale = max(float(np.linalg.norm(a.gravity)), _SMALLEST)

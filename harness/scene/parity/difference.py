@@ -7,8 +7,8 @@ __all__ = ["Difference", "Quantity", "Value", "plain"]
 
 Quantity = Literal[
     "joint", "type", "parent", "axis", "anchor", "lower", "upper", "damping", "stiffness", "rest", "armature",
-    "friction_loss", "effort", "speed", "mass", "centre", "inertia", "law", "gravity", "gravity torque", "mass matrix",
-    "acceleration",
+    "friction_loss", "effort", "speed", "mass", "centre", "inertia", "law", "ratio", "offset", "point", "gravity",
+    "gravity torque", "mass matrix", "acceleration",
 ]  # fmt: skip
 Value = str | float | tuple[float, ...] | None
 
@@ -22,7 +22,8 @@ class Difference:
         the unit; relative: what is held against the tolerance; both None for what has no size. torque: what has to be
         exerted on A, at the worst of the states and joints, for it to accelerate as with B's value, in torque_unit. motion:
         how far the worst joint is elsewhere after a second, in motion_unit; None where it was not followed. kind: what a
-        loader did, in words of importers; '' in a comparison of two files. words: the consequence.
+        loader did, in words of importers; '' in a comparison of two files. documented: where the loader's documentation
+        says so; '' for nowhere known. words: the consequence.
     """
 
     quantity: Quantity
@@ -38,6 +39,7 @@ class Difference:
     motion: float | None = None
     motion_unit: str = ""
     kind: str = ""
+    documented: str = ""
     words: str = ""
 
 

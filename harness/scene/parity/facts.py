@@ -6,7 +6,7 @@ from harness.scene.importers.poses import Array
 from harness.scene.importers.robot import Kind
 from harness.scene.values import Vector3
 
-__all__ = ["FIXED", "JointFacts", "MassFacts", "RobotFacts"]
+__all__ = ["FIXED", "JointFacts", "Law", "MassFacts", "RobotFacts"]
 
 FIXED = ""
 """The name that stands for the world where a joint's parent or a mass's joint is meant."""
@@ -54,21 +54,41 @@ class MassFacts:
     inertia: Array
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law:
+    """What is neither a mass nor a joint of the tree.
+
+    Terms:
+        kind: 'mimic', 'closure', or that of what has no numbers here (a tendon, ...). name: of the joint that follows, else of
+        the element. partners: the joint that is followed; of a closure the joints that move its two sides. ratio, offset [rad
+        or m]: of a mimic. points [m]: of a closure, on either side, in W, all coordinates at 0. whole: does it hold all, and
+        not a point alone?
+    """
+
+    kind: str
+    name: str
+    partners: tuple[str, ...] = ()
+    ratio: float | None = None
+    offset: float | None = None
+    points: tuple[Vector3, Vector3] | None = None
+    whole: bool = False
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RobotFacts:
     """A robot.
 
     Terms:
         joints: parents before children. masses: by the name of their joint; what is fixed to the world has none. gravity
-        [m/s2]: None where nothing is said. laws: what is neither a mass nor a joint of the tree (a mimic, a tendon, a closed
-        loop), each as its kind and name. wordless: fields of JointFacts that this format or loader has no word for.
+        [m/s2]: None where nothing is said. laws: mimics, closed loops, tendons and the like. wordless: fields of JointFacts
+        that this format or loader has no word for.
     """
 
     source: str
     joints: tuple[JointFacts, ...]
     masses: dict[str, MassFacts]
     gravity: Vector3 | None = None
-    laws: tuple[tuple[str, str], ...] = ()
+    laws: tuple[Law, ...] = ()
     wordless: frozenset[str] = field(default_factory=frozenset)
 
     def joint(self, name: str) -> JointFacts:

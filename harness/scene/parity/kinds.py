@@ -26,14 +26,23 @@ def kind_of(row: Difference) -> str:
     if row.quantity == "joint":
         return "joint lost" if row.value_B == "absent" else "joint made up"
     if row.quantity == "law":
-        return "mimic made free" if row.element.startswith("mimic ") and row.value_B == "absent" else "law lost or made up"
+        if row.value_B != "absent":
+            return "law made up" if row.value_A == "absent" else "law changed"
+        return {"mimic": "mimic made free", "closure": "loop opened"}.get(row.element.partition(" ")[0], "law lost")
     if row.quantity == "axis" and isinstance(row.value_A, tuple) and isinstance(row.value_B, tuple):
         a, b = np.array(row.value_A), np.array(row.value_B)
         turned = np.linalg.norm(np.cross(a, b)) / max(float(np.linalg.norm(b)), 1e-300)
         return "axis not normalised" if turned <= row.tolerance else "axis changed"
     if row.quantity == "inertia" and isinstance(row.value_A, tuple) and isinstance(row.value_B, tuple):
         return _of_inertia(_tensor(row.value_A), _tensor(row.value_B), row.tolerance)
-    return {"anchor": "frame moved", "centre": "centre moved", "mass": "mass changed"}.get(row.quantity, "")
+    return {
+        "ratio": "mimic changed",
+        "offset": "mimic changed",
+        "point": "loop changed",
+        "anchor": "frame moved",
+        "centre": "centre moved",
+        "mass": "mass changed",
+    }.get(row.quantity, "")
 
 
 def _of_inertia(a: Array, b: Array, tolerance: float) -> str:

@@ -1,18 +1,44 @@
 """What an engine's own loader made of a robot file: its links gathered to facts, and how well its own mass matrix agrees."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from harness.intake.import_wishes import Root
 from harness.scene.importers.poses import Array
 from harness.scene.importers.robot import Solid
 from harness.scene.importers.solids import together
-from harness.scene.parity.facts import FIXED, JointFacts, MassFacts, RobotFacts
+from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 from harness.scene.parity.motion import Configuration, dynamics
 
-__all__ = ["Loaded", "LoadedLink", "gathered", "matrix_gap", "restored", "stored"]
+__all__ = ["Loaded", "LoadedLink", "Request", "gathered", "in_packages", "matrix_gap", "restored", "stored"]
+
+
+_PACKAGED = re.compile(r"(?:package|model)://([^/]+)/(.+)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What a loader is asked.
+
+    Terms:
+        way: one of `Adapter.loaders`. root: how it is to hold a root of which the file says nothing. packages: folders by the
+        names of package://.
+    """
+
+    way: str = ""
+    root: Root = "fixed"
+    packages: Mapping[str, Path] = field(default_factory=dict)
+
+
+def in_packages(reference: str, packages: Mapping[str, Path]) -> Path | None:
+    """The file that a package:// reference names; None for another reference, or an unknown package."""
+    parts = _PACKAGED.fullmatch(reference)
+    return None if parts is None or parts[1] not in packages else packages[parts[1]] / parts[2]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,7 +70,7 @@ class Loaded:
 def gathered(
     source: str,
     links: Sequence[LoadedLink],
-    laws: tuple[tuple[str, str], ...] = (),
+    laws: tuple[Law, ...] = (),
     wordless: frozenset[str] = frozenset(),
 ) -> RobotFacts:
     """The facts of an engine's links, parents before children; what fixed joints hold together is merged."""
@@ -129,7 +155,10 @@ def restored(told: dict[str, Any]) -> Loaded:
         )
         for name, solid in facts["masses"].items()
     }
-    laws = tuple((kind, name) for kind, name in facts["laws"])
+    laws = tuple(
+        Law(**{**law, "partners": tuple(law["partners"]), "points": law["points"] and tuple(map(tuple, law["points"]))})
+        for law in facts["laws"]
+    )
     robot = RobotFacts(
         source=facts["source"], joints=tuple(joints), masses=masses, laws=laws, wordless=frozenset(facts["wordless"])
     )

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from harness.intake.import_wishes import Root, Wishes
-from harness.scene.importers.kinematics import posed
+from harness.scene.importers.kinematics import Posed, posed
 from harness.scene.importers.merging import grouped
 from harness.scene.importers.poses import IDENTITY, Array
 from harness.scene.importers.reading import robot_of
 from harness.scene.importers.robot import Coordinate, Link, Robot
 from harness.scene.importers.solids import moved
-from harness.scene.parity.facts import FIXED, JointFacts, MassFacts, RobotFacts
+from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 
-__all__ = ["facts_of", "of_robot", "pair_of"]
+__all__ = ["audited", "facts_of", "of_robot", "pair_of"]
 
 _DRIVEN = "actuator"
 """Needs of this kind are of what drives a robot, and are not compared."""
@@ -26,8 +26,8 @@ def pair_of(path_A: Path, path_B: Path, wishes: Wishes) -> tuple[RobotFacts, Rob
     read = [robot_of(path, wishes) for path in (path_A, path_B)]
     roots = [robot.root or wishes.root or companion.root for robot, companion, _ in read]
     a, b = (
-        _facts(robot, own or other or "fixed", all_wishes, path)
-        for (robot, _, all_wishes), own, other, path in zip(read, roots, roots[::-1], (path_A, path_B), strict=True)
+        _facts(robot, own or other or "fixed", all_wishes)
+        for (robot, _, all_wishes), own, other in zip(read, roots, roots[::-1], strict=True)
     )
     return a, b
 
@@ -35,18 +35,25 @@ def pair_of(path_A: Path, path_B: Path, wishes: Wishes) -> tuple[RobotFacts, Rob
 def facts_of(path: Path, wishes: Wishes) -> RobotFacts:
     """The facts that a file states; its root is fixed where neither the file nor its user says. Raises: RobotError."""
     robot, companion, wishes = robot_of(path, wishes)
-    return _facts(robot, robot.root or wishes.root or companion.root or "fixed", wishes, path)
+    return _facts(robot, robot.root or wishes.root or companion.root or "fixed", wishes)
 
 
-def _facts(robot: Robot, root: Root, wishes: Wishes, path: Path) -> RobotFacts:
+def audited(path: Path, wishes: Wishes) -> tuple[RobotFacts, Root]:
+    """The facts that a file states, and how a loader is to hold its root. Raises: RobotError."""
+    robot, companion, wishes = robot_of(path, wishes)
+    root = wishes.root or companion.root or "fixed" if robot.root is None else "fixed"
+    return _facts(robot, robot.root or root, wishes), root
+
+
+def _facts(robot: Robot, root: Root, wishes: Wishes) -> RobotFacts:
     if robot.root is None and root == "floating":
         free = Coordinate(name=f"{robot.links[0].name}.root", kind="free")
         robot = replace(robot, links=(replace(robot.links[0], coordinates=(free,)), *robot.links[1:]))
-    return of_robot(robot, wishes.drop, frozenset() if path.suffix.lower() == ".urdf" else frozenset({"speed"}))
+    return of_robot(robot, wishes.drop)
 
 
-def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: frozenset[str] = frozenset()) -> RobotFacts:
-    """The facts of a neutral robot. Args: dropped: kinds of elements that are taken out. wordless: as in RobotFacts."""
+def of_robot(robot: Robot, dropped: frozenset[str] = frozenset()) -> RobotFacts:
+    """The facts of a neutral robot. Args: dropped: kinds of elements that are taken out."""
     robot = replace(robot, links=tuple(_at_zero(link) for link in robot.links))
     at = posed(robot, IDENTITY)
     joints: list[JointFacts] = []
@@ -70,25 +77,45 @@ def of_robot(robot: Robot, dropped: frozenset[str] = frozenset(), wordless: froz
             centre=np.zeros(3) if solid is None else solid.centre,
             inertia=np.zeros((3, 3)) if solid is None or solid.inertia is None else solid.inertia,
         )
-    told = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
-    laws: list[tuple[str, str]] = [(need.kind, name) for need in told for name in need.names]
-    laws += [
-        ("mimic", c.name) for link in robot.links for c in link.coordinates if c.tie is not None and not dropped & c.tie.kinds
-    ]
-    laws += [("closure", one.name) for one in robot.closures if one.kind != "spring" and "equality" not in dropped]
-    laws += [
-        ("tendon", f"{one.name} of {one.stiffness:g} N/m, {one.damping:g} N s/m, rest {one.rest:g} m")
-        for one in robot.closures
-        if one.kind == "spring"
-    ]
+    laws = _laws(robot, at, last, dropped)
     return RobotFacts(
         source=robot.source,
         joints=tuple(joints),
         masses=masses,
         gravity=robot.gravity,
-        laws=tuple(laws),
-        wordless=wordless,
+        laws=laws,
+        wordless=robot.wordless,
     )
+
+
+def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: frozenset[str]) -> tuple[Law, ...]:
+    """Ties, springs and closures with their numbers, all else by its name."""
+    kept = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
+    laws = [
+        Law(kind="mimic", name=c.name, partners=(c.tie.joint,), ratio=c.tie.ratio, offset=c.tie.offset)
+        for link in robot.links
+        for c in link.coordinates
+        if c.tie is not None and not dropped & c.tie.kinds
+    ]
+    laws += [Law(kind=need.kind, name=name) for need in kept for name in need.names]
+    for closure in robot.closures:
+        if closure.kind == "spring":
+            said = f"{closure.stiffness:g} N/m, {closure.damping:g} N s/m, rest {closure.rest:g} m"
+            laws.append(Law(kind="tendon", name=f"{closure.name} of {said}"))
+            continue
+        if "equality" in dropped:
+            continue
+        p_A, p_B = (at.pose[link].of(p) for link, p in ((closure.link_A, closure.anchor_A), (closure.link_B, closure.anchor_B)))
+        laws.append(
+            Law(
+                kind="closure",
+                name=closure.name,
+                partners=(last[closure.link_A], last[closure.link_B]),
+                points=((p_A[0], p_A[1], p_A[2]), (p_B[0], p_B[1], p_B[2])),
+                whole=closure.kind == "fixed",
+            )
+        )
+    return tuple(laws)
 
 
 def _at_zero(link: Link) -> Link:

@@ -1,0 +1,97 @@
+"""A robot of facts moved by torques in MuJoCo: every body's frame is W's at zero positions, and there are no shapes.
+
+Joint limits, dry friction, bounds of effort, mimics and points that loops close at are in it; loops that hold all are not.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from adapters.mujoco.vendor import mujoco_module
+from harness.adapter import Unsupported
+from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
+from harness.scene.parity.parting import DT, Motion
+from harness.trajectory import Floats
+
+__all__ = ["moved"]
+
+
+def moved(robot: RobotFacts, motion: Motion) -> Floats:
+    """Positions (samples, joints, 4): the coordinate and zeros, or a ball's or free joint's quaternion. Raises: Unsupported."""
+    mj = mujoco_module()
+    spec = mj.MjSpec()
+    spec.option.timestep, spec.option.gravity = DT, motion.gravity
+    spec.option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
+    bodies: dict[str, Any] = {FIXED: spec.worldbody}
+    for joint in robot.joints:
+        body = bodies[joint.name] = bodies[joint.parent].add_body(name=f"body {joint.name}")
+        _add_joint(mj, body, joint)
+        solid = robot.masses.get(joint.name)
+        if solid is not None and solid.mass > 0:
+            _weigh(body, solid)
+        if joint.kind in ("revolute", "prismatic"):
+            motor = spec.add_actuator(name=joint.name, trntype=mj.mjtTrn.mjTRN_JOINT, target=joint.name)
+            motor.set_to_motor()
+    for place, law in enumerate(robot.laws):
+        _bind(mj, spec, bodies, law, place)
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise Unsupported("the motion", f"MuJoCo's compiler refuses the robot of {robot.source}: {error}") from None
+    return _stepped(mj, model, robot, motion)
+
+
+def _add_joint(mj: Any, body: Any, joint: JointFacts) -> None:
+    kinds = {"revolute": mj.mjtJoint.mjJNT_HINGE, "prismatic": mj.mjtJoint.mjJNT_SLIDE, "ball": mj.mjtJoint.mjJNT_BALL}
+    if joint.kind == "free":
+        body.add_freejoint(name=joint.name)
+        return
+    made = body.add_joint(name=joint.name, type=kinds[joint.kind], pos=joint.anchor, axis=joint.axis)
+    made.damping[0], made.stiffness[0] = joint.damping, joint.stiffness
+    made.springref, made.armature, made.frictionloss = joint.rest, joint.armature, joint.friction_loss
+    if joint.kind != "ball" and (joint.lower is not None or joint.upper is not None):
+        made.limited = mj.mjtLimited.mjLIMITED_TRUE
+        made.range = (-1e6 if joint.lower is None else joint.lower, 1e6 if joint.upper is None else joint.upper)
+    if joint.effort is not None:
+        made.actfrclimited, made.actfrcrange = mj.mjtLimited.mjLIMITED_TRUE, (-joint.effort, joint.effort)
+
+
+def _weigh(body: Any, solid: MassFacts) -> None:
+    body.explicitinertial, body.mass, body.ipos = True, solid.mass, solid.centre
+    t = solid.inertia
+    body.fullinertia = (t[0, 0], t[1, 1], t[2, 2], t[0, 1], t[0, 2], t[1, 2])
+
+
+def _bind(mj: Any, spec: Any, bodies: dict[str, Any], law: Law, place: int) -> None:
+    if law.kind == "mimic" and law.ratio is not None:
+        tie = spec.add_equality(type=mj.mjtEq.mjEQ_JOINT, objtype=mj.mjtObj.mjOBJ_JOINT, name1=law.name, name2=law.partners[0])
+        tie.data[0], tie.data[1] = law.offset or 0.0, law.ratio
+    elif law.kind == "closure" and law.points is not None and not law.whole:
+        for side, joint, point in zip("AB", law.partners, law.points, strict=True):
+            bodies[joint].add_site(name=f"loop {place} {side}", pos=point)
+        names = {"name1": f"loop {place} A", "name2": f"loop {place} B"}
+        spec.add_equality(type=mj.mjtEq.mjEQ_CONNECT, objtype=mj.mjtObj.mjOBJ_SITE, **names)
+
+
+def _stepped(mj: Any, model: Any, robot: RobotFacts, motion: Motion) -> Floats:
+    scene = mj.MjData(model)
+    joints = [(k, joint.kind, int(model.joint(joint.name).qposadr[0])) for k, joint in enumerate(robot.joints)]
+    for k, kind, at in joints:
+        if kind in ("revolute", "prismatic"):
+            scene.qpos[at] = motion.start[k]
+    drives = [
+        (model.actuator(joint.name).id, k) for k, joint in enumerate(robot.joints) if joint.kind in ("revolute", "prismatic")
+    ]
+    motors, columns = (np.array(side, dtype=np.int64) for side in (zip(*drives, strict=True) if drives else ((), ())))
+    kept = np.zeros((len(motion.torques) + 1, len(robot.joints), 4))
+    for sample in range(len(kept)):
+        for k, kind, at in joints:
+            if kind in ("revolute", "prismatic"):
+                kept[sample, k, 0] = scene.qpos[at]
+            else:
+                first = at + 3 if kind == "free" else at
+                kept[sample, k] = scene.qpos[first : first + 4]
+        if sample < len(motion.torques):
+            scene.ctrl[motors] = motion.torques[sample, columns]
+            mj.mj_step(model, scene)
+    return kept

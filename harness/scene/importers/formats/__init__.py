@@ -1,0 +1,1 @@
+"""One format of robot files, one file, ending in `IMPORTER`; a file that is put here is found by its presence."""

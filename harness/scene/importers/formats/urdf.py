@@ -1,0 +1,21 @@
+"""URDF: the format of the Robot Operating System."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.scene.importers.importer import Importer, Reading
+
+if TYPE_CHECKING:
+    from harness.scene.importers.robot import Robot
+
+__all__ = ["IMPORTER"]
+
+
+def read(path: Path, reading: Reading) -> "Robot":
+    """The robot of a URDF file. Raises: RobotError."""
+    from harness.scene.importers import urdf  # late: endings are asked for more often than robots
+
+    return urdf.read(path, reading.folders, reading.companion.density, reading.convex)
+
+
+IMPORTER = Importer(name="urdf", title="URDF", endings=(".urdf",), read=read)

@@ -1,0 +1,43 @@
+"""The protocol of an importer: it turns a file of one format into a robot, and is found by its presence."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from harness.scene.importers.companion import Companion
+    from harness.scene.importers.files import Folders
+    from harness.scene.importers.robot import Robot
+
+__all__ = ["Importer", "Reading"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What an importer is handed beside the path.
+
+    Terms:
+        folders: where references may lead; they are followed through it alone. companion: what the file beside the robot says.
+        convex: the most convex pieces that a mesh is taken apart into; None for its hull.
+    """
+
+    folders: "Folders"
+    companion: "Companion"
+    convex: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Importer:
+    """One format.
+
+    Terms:
+        name: unique, like its file or entry point. title: for people. endings: of its files, lower case, each with its dot; an
+        ending belongs to one importer. read: all that a file says, in metres and kilograms unless its companion's units mend
+        that; raises RobotError, naming file, line, element and value.
+    """
+
+    name: str
+    title: str
+    endings: tuple[str, ...]
+    read: Callable[[Path, Reading], "Robot"]

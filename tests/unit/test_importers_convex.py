@@ -1,0 +1,44 @@
+"""A mesh that is not convex is taken apart on request, and what is left of its hollow is told."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from harness.intake.import_wishes import Wishes
+from harness.scene.importers.reading import read
+
+
+def angle(path: Path) -> None:
+    """An L of volume 3, whose hull has 3.5."""
+    outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    vertices = np.array([(x, y, z) for z in (0, 1) for x, y in outline], dtype=float)
+    top = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+    faces = [(a, c, b) for a, b, c in top] + [(a + 6, b + 6, c + 6) for a, b, c in top]
+    for i in range(6):
+        j = (i + 1) % 6
+        faces += [(i, j, j + 6), (i, j + 6, i + 6)]
+    trimesh.Trimesh(vertices, faces, process=False).export(path)
+
+
+@pytest.mark.parametrize(("convex", "pieces", "excess", "slack"), [(None, 1, 3.5 / 3 - 1, 1e-6), (4, 2, 0.0, 1e-3)])
+def test_pieces_replace_the_hull_and_say_what_they_add(
+    convex: int | None, pieces: int, excess: float, slack: float, tmp_path: Path
+) -> None:
+    """CoACD cuts between samples of its own: a thousandth of the volume is left to it."""
+    if convex is not None:
+        pytest.importorskip("coacd")
+    angle(tmp_path / "l.stl")
+    path = tmp_path / "l.urdf"
+    path.write_text(
+        '<robot name="l"><link name="l"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        '</inertial><collision><geometry><mesh filename="l.stl"/></geometry></collision></link></robot>'
+    )
+    imported = read(path, Wishes(root="floating", convex=convex))
+    (body,) = imported.scene.bodies
+    assert len(body.collision) == pieces
+    (row,) = [row for row in imported.fidelity if row.element == "collision mesh"]
+    assert row.outcome == "approximated"
+    assert row.value == pytest.approx(excess, abs=slack)
+    assert ("CoACD" in row.becomes) == (convex is not None)

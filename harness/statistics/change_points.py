@@ -1,7 +1,7 @@
 """Change points: the nights from which on a series lies on another level.
 
 Candidates are the exact optimum of PELT (R. Killick, P. Fearnhead & I. A. Eckley, J. Amer. Statist. Assoc. 107 (2012) 1590) on
-logarithms whose outliers are clipped. Each is then moved to where the capped sum of squares is least, and the weakest is dropped,
+logarithms whose outliers are clipped. Each is then moved to where the capped sum of squares is least, and the weakest dropped,
 one after the other, until what is left is beyond chance: Student's t of the two levels beside it, counted once for each night
 that it could have been (Bonferroni). docs/decisions/0016 says how often that finds what, and what else was tried.
 """
@@ -9,6 +9,7 @@ that it could have been (Bonferroni). docs/decisions/0016 says how often that fi
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -42,7 +43,7 @@ _NORMAL_CAPPED = 0.9866
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChangePoint:
-    """Terms: index: the first value on the new level. ratio: new level over old. p_value: how often chance alone does as much."""
+    """Terms: index: of the first value on the new level. ratio: new level over old. p_value: how often chance does as much."""
 
     index: int
     ratio: float
@@ -64,7 +65,7 @@ def change_points(series: Floats, segments: NDArray[np.int64] | None = None) -> 
 
 
 def common_mode(series: Floats) -> Floats:
-    """The factor (n,) by which each night slowed all of the series, shape (s, n): the median over series of each one's departure
+    """The factor (n,) by which each night slowed all series, shape (s, n): the median over series of each one's departure
     from its own median; 1 where no series has a value. Several series over it are free of what the machine did to all."""
     logs = np.log(np.where(series > 0, series, np.nan))
     with warnings.catch_warnings():
@@ -144,7 +145,7 @@ def _level(values: Floats, spread: float) -> tuple[float, int]:
 def _spread(y: Floats, ends: Sequence[int]) -> float:
     """The spread around the levels, without outliers."""
     bounds = [0, *ends, len(y)]
-    off = np.concatenate([y[a:b] - np.median(y[a:b]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+    off = np.concatenate([y[a:b] - np.median(y[a:b]) for a, b in pairwise(bounds)])
     rough = max(float(np.median(np.abs(off))) / _NORMAL_MAD, TINY)
     within = np.abs(off) <= CAP * rough
     free = max(int(within.sum()) - len(ends) - 1, 1)

@@ -1,8 +1,8 @@
 """Are changes of a history seen, at the right night, and nothing where there is none?
 
-The rates asked for are those that the project promises of a night of which one series' price is known to 2 %. A step of 5 % is two
-and a half spreads; one series alone cannot place that to the night (whoever knows that there is exactly one step does so in 51 or
-52 of 60), so three that should move together are asked.
+The rates asked for are those that the project promises where a night's price is known to 2 %. A step of 5 % is two and a half
+spreads; one series alone cannot place that to the night (whoever knows that there is exactly one step does so in 51 or 52 of
+60), so three that should move together are asked.
 """
 
 from collections.abc import Callable

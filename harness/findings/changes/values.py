@@ -19,7 +19,7 @@ Sense = Literal["worse", "better", "within tolerance", "neither"]
 """Which way: worse and better beyond doubt; an answer of other bits that is as good; a fact that is neither good nor bad."""
 
 Beside = Literal["", "canary", "other engines"]
-"""What a price was divided by, clocked in the same run: '' for no price; a fixed kernel; what engines cost that did not change."""
+"""What a price was divided by, clocked in the same run: '' for no price; a fixed kernel; engines that did not change."""
 
 Value = float | str | None
 """A number in the row's unit, a word (a status, a version, a digest), or None where there was nothing."""
@@ -33,8 +33,8 @@ class Change:
         case, engine, track: '' where it is about all of them. where: parameters that differ from the case's own, in words.
         dt [s]: 0 where it is about several steps. metric, unit: of before and after.
         trial_a, trial_b: the trials it is read off, '' for none. before, after: in A, in B. ratio: after over before, with its
-        95 % interval low..high, None where there is none. beside: what both prices were divided by. count: trials that it stands
-        for. detail: what else has to be known of it (a reason, the text of a warning, names of files).
+        95 % interval low..high, None where there is none. beside: what both prices were divided by. count: trials that it
+        stands for. detail: what else has to be known of it (a reason, the text of a warning, names of files).
         weight: what rows are sorted by, heaviest first: the whole part says how grave the kind and sense are, the fraction how
         much it is.
     """

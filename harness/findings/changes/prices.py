@@ -3,7 +3,8 @@
 Best are the prices of other engines whose answers are the same to the last bit: they pass through the same hours. Where there
 are too few of them, it is the canary, a fixed kernel clocked beside each sample. Even then a process is laid out otherwise in
 memory the next time: how far prices of unchanged trials stray from run to run is read off them, and nothing below four times
-that, or below what marks a timing as unstable, is told of a single trial. Of an engine as a whole less can be told, by the median.
+that, or below what marks a timing as unstable, is told of a single trial. Of an engine as a whole less can be told, by the
+median.
 """
 
 import math

@@ -15,10 +15,10 @@ __all__ = ["PAGE", "what_changed_page", "write_what_changed"]
 
 PAGE = "what-changed.html"
 _SECTIONS = (
-    ("worse", "Worse", ("worse",)),
-    ("better", "Better", ("better",)),
-    ("alike", "Other bits, as good", ("within tolerance",)),
-    ("facts", "What else is another", ("neither",)),
+    ("worse", "Worse", "Worse", ("worse",)),
+    ("better", "Better", "Better", ("better",)),
+    ("alike", "Other bits, as good", "Alike", ("within tolerance",)),
+    ("facts", "What else is another", "Facts", ("neither",)),
 )
 _NOTES = {
     "worse": "Verdicts, determinism, limits, errors and prices beyond what chance and the truths allow; each with the command "
@@ -35,7 +35,7 @@ _MOST_SENTENCES, _MOST_ROWS = 200, 2000
 
 def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
     """The page as text, with its policy."""
-    sections = [_section(name, title, changes, senses) for name, title, senses in _SECTIONS]
+    sections = [_section(name, title, changes, senses) | {"short": short} for name, title, short, senses in _SECTIONS]
     page = (
         environment()
         .get_template("what_changed.html")

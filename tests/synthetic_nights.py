@@ -21,8 +21,8 @@ class History:
 
 
 def history(seed: tuple[int, ...], series: int = 20, changed: int = 1, factor: Floats | None = None) -> History:
-    """Noise of 2 % on every price, 3 % outliers up to 1.5 times as long, a tenth of the nights slow for all, up to 1.6 times, and
-    a machine that wanders by 1 %; the first `changed` series are multiplied by `factor` (n,)."""
+    """Noise of 2 % on every price, 3 % outliers up to 1.5 times as long, a tenth of the nights slow for all, up to 1.6 times,
+    and a machine that wanders by 1 %; the first `changed` series are multiplied by `factor` (n,)."""
     rng = np.random.default_rng(seed)
     level = 1e-3 * np.exp(rng.normal(0, 1, (series, 1)))
     slow = np.where(rng.random(NIGHTS) < 0.1, rng.uniform(1.05, 1.6, NIGHTS), 1.0) * np.exp(rng.normal(0, 0.01, NIGHTS))

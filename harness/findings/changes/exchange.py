@@ -36,9 +36,14 @@ def _name(row: Any) -> str:
     return f"{row.case}.{row.unit}" if isinstance(row.unit, str) else str(row.case)
 
 
+def _beside(row: Any) -> bool:
+    """Was something else clocked than the work itself, once?"""
+    return getattr(row, "workers", 1) != 1 or getattr(row, "clocks", "work") != "work"
+
+
 def _prices(store: Store) -> Iterator[_Figure]:
     for row in store.asked.itertuples():
-        if row.cpu_per_unit == row.cpu_per_unit and row.workers == 1 and row.clocks == "work":
+        if row.cpu_per_unit == row.cpu_per_unit and not _beside(row):
             yield _Figure(
                 _name(row), (row.engine, row.track, f"{row.dt:.6g}"), float(row.cpu_per_unit), float(row.cpu_per_unit_low),
                 float(row.cpu_per_unit_high),

@@ -18,6 +18,8 @@ _ASKED = (
     "study", "experiment", "case", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
     "remedy", "parts",
 )  # fmt: skip
+_SINCE = {"clocks": "work", "workers": 1}
+"""What trials of a folder from before there were these columns mean by their absence."""
 _APART = ("engine_version", "settings")
 """What tells trials apart that ask the same within one folder: two versions side by side, or settings that share a name."""
 
@@ -53,7 +55,7 @@ def matched(store_a: Store, store_b: Store) -> tuple[Pair, ...]:
 
 
 def _key(row: Any) -> Hashable:
-    return tuple(getattr(row, name) for name in _ASKED)
+    return tuple(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
 
 
 def _further(row: Any) -> Hashable:

@@ -16,12 +16,14 @@ import numpy as np
 
 from harness.findings.changes.matching import Pair, where_of
 from harness.findings.changes.values import Beside, Change
-from harness.statistics.bootstrap import DRAWS, interval_of_drawn
+from harness.statistics.bootstrap import interval_of_drawn
 from harness.store.store import Store
 from harness.trajectory import Floats
 
 __all__ = ["FEWEST", "TOLD", "TOLD_OF_ALL", "clocked", "price_changes"]
 
+DRAWS = 400
+"""Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""
 FEWEST = 8
 """Prices of other engines that make a yardstick, and of any that make a spread."""
 TOLD = 0.10

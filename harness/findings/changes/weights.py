@@ -26,8 +26,8 @@ def heaviest_first(rows: Iterable[Change]) -> tuple[Change, ...]:
 
 
 def _size(row: Change) -> float:
-    """Below 1 and growing with the ratio; 1/2 for a factor of two, and a little for what stands for many trials."""
+    """Below 1 and growing with the ratio; 1/2 for a factor of two, and more for what is said of an engine as a whole."""
     by_ratio = abs(math.log2(row.ratio)) if row.ratio is not None and 0 < row.ratio < math.inf else 0.0
-    by_count = math.log2(row.count) / 100 if row.count > 1 else 0.0
+    by_count = (math.log2(row.count) / 100 if row.case else 1.0) if row.count > 1 else 0.0
     size = by_ratio + by_count
     return size / (1 + size) * (1 - 1e-9)

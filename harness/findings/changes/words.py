@@ -13,6 +13,8 @@ _ORIGINS = {
     "harness": "the harness that steps and measures",
     "truth": "the engine that makes the truth",
 }
+_TELLING = 1000.0
+"""A ratio beyond this says only that an error was none before, or is none now."""
 _BESIDE = {"canary": "over the canary", "other engines": "over other engines of the same run"}
 
 
@@ -66,7 +68,9 @@ def sentence(row: Change) -> str:
     """One change in one sentence."""
     subject = _subject(row)
     if row.kind == "verdict":
-        by = f"; {row.metric} {_ratio(row)} what it was" if row.ratio is not None else ""
+        by = (
+            f"; {row.metric} {_ratio(row)} what it was" if row.ratio is not None and 1 / _TELLING < row.ratio < _TELLING else ""
+        )
         return f"{subject}: {row.before}, now {row.after}: {row.detail}{by}."
     if row.kind == "error":
         way = {"worse": "errs more", "better": "errs less", "within tolerance": "other bits, within tolerance"}.get(
@@ -76,7 +80,8 @@ def sentence(row: Change) -> str:
     if row.kind == "price":
         way = "dearer" if row.sense == "worse" else "cheaper"
         whole = f"as a whole, over {_many(row.count, 'price')}, " if not row.case else ""
-        return f"{subject}: {whole}{way}: {_ratio(row)} the {row.metric}, {_BESIDE.get(row.beside, 'as clocked')}."
+        bar = "" if row.low is None or row.high is None else f" ({row.low:.3g} to {row.high:.3g})"
+        return f"{subject}: {whole}{way}: {row.ratio:.3g} times the {row.metric}{bar}, {_BESIDE.get(row.beside, 'as clocked')}."
     if row.kind == "limit":
         way = {"worse": "breaks earlier", "better": "holds longer", "within tolerance": "may be as before"}.get(
             row.sense, "changed"
@@ -112,7 +117,13 @@ def folded(rows: Iterable[Change]) -> list[tuple[str, Sequence[Change]]]:
     """Sentences with the rows behind each: what is within tolerance, and facts of one kind, in one for each engine."""
     made: dict[object, list[Change]] = {}
     for number, row in enumerate(rows):
-        alone = row.sense in ("worse", "better") or row.kind in ("version", "machine", "verdict", "determinism")
+        single = row.kind == "price" and bool(row.case)
+        alone = (row.sense in ("worse", "better") and not single) or row.kind in (
+            "version",
+            "machine",
+            "verdict",
+            "determinism",
+        )
         folds = (row.kind, row.sense, row.engine, row.metric if row.kind == "sources" else "")
         made.setdefault(number if alone else folds, []).append(row)
     return [(sentence(group[0]) if len(group) == 1 else _of_many(group), group) for group in made.values()]
@@ -129,7 +140,9 @@ def _of_many(group: Sequence[Change]) -> str:
     if first.kind == "trials":
         gone, new = (sum(v for row in group if isinstance(v := value(row), float)) for value in (_before, _after))
         return f"{who}: {new:.0f} trials are new, {gone:.0f} are gone, in {_many(cases, 'case')}."
-    what = {
+    if first.kind == "price":
+        return f"{who}: {_many(len(group), 'single price')} of their own, most of all {sentence(first)}"
+    facts = {
         "warning": "notes came or went",
         "settings": "settings changed",
         "limit": "brackets moved and may hold the same limit",
@@ -138,7 +151,7 @@ def _of_many(group: Sequence[Change]) -> str:
         return (
             f"{who}: {_ORIGINS.get(first.metric, first.metric)} changed for {_many(sum(row.count for row in group), 'trial')}."
         )
-    return f"{who}: {what.get(first.kind, first.kind)}: {len(group)}, the first: {sentence(first)}"
+    return f"{who}: {facts.get(first.kind, first.kind)}: {len(group)}, the first: {sentence(first)}"
 
 
 def _before(row: Change) -> Value:

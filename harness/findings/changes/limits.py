@@ -1,20 +1,25 @@
 """Limits that moved: brackets of the same search that do not meet."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from harness.findings.changes.values import Change, Sense
 from harness.findings.limits_found import Search, searches
 from harness.store.store import Store
 
-__all__ = ["limit_changes"]
+__all__ = ["limit_changes", "moved_limits"]
 
 _ANSWERED = ("limit", "beyond the extreme", "not even the easiest")
 
 
 def limit_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
     """A row for each search whose bracket or verdict is another; brackets that share a stretch may hold the same limit."""
-    before = {_key(one): one for one in searches(store_a) if not one.remedied}
-    for after in [one for one in searches(store_b) if not one.remedied]:
+    return moved_limits(searches(store_a), searches(store_b))
+
+
+def moved_limits(searched: Iterable[Search], searched_again: Iterable[Search]) -> Iterator[Change]:
+    """The same of searches; those for remedies are left out."""
+    before = {_key(one): one for one in searched if not one.remedied}
+    for after in [one for one in searched_again if not one.remedied]:
         one = before.get(_key(after))
         if one is not None and (one.held, one.broke, one.verdict) != (after.held, after.broke, after.verdict):
             yield _change(one, after)
@@ -40,9 +45,6 @@ def _sense(one: Search, after: Search) -> Sense:
     if one.verdict not in _ANSWERED or after.verdict not in _ANSWERED:
         return "worse" if one.verdict in _ANSWERED and after.verdict == "stopped" else "neither"
     (held, broke), (holds, breaks) = _extent(one), _extent(after)
-    ends = "limit" not in (one.verdict, after.verdict) or one.verdict != after.verdict
-    if ends and one.verdict != after.verdict:
-        return "worse" if breaks < broke or holds < held else "better"
     if holds >= broke:
         return "better"
     return "worse" if breaks <= held else "within tolerance"

@@ -1,20 +1,24 @@
 """Determinism lost or won: repetitions that must give the same bits, and did on one side only."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from harness.findings.changes.values import Change
 from harness.findings.tables.determinism import Agreement, agreements
 from harness.store.store import Store
 
-__all__ = ["repetition_changes"]
+__all__ = ["lost_and_won", "repetition_changes"]
 
 _SAME, _DIFFERS = "bit-identical", "differs"
 
 
 def repetition_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
     """A row for each. Raises: StoreError, where a trajectory is not kept any more."""
-    before, after = (_by_cell(store) for store in (store_a, store_b))
+    return lost_and_won(*(_by_cell(store) for store in (store_a, store_b)))
+
+
+def lost_and_won(before: Mapping[Any, Agreement], after: Mapping[Any, Agreement]) -> Iterator[Change]:
+    """The same of repetitions by what was repeated."""
     for cell, now in after.items():
         then = before.get(cell)
         if then is not None and now.must and {then.verdict, now.verdict} == {_SAME, _DIFFERS}:

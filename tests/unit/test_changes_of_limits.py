@@ -10,8 +10,9 @@ from harness.findings.limits_found import Search, Signs
 from harness.findings.tables.determinism import Agreement
 
 SEARCH = Search(
-    experiment="towers", case="stack_tower", where="", beside=(), engine="dart", track="tuned", dt=0.01, axis="height", unit="1",
-    easy=2.0, extreme=40.0, held=10.0, broke=12.0, share=0.0, signs=Signs(counts=(("collapse", 4),)), verdict="limit", reason="",
+    experiment="towers", case="stack_tower", where="", beside=(), engine="dart", track="tuned", dt=0.01, axis="height",
+    unit="1", easy=2.0, extreme=40.0, held=10.0, broke=12.0,
+    share=0.0, signs=Signs(counts=(("collapse", 4),)), verdict="limit", reason="",
     members=4, values=5, cost=None, reach=0.5, trial_held="aa", trial_broke="bb",
 )  # fmt: skip
 
@@ -43,7 +44,8 @@ def test_an_axis_that_is_harder_downwards_is_read_the_other_way() -> None:
 
 def test_a_repetition_that_gives_other_bits_now_is_lost_and_a_nudge_is_none() -> None:
     same = Agreement(
-        case="stack_tower", engine="dart", track="tuned", way="again", must=True, hash_first="1", hash="1", steps=9, first_step=None,
+        case="stack_tower", engine="dart", track="tuned", way="again", must=True, hash_first="1", hash="1", steps=9,
+        first_step=None,
         farthest=0.0, doubles_in=None, verdict="bit-identical", reason="", trial="aa", trial_first="bb",
     )  # fmt: skip
     differs = replace(same, verdict="differs", first_step=3)

@@ -11,6 +11,7 @@ from datetime import datetime
 from typing import Any
 
 from harness.store.machine_fingerprint import machine_digest
+from harness.store.record import digest
 from harness.store.store import Store
 
 __all__ = ["asv", "bencher"]
@@ -95,7 +96,7 @@ def asv(store: Store) -> dict[str, Any]:
                   "num_cpu": str(machine.get("cores", "")), "os": str(machine.get("system", "")),
                   "ram": str(machine.get("memory_mb", "")), "arch": ""}  # fmt: skip
     python = str(machine.get("python", ""))
-    commit = machine_digest({"processor": str(sorted(store.trials["trial"]))})
+    commit = digest(sorted(store.trials["trial"]))  # names of trials cover versions and sources, as a commit would
     return {
         "version": 2, "commit_hash": commit, "date": started, "env_name": f"existing-py{python}", "python": python,
         "requirements": {str(k): str(v) for k, v in (machine.get("packages") or {}).items()}, "env_vars": {},

@@ -1,9 +1,13 @@
 """Records in; HTML pages, charts and recordings out. Reports never run physics and never call a metric."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-__all__ = ["build", "open_viewer", "parity_page", "recording_of", "serve", "write_recordings"]
+if TYPE_CHECKING:
+    from harness.findings.changes import Changes
+
+__all__ = ["build", "open_viewer", "parity_page", "recording_of", "serve", "what_changed", "write_recordings"]
 
 
 def build(folder: Path) -> Path:
@@ -62,3 +66,10 @@ def serve(folder: Path, port: int, announce: Callable[[str], None]) -> None:
     from reports.server import serve as run
 
     run(folder, port, announce)
+
+
+def what_changed(changes: "Changes", folder: Path, gated: Collection[str] = ()) -> Path:
+    """Write the page What changed into a folder; returns its path."""
+    from reports.what_changed import write_what_changed
+
+    return write_what_changed(changes, folder, gated)

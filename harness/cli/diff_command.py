@@ -1,0 +1,82 @@
+"""The command that compares two run folders."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from harness.cli.guard import GATE, say
+from harness.cli.listing import print_json
+from harness.cli.options import opened
+
+if TYPE_CHECKING:
+    from harness.findings.changes import Changes
+    from harness.store.store import Store
+
+__all__ = ["diff"]
+
+_MOST = 60
+"""Sentences that a terminal is given; the other formats have all."""
+
+
+@click.command()
+@click.argument("folder_a", metavar="DIR_A", type=click.Path(path_type=Path))
+@click.argument("folder_b", metavar="DIR_B", type=click.Path(path_type=Path))
+@click.option("--format", "form", type=click.Choice(["text", "json", "markdown"]), default="text", show_default=True)
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Also a page, and files for build servers.")
+@click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where this engine is worse; may be repeated.")
+def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tuple[str, ...]) -> None:
+    """What changed from DIR_A to DIR_B: accuracy exactly, time over what else was clocked in the same run."""
+    from harness.findings.changes import compare
+    from harness.findings.changes.comment import comment
+    from harness.findings.changes.files import flat_rows
+
+    store_a, store_b = opened(folder_a), opened(folder_b)
+    for engine in gated:
+        if engine not in {*store_a.trials["engine"], *store_b.trials["engine"]}:
+            raise click.BadParameter(f"'{engine}' is in neither folder", param_hint="--gate")
+    changes = compare(store_a, store_b)
+    if form == "json":
+        print_json(flat_rows(changes))
+    elif form == "markdown":
+        click.echo(comment(changes, gated), nl=False)
+    else:
+        _print(changes)
+    if out is not None:
+        say(str(_write(changes, store_b, out, gated)), err=form != "text")
+    barred = changes.regressions(gated)
+    for row in barred:
+        from harness.findings.changes.words import sentence
+
+        say(f"gate: {sentence(row)}", err=True)
+    if barred:
+        sys.exit(GATE)
+
+
+def _print(changes: "Changes") -> None:
+    from harness.findings.changes.words import command, first_line, folded, headline
+
+    say(first_line(changes))
+    say(f"{headline(changes)}; {changes.clocked} were clocked on both")
+    groups = folded(changes.rows)
+    for text, group in groups[:_MOST]:
+        say(text)
+        if shown := command(group[0], changes):
+            say(f"    {shown}")
+    if len(groups) > _MOST:
+        say(f"... and {len(groups) - _MOST} more: --format json")
+    for text in changes.unread:
+        say(f"not compared: {text}", err=True)
+
+
+def _write(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...]) -> Path:
+    """The files of a comparison. Returns: its page."""
+    from harness.findings.changes.files import changes_files
+    from harness.store.disk import make_folder, write_atomically
+    from reports import what_changed
+
+    make_folder(out)
+    for name, content in changes_files(changes, store, gated).items():
+        write_atomically(out / name, content)
+    return what_changed(changes, out, gated)

@@ -1,0 +1,185 @@
+"""What engines answer, exactly: the same bits are the same answer; others are as good, better or worse; a verdict may flip."""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from harness.findings.changes.matching import Pair, where_of
+from harness.findings.changes.values import Change, Sense
+from harness.findings.prices import LEAST
+from harness.store.store import Store
+from harness.trial.ensemble import HELD
+
+__all__ = ["SHARE", "answer_changes"]
+
+SHARE = 0.01
+"""Of the bound, or of the error where that is more: what changes by less decides no verdict; it shows in the third digit."""
+_RANK = {"passed": 0, "failed": 1, "diverged": 2, "crashed": 3, "oom": 3, "timeout": 3, "unsupported": 4, "unavailable": 5}
+"""How far a status is from an answer that holds; an interrupted trial says nothing."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Reading:
+    """One metric of a pair. Terms: values in the metric's unit; low..high: of the ratio, by what the truths may be off, None
+    where they are exact; excess: the difference over what is tolerated."""
+
+    metric: str
+    unit: str
+    before: float
+    after: float
+    sense: Sense
+    ratio: float | None
+    low: float | None
+    high: float | None
+    excess: float
+
+
+class _Readings:
+    """The metrics that judge a trial, read from both folders."""
+
+    def __init__(self, store_a: Store, store_b: Store) -> None:
+        self._cases: Mapping[str, Any] = store_b.catalogue.get("cases", {})
+        self._values = [_by_trial(store) for store in (store_a, store_b)]
+        self._last_bit = [_last_bit(store, values) for store, values in zip((store_a, store_b), self._values, strict=True)]
+
+    def of(self, pair: Pair) -> list[_Reading]:
+        """Of the headline and of all that has a bound, the farthest beyond tolerance first."""
+        case = self._cases.get(pair.b.case, {})
+        here, there = (values.get(row.trial, {}) for values, row in zip(self._values, (pair.a, pair.b), strict=True))
+        judging = [
+            name
+            for name in here
+            if name in there and (name in (case.get("headline"), HELD) or not math.isnan(_number(there[name].at_most)))
+        ]
+        return sorted((self._reading(pair, case, here[name], there[name]) for name in judging), key=lambda one: -one.excess)
+
+    def _reading(self, pair: Pair, case: Mapping[str, Any], a: Any, b: Any) -> _Reading:
+        before, after, bound = float(a.value), float(b.value), _number(b.at_most)
+        off_a, off_b = (_number(getattr(row, "truth_error", 0.0), 0.0) for row in (a, b))
+        better = next((one.get("better", "lower") for one in case.get("checks", ()) if one["metric"] == a.metric), "lower")
+        higher = better == "higher" or a.metric == HELD
+        last_bit = max(
+            bits.get((_cell(row), a.metric), 0.0) for bits, row in zip(self._last_bit, (pair.a, pair.b), strict=True)
+        )
+        floor = LEAST * float(case.get("scale") or 0.0) if a.metric == case.get("headline") else 0.0
+        tolerated = max(
+            off_a + off_b,
+            last_bit,
+            floor,
+            SHARE * max(abs(before), abs(after)),
+            SHARE * (0.0 if math.isnan(bound) else abs(bound)),
+        )
+        step = after - before
+        if not math.isfinite(step):
+            same = before == after or (math.isnan(before) and math.isnan(after))
+            excess, sense = 0.0 if same else math.inf, _way(math.isfinite(before), same)
+        else:
+            excess = abs(step) / tolerated if tolerated > 0 else 0.0
+            sense = _way((step > 0) != higher, excess <= 1)
+        known = off_a + off_b > 0 and before > off_a
+        positive = math.isfinite(step) and before > 0 and after > 0
+        return _Reading(
+            metric=str(a.metric),
+            unit=str(b.unit),
+            before=before,
+            after=after,
+            sense=sense,
+            ratio=after / before if positive else None,
+            low=max(after - off_b, 0.0) / (before + off_a) if positive and known else None,
+            high=(after + off_b) / (before - off_a) if positive and known else None,
+            excess=excess,
+        )
+
+
+def _way(worse: bool, tolerated: bool) -> Sense:
+    return "within tolerance" if tolerated else "worse" if worse else "better"
+
+
+def _number(value: Any, none: float = math.nan) -> float:
+    return none if value is None or value != value else float(value)
+
+
+def _by_trial(store: Store) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for row in store.measurements.itertuples():
+        found.setdefault(str(row.trial), {})[str(row.metric)] = row
+    return found
+
+
+def _cell(row: Any) -> tuple[Any, ...]:
+    return row.case, row.parameters, row.engine, row.track, row.dt
+
+
+def _last_bit(store: Store, values: Mapping[str, Mapping[str, Any]]) -> dict[tuple[tuple[Any, ...], str], float]:
+    """How far the last bit of one coordinate moves each metric, where a run was nudged by it: no answer of a motion that
+    multiplies that bit is known better."""
+    names = [json.loads(text).get("name", "") for text in store.trials["alteration"]]
+    rows = list(zip(store.trials.itertuples(), names, strict=True))
+    plain = {_cell(row): values.get(row.trial, {}) for row, name in rows if not name}
+    moved: dict[tuple[tuple[Any, ...], str], float] = {}
+    for row, name in rows:
+        if name == "nudged":
+            for metric, nudged in values.get(row.trial, {}).items():
+                first = plain.get(_cell(row), {}).get(metric)
+                if first is not None and math.isfinite(step := abs(float(nudged.value) - float(first.value))):
+                    moved[_cell(row), metric] = step
+    return moved
+
+
+def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
+    """A row for each pair whose verdict, bits or measured values differ; its metric is the one that changed most."""
+    readings = _Readings(store_a, store_b)
+    for pair in pairs:
+        if pair.a.status != pair.b.status:
+            yield _flip(pair, readings.of(pair), store_b.catalogue)
+            continue
+        found = readings.of(pair)
+        moved = [one for one in found if one.before != one.after and one.excess > 0]
+        if pair.same_bits and moved:
+            # The engine said the same: the metric, the bound or the truth is another.
+            yield _change(pair, "neither", moved[0], store_b.catalogue, "the same bits, measured otherwise")
+        elif not pair.same_bits and (isinstance(pair.b.trajectory_hash, str) or moved):
+            worst = min(found, key=lambda one: (_ORDER.index(one.sense), -one.excess), default=None)
+            yield _change(pair, "within tolerance" if worst is None else worst.sense, worst, store_b.catalogue, "")
+
+
+_ORDER: tuple[Sense, ...] = ("worse", "better", "within tolerance", "neither")
+
+
+def _flip(pair: Pair, found: Sequence[_Reading], catalogue: Mapping[str, Any]) -> Change:
+    before, after = (_RANK.get(row.status) for row in (pair.a, pair.b))
+    silent = before is None or after is None or pair.a.status == "unavailable"
+    sense: Sense = "neither" if silent or before == after else "worse" if (after or 0) > (before or 0) else "better"
+    return _row("verdict", sense, pair, found[0] if found else None, catalogue, str(pair.b.reason), words=True)
+
+
+def _change(pair: Pair, sense: Sense, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str) -> Change:
+    return _row("error", sense, pair, reading, catalogue, detail, words=False)
+
+
+def _row(
+    kind: Any, sense: Sense, pair: Pair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str, *, words: bool
+) -> Change:
+    b = pair.b
+    values = (None, None) if reading is None else (reading.before, reading.after)
+    return Change(
+        kind=kind,
+        sense=sense,
+        case=b.case,
+        engine=b.engine,
+        track=b.track,
+        where=where_of(b, catalogue),
+        dt=float(b.dt),
+        metric="" if reading is None else reading.metric,
+        unit="" if reading is None else reading.unit,
+        trial_a=str(pair.a.trial),
+        trial_b=str(b.trial),
+        before=str(pair.a.status) if words else values[0],
+        after=str(b.status) if words else values[1],
+        ratio=None if reading is None else reading.ratio,
+        low=None if reading is None else reading.low,
+        high=None if reading is None else reading.high,
+        detail=detail,
+    )

@@ -1,0 +1,113 @@
+"""What an answer came about by: versions, sources, settings, the machine, which trials there are, and what was warned of."""
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from harness.findings.changes.matching import Pair, requested
+from harness.findings.changes.values import Change, Sense
+from harness.store.notices import StoredNotice
+from harness.store.store import Store
+
+__all__ = ["machine_changes", "setting_changes", "source_changes", "trial_changes", "version_changes", "warning_changes"]
+
+_MACHINE = ("processor", "cores", "memory_mb", "system", "python")
+
+
+def version_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
+    """A row for each engine on both sides whose versions are others."""
+    before, after = (_versions(store) for store in (store_a, store_b))
+    for engine in after:
+        if engine in before and before[engine] != after[engine]:
+            yield Change(kind="version", sense="neither", engine=engine, before=before[engine], after=after[engine])
+
+
+def _versions(store: Store) -> dict[str, str]:
+    answered = store.trials[store.trials["status"] != "unavailable"]
+    return {
+        str(engine): ", ".join(sorted(set(map(str, part["engine_version"])))) for engine, part in answered.groupby("engine")
+    }
+
+
+def source_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+    """A row for each text that answers rest on and that is another: an adapter by engine, a case by name, others once."""
+    found: Counter[tuple[str, str, str, str, str]] = Counter()
+    for pair in pairs:
+        then, now = (json.loads(getattr(row, "sources", "{}")) for row in (pair.a, pair.b))
+        for origin in (*now, *(name for name in then if name not in now)):
+            if then.get(origin) != now.get(origin):
+                engine = pair.b.engine if origin == "adapter" else ""
+                case = pair.b.case if origin == "case" else ""
+                found[origin, engine, case, str(then.get(origin, "")), str(now.get(origin, ""))] += 1
+    for (origin, engine, case, before, after), count in found.items():
+        yield Change(
+            kind="sources", sense="neither", engine=engine, case=case, metric=origin, before=before, after=after, count=count
+        )
+
+
+def setting_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+    """A row for each setting of an engine's track that was asked for otherwise."""
+    found: Counter[tuple[str, str, str, str, str]] = Counter()
+    for pair in pairs:
+        then, now = (_flat(requested(row)) for row in (pair.a, pair.b))
+        for name in (*now, *(name for name in then if name not in now)):
+            if then.get(name) != now.get(name):
+                found[pair.b.engine, pair.b.track, name, str(then.get(name)), str(now.get(name))] += 1
+    for (engine, track, name, before, after), count in found.items():
+        yield Change(
+            kind="settings", sense="neither", engine=engine, track=track, metric=name, before=before, after=after, count=count
+        )
+
+
+def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
+    options = settings.get("options") or {}
+    return {name: value for name, value in settings.items() if name != "options"} | {
+        f"option {k}": v for k, v in options.items()
+    }
+
+
+def machine_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
+    """A row for each property of the machine, and each package, that is another."""
+    then, now = store_a.machine, store_b.machine
+    packages = [one.get("packages") or {} for one in (then, now)]
+    pairs = [(name, then.get(name), now.get(name)) for name in _MACHINE]
+    pairs += [(name, packages[0].get(name), packages[1].get(name)) for name in {**packages[0], **packages[1]}]
+    for name, before, after in pairs:
+        if before != after:
+            yield Change(kind="machine", sense="neither", metric=name, before=str(before), after=str(after))
+
+
+def trial_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+    """A row for each case and engine that has trials on one side only: how many A had of them, and how many B has."""
+    alone: dict[tuple[str, str, str], list[int]] = {}
+    for pair in pairs:
+        if pair.a is None or pair.b is None:
+            row = pair.either
+            alone.setdefault((row.case, row.engine, row.track), [0, 0])[pair.a is None] += 1
+    for (case, engine, track), (gone, new) in alone.items():
+        yield Change(
+            kind="trials", sense="neither", case=case, engine=engine, track=track, before=float(gone), after=float(new),
+            unit="1", count=gone + new,
+        )  # fmt: skip
+
+
+def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
+    """A row for each warning that came or went in a case on an engine; what the clock ran into is none."""
+    found: dict[tuple[str, str, str, StoredNotice, bool], list[Pair]] = {}
+    for pair in pairs:
+        then, now = _said(store_a, pair.a), _said(store_b, pair.b)
+        for notice in then ^ now:
+            found.setdefault((pair.b.case, pair.b.engine, pair.b.track, notice, notice in now), []).append(pair)
+    for (case, engine, track, notice, new), where in found.items():
+        sense: Sense = "neither" if notice.kind == "note" else "worse" if new else "better"
+        yield Change(
+            kind="warning", sense=sense, case=case, engine=engine, track=track, metric=notice.kind, count=len(where),
+            before=None if new else notice.effect or notice.kind, after=notice.effect or notice.kind if new else None,
+            trial_a=str(where[0].a.trial), trial_b=str(where[0].b.trial), dt=float(where[0].b.dt), detail=notice.text,
+        )  # fmt: skip
+
+
+def _said(store: Store, row: Any) -> set[StoredNotice]:
+    clock = f"timing: {getattr(row, 'timing_note', '')}"
+    return {notice for notice in store.notices.get(str(row.trial), ()) if notice.text != clock}

@@ -1,0 +1,49 @@
+"""What changed for a build server: one test for each case and engine, which fails where something is worse than before.
+
+Source: the XML schema that Jenkins and others share: testsuites, testsuite, testcase, failure, skipped, system-out.
+"""
+
+from collections.abc import Collection
+from xml.etree import ElementTree
+
+from harness.findings.changes.values import Change, Changes
+from harness.findings.changes.words import command, sentence
+from harness.intake.safe_text import LONGEST_TEXT, readable, visible
+from harness.store.store import Store
+
+__all__ = ["junit"]
+
+
+def junit(changes: Changes, store: Store, gated: Collection[str] = ()) -> str:
+    """The document. A case that has no answer on an engine is skipped; without gated engines, all of them count."""
+    cells = {(str(case), str(engine)): part for (case, engine), part in store.trials.groupby(["case", "engine"], sort=True)}
+    rows: dict[tuple[str, str], list[Change]] = {cell: [] for cell in cells}
+    for row in changes.rows:
+        if (row.case, row.engine) in rows or (not row.case and row.engine and row.kind == "price"):
+            rows.setdefault((row.case or "all cases", row.engine), []).append(row)
+    suite = ElementTree.Element("testsuite", name="plumbline diff")
+    failures = skipped = 0
+    for (case, engine), found in rows.items():
+        test = ElementTree.SubElement(suite, "testcase", classname=visible(engine, ""), name=visible(case, ""), time="0")
+        worse = [row for row in found if row.regression and (not gated or engine in gated)]
+        part = cells.get((case, engine))
+        if worse:
+            failures += 1
+            failure = ElementTree.SubElement(test, "failure", type=worse[0].kind, message=_clean(sentence(worse[0])))
+            failure.text = _clean("\n".join(f"{sentence(row)}\n  {command(row, changes)}" for row in worse))
+        elif part is not None and part["status"].isin(("unsupported", "unavailable", "interrupted")).all():
+            skipped += 1
+            ElementTree.SubElement(test, "skipped", message=_clean(f"{part['status'].iloc[0]}: {part['reason'].iloc[0]}"))
+        if others := [row for row in found if row not in worse]:
+            ElementTree.SubElement(test, "system-out").text = _clean("\n".join(map(sentence, others)))
+    for name, count in (("tests", len(rows)), ("failures", failures), ("errors", 0), ("skipped", skipped)):
+        suite.set(name, str(count))
+    suite.set("time", "0")
+    root = ElementTree.Element("testsuites", dict(suite.attrib))
+    root.append(suite)
+    text: str = ElementTree.tostring(root, encoding="unicode", xml_declaration=False)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'
+
+
+def _clean(text: str) -> str:
+    return readable(text, LONGEST_TEXT)

@@ -1,0 +1,73 @@
+"""Which trial of one run folder asks the same as which of another: the same question under the same name of settings.
+
+Names of trials cover versions and sources, so that they differ where anything was changed; what is asked does not.
+"""
+
+import json
+from collections import Counter
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.findings.where import in_words, other_values
+from harness.store.store import Store
+
+__all__ = ["Pair", "matched", "requested", "where_of"]
+
+_ASKED = (
+    "study", "experiment", "case", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
+    "remedy", "parts",
+)  # fmt: skip
+_SINCE = {"clocks": "work", "workers": 1}
+"""What trials of a folder from before there were these columns mean by their absence."""
+_APART = ("engine_version", "settings")
+"""What tells trials apart that ask the same within one folder: two versions side by side, or settings that share a name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Rows of the tables `trials` that ask the same; one of them None where the other folder has no such trial."""
+
+    a: Any
+    b: Any
+
+    @property
+    def either(self) -> Any:
+        """The later row of those that there are."""
+        return self.a if self.b is None else self.b
+
+    @property
+    def same_bits(self) -> bool:
+        """Did both answer, with the same trajectory to the last bit?"""
+        return isinstance(self.a.trajectory_hash, str) and self.a.trajectory_hash == self.b.trajectory_hash
+
+
+def matched(store_a: Store, store_b: Store) -> tuple[Pair, ...]:
+    """Every trial of both folders once, in the order of B and then of what A has alone."""
+    rows_a, rows_b = (list(store.trials.itertuples()) for store in (store_a, store_b))
+    ambiguous = {key for rows in (rows_a, rows_b) for key, count in Counter(map(_key, rows)).items() if count > 1}
+
+    def named(rows: Iterable[Any]) -> dict[Hashable, Any]:
+        return {(_key(row), _further(row) if _key(row) in ambiguous else ()): row for row in rows}
+
+    of_a, of_b = named(rows_a), named(rows_b)
+    return tuple(Pair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
+
+
+def _key(row: Any) -> Hashable:
+    return tuple(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
+
+
+def _further(row: Any) -> Hashable:
+    return tuple(getattr(row, name) for name in _APART)
+
+
+def requested(row: Any) -> dict[str, Any]:
+    """The settings that a trial asked for, without where they come from."""
+    return {name: value for name, value in json.loads(row.settings).items() if name != "source"}
+
+
+def where_of(row: Any, catalogue: Mapping[str, Any]) -> str:
+    """The parameters in which a trial departs from its case, in words."""
+    own = catalogue.get("cases", {}).get(row.case, {}).get("parameters", {})
+    return in_words(other_values(json.loads(row.parameters), own))

@@ -1,0 +1,186 @@
+"""Prices of two runs, each over something that was clocked in the same run, since a machine is never twice as fast.
+
+Best are the prices of other engines whose answers are the same to the last bit: they pass through the same hours. Where there
+are too few of them, it is the canary, a fixed kernel clocked beside each sample. Even then a process is laid out otherwise in
+memory the next time: how far prices of unchanged trials stray from run to run is read off them, and nothing below four times
+that, or below what marks a timing as unstable, is told of a single trial. Of an engine as a whole less can be told, by the
+median.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.findings.changes.matching import Pair, where_of
+from harness.findings.changes.values import Beside, Change
+from harness.statistics.bootstrap import interval_of_drawn
+from harness.store.store import Store
+from harness.trajectory import Floats
+
+__all__ = ["FEWEST", "TOLD", "TOLD_OF_ALL", "clocked", "price_changes"]
+
+DRAWS = 400
+"""Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""
+FEWEST = 8
+"""Prices of other engines that make a yardstick, and of any that make a spread."""
+TOLD = 0.10
+"""Of one trial; half an interval as wide as this marks a timing as unstable."""
+TOLD_OF_ALL = 0.05
+"""Of an engine as a whole."""
+CERTAIN = 4.0
+"""Spreads: of a thousand unchanged prices, one is beyond them in sixteen nights."""
+Z_95 = 1.96
+_NORMAL_MAD = 0.6745
+_MEDIAN_ERROR = 1.2533
+"""Standard error of a median over that of a mean."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Price:
+    """A pair that was clocked on both sides. Terms: step: logarithm of the ratio of the medians; canary: likewise; half: of its
+    bootstrap interval; steady: the same bits, by the same version and sources; unstable: is either marked so?"""
+
+    pair: Pair
+    step: float
+    canary: float
+    half: float
+    steady: bool
+    unstable: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Yardstick:
+    """What an engine's prices are divided by. Terms: step: its logarithm from A to B; error: standard error of that; spread: of
+    unchanged prices from run to run, in logarithms."""
+
+    beside: Beside
+    step: float
+    error: float
+    spread: float
+
+
+def clocked(pairs: Sequence[Pair]) -> list[Pair]:
+    """The pairs with a price on both sides."""
+    return [pair for pair in pairs if all(_positive(row.cpu_per_unit) for row in (pair.a, pair.b))]
+
+
+def price_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
+    """A row for each trial, and one for each engine, whose price changed beyond doubt."""
+    samples = [_samples(store) for store in (store_a, store_b)]
+    prices = [_price(pair, *samples) for pair in clocked(pairs)]
+    for engine in dict.fromkeys(price.pair.b.engine for price in prices):
+        mine = [price for price in prices if price.pair.b.engine == engine]
+        by = _yardstick(mine, [price for price in prices if price.pair.b.engine != engine and price.steady])
+        yield from _of_all(engine, mine, by)
+        for price in mine:
+            if (change := _of_one(price, by, store_b.catalogue)) is not None:
+                yield change
+
+
+def _positive(value: Any) -> bool:
+    return value is not None and value == value and value > 0
+
+
+def _samples(store: Store) -> dict[str, tuple[Floats, Floats]]:
+    """Seconds of a unit, and of the canary, of all samples by trial."""
+    table = store.samples
+    if table.empty:
+        return {}
+    table = table.assign(cost=table["cpu"] / (table["steps"] * table.get("units", 1)))
+    return {
+        str(trial): (part["cost"].to_numpy(float), part["canary"].to_numpy(float)) for trial, part in table.groupby("trial")
+    }
+
+
+def _price(pair: Pair, a: Mapping[str, tuple[Floats, Floats]], b: Mapping[str, tuple[Floats, Floats]]) -> _Price:
+    step = math.log(pair.b.cpu_per_unit / pair.a.cpu_per_unit)
+    one, other = a.get(pair.a.trial), b.get(pair.b.trial)
+    canary = half = 0.0
+    if one is not None and other is not None:
+        canary = math.log(float(np.median(other[1])) / float(np.median(one[1])))
+        low, high = interval_of_drawn(_drawn(other[0]) - _drawn(one[0]))
+        half = (high - low) / 2
+    steady = (
+        pair.same_bits
+        and pair.a.engine_version == pair.b.engine_version
+        and getattr(pair.a, "sources", "") == getattr(pair.b, "sources", "")
+    )
+    unstable = any(
+        bool(row.unstable_timing) if row.unstable_timing == row.unstable_timing else True for row in (pair.a, pair.b)
+    )
+    return _Price(pair=pair, step=step, canary=canary, half=half, steady=steady, unstable=unstable)
+
+
+def _drawn(values: Floats) -> Floats:
+    """Logarithms of medians of samples drawn again."""
+    draws = np.random.default_rng(0).integers(0, len(values), size=(DRAWS, len(values)))
+    medians: Floats = np.log(np.median(values[draws], axis=1))
+    return medians[np.random.default_rng(1).permutation(DRAWS)]
+
+
+def _yardstick(mine: Sequence[_Price], others: Sequence[_Price]) -> _Yardstick:
+    if len(others) >= FEWEST:
+        steps = np.array([price.step for price in others])
+        middle = float(np.median(steps))
+        spread = float(np.median(np.abs(steps - middle))) / _NORMAL_MAD
+        return _Yardstick("other engines", middle, _MEDIAN_ERROR * spread / math.sqrt(len(steps)), spread)
+    steps = np.array([price.step - price.canary for price in mine])
+    spread = float(np.median(np.abs(steps - np.median(steps)))) / _NORMAL_MAD if len(steps) >= FEWEST else TOLD / CERTAIN
+    middle = float(np.median([price.canary for price in mine]))
+    return _Yardstick("canary", middle, TOLD_OF_ALL / CERTAIN, spread)
+
+
+def _of_one(price: _Price, by: _Yardstick, catalogue: Mapping[str, Any]) -> Change | None:
+    beside = price.canary if by.beside == "canary" else by.step
+    step = price.step - beside
+    half = max(price.half, Z_95 * math.hypot(by.spread, by.error))
+    if price.unstable or abs(step) <= max(math.log1p(TOLD), CERTAIN * by.spread, half):
+        return None
+    b = price.pair.b
+    return Change(
+        kind="price",
+        sense="worse" if step > 0 else "better",
+        case=b.case,
+        engine=b.engine,
+        track=b.track,
+        where=where_of(b, catalogue),
+        dt=float(b.dt),
+        metric=f"CPU time of a {b.unit}" if isinstance(b.unit, str) else "CPU time",
+        unit="s",
+        trial_a=str(price.pair.a.trial),
+        trial_b=str(b.trial),
+        before=float(price.pair.a.cpu_per_unit),
+        after=float(b.cpu_per_unit),
+        ratio=math.exp(step),
+        low=math.exp(step - half),
+        high=math.exp(step + half),
+        beside=by.beside,
+    )
+
+
+def _of_all(engine: str, mine: Sequence[_Price], by: _Yardstick) -> Iterator[Change]:
+    if len(mine) < FEWEST:
+        return
+    steps = np.array([price.step for price in mine]) - by.step
+    middle = float(np.median(steps))
+    own = float(np.median(np.abs(steps - middle))) / _NORMAL_MAD
+    error = math.hypot(_MEDIAN_ERROR * max(own, by.spread) / math.sqrt(len(steps)), by.error)
+    if abs(middle) <= max(math.log1p(TOLD_OF_ALL), CERTAIN * error):
+        return
+    yield Change(
+        kind="price",
+        sense="worse" if middle > 0 else "better",
+        engine=engine,
+        metric="CPU time",
+        unit="1",
+        before=1.0,
+        after=math.exp(middle),
+        ratio=math.exp(middle),
+        low=math.exp(middle - Z_95 * error),
+        high=math.exp(middle + Z_95 * error),
+        beside=by.beside,
+        count=len(mine),
+    )

@@ -1,0 +1,42 @@
+"""Determinism lost or won: repetitions that must give the same bits, and did on one side only."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from harness.findings.changes.values import Change
+from harness.findings.tables.determinism import Agreement, agreements
+from harness.store.store import Store
+
+__all__ = ["lost_and_won", "repetition_changes"]
+
+_SAME, _DIFFERS = "bit-identical", "differs"
+
+
+def repetition_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
+    """A row for each. Raises: StoreError, where a trajectory is not kept any more."""
+    return lost_and_won(*(_by_cell(store) for store in (store_a, store_b)))
+
+
+def lost_and_won(before: Mapping[Any, Agreement], after: Mapping[Any, Agreement]) -> Iterator[Change]:
+    """The same of repetitions by what was repeated."""
+    for cell, now in after.items():
+        then = before.get(cell)
+        if then is not None and now.must and {then.verdict, now.verdict} == {_SAME, _DIFFERS}:
+            yield Change(
+                kind="determinism",
+                sense="worse" if now.verdict == _DIFFERS else "better",
+                case=now.case,
+                engine=now.engine,
+                track=now.track,
+                metric=now.way,
+                trial_a=then.trial,
+                trial_b=now.trial,
+                before=then.verdict,
+                after=now.verdict,
+                detail="" if now.first_step is None else f"from step {now.first_step} on",
+            )
+
+
+def _by_cell(store: Store) -> dict[tuple[Any, ...], Agreement]:
+    parameters = dict(zip(store.trials["trial"], store.trials["parameters"], strict=True))
+    return {(one.case, parameters.get(one.trial), one.engine, one.track, one.way): one for one in agreements(store)}

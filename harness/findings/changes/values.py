@@ -1,0 +1,101 @@
+"""What differs between two run folders, as typed rows: sentences are made of them in `harness.findings.changes.words`."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["ANSWERS", "Beside", "Change", "Changes", "Kind", "Sense", "Side", "Value"]
+
+Kind = Literal[
+    "verdict", "error", "price", "limit", "determinism", "warning", "trials", "version", "sources", "settings", "machine"
+]
+"""What changed: a verdict (the status of a trial); an answer, by its error; a price; a limit; whether repetitions give the same
+bits; what was warned of; which trials there are; an engine's version; the texts that an answer rests on; what an engine was set
+to; the machine."""
+ANSWERS: tuple[Kind, ...] = ("verdict", "error", "price", "limit", "determinism")
+"""Kinds that say what an engine does: of these a regression can be."""
+
+Sense = Literal["worse", "better", "within tolerance", "neither"]
+"""Which way: worse and better beyond doubt; an answer of other bits that is as good; a fact that is neither good nor bad."""
+
+Beside = Literal["", "canary", "other engines"]
+"""What a price was divided by, clocked in the same run: '' for no price; a fixed kernel; engines that did not change."""
+
+Value = float | str | None
+"""A number in the row's unit, a word (a status, a version, a digest), or None where there was nothing."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """One thing that differs from A to B.
+
+    Terms:
+        case, engine, track: '' where it is about all of them. where: parameters that differ from the case's own, in words.
+        dt [s]: 0 where it is about several steps. metric, unit: of before and after.
+        trial_a, trial_b: the trials it is read off, '' for none. before, after: in A, in B. ratio: after over before, with its
+        95 % interval low..high, None where there is none. beside: what both prices were divided by. count: trials that it
+        stands for. detail: what else has to be known of it (a reason, the text of a warning, names of files).
+        weight: what rows are sorted by, heaviest first: the whole part says how grave the kind and sense are, the fraction how
+        much it is.
+    """
+
+    kind: Kind
+    sense: Sense
+    case: str = ""
+    engine: str = ""
+    track: str = ""
+    where: str = ""
+    dt: float = 0.0
+    metric: str = ""
+    unit: str = ""
+    trial_a: str = ""
+    trial_b: str = ""
+    before: Value = None
+    after: Value = None
+    ratio: float | None = None
+    low: float | None = None
+    high: float | None = None
+    beside: Beside = ""
+    count: int = 1
+    detail: str = ""
+    weight: float = 0.0
+
+    @property
+    def regression(self) -> bool:
+        """Does an engine do worse than before?"""
+        return self.sense == "worse" and self.kind in ANSWERS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Side:
+    """One of the two run folders. Terms: folder: as it was given. study: its name. started: when, as its machine.json says.
+    machine: its digest. trials: how many. versions: of engines, by name."""
+
+    folder: str
+    study: str
+    started: str
+    machine: str
+    trials: int
+    versions: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Changes:
+    """All that differs, heaviest first.
+
+    Terms: same: trials of the same bits on both sides; matched: trials on both sides; clocked: prices on both sides. unread:
+    what could not be compared, and why.
+    """
+
+    a: Side
+    b: Side
+    rows: tuple[Change, ...]
+    matched: int
+    same: int
+    clocked: int
+    unread: tuple[str, ...] = ()
+
+    def regressions(self, engines: Iterable[str]) -> tuple[Change, ...]:
+        """What of these engines is worse than before."""
+        gated = set(engines)
+        return tuple(row for row in self.rows if row.regression and row.engine in gated)

@@ -1,0 +1,162 @@
+"""What changed, in sentences: made last, for people, and never read back; and the command that shows a change again."""
+
+import shlex
+from collections.abc import Iterable, Sequence
+
+from harness.findings.changes.values import Change, Changes, Value
+
+__all__ = ["command", "first_line", "folded", "headline", "sentence"]
+
+_ORIGINS = {
+    "adapter": "the adapter's source",
+    "case": "the case's source",
+    "harness": "the harness that steps and measures",
+    "truth": "the engine that makes the truth",
+}
+_TELLING = 1000.0
+"""A ratio beyond this says only that an error was none before, or is none now."""
+_BESIDE = {"canary": "over the canary", "other engines": "over other engines of the same run"}
+
+
+def headline(changes: Changes) -> str:
+    """How much changed, in one line."""
+    worse = sum(row.regression for row in changes.rows)
+    better = sum(row.sense == "better" for row in changes.rows)
+    alike = sum(row.sense == "within tolerance" for row in changes.rows)
+    said = f"{_many(worse, 'thing')} worse, {better} better, {alike} changed within tolerance"
+    return f"{said}; of {_many(changes.matched, 'trial')} on both sides, {changes.same} are the same to the last bit"
+
+
+def first_line(changes: Changes) -> str:
+    """Which folders are compared."""
+    sides = (
+        f"{side.folder} ({' '.join(filter(None, (side.study, side.started))) or 'no date'})" for side in (changes.a, changes.b)
+    )
+    return " -> ".join(sides)
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _subject(row: Change) -> str:
+    setting = f"{row.engine}/{row.track}" if row.track else row.engine
+    place = " ".join(filter(None, (row.case, f"({row.where})" if row.where else "")))
+    step = f", dt {row.dt:.4g}" if row.dt else ""
+    return f"{place} on {setting}{step}" if place and setting else (place or setting) + step
+
+
+def _value(value: Value, unit: str) -> str:
+    if not isinstance(value, float):
+        return "none" if value is None else value
+    return f"{value:.4g}" + ("" if unit in ("1", "") else f" {unit}")
+
+
+def _ratio(row: Change) -> str:
+    if row.ratio is None:
+        return ""
+    bar = "" if row.low is None or row.high is None else f", {row.low:.3g} to {row.high:.3g}"
+    return f"{row.ratio:.3g} times{bar}"
+
+
+def _reading(row: Change) -> str:
+    ratio = f" ({_ratio(row)})" if row.ratio is not None else ""
+    return f"{row.metric} {_value(row.before, row.unit)} -> {_value(row.after, row.unit)}{ratio}"
+
+
+def sentence(row: Change) -> str:
+    """One change in one sentence."""
+    subject = _subject(row)
+    if row.kind == "verdict":
+        by = (
+            f"; {row.metric} {_ratio(row)} what it was" if row.ratio is not None and 1 / _TELLING < row.ratio < _TELLING else ""
+        )
+        return f"{subject}: {row.before}, now {row.after}: {row.detail}{by}."
+    if row.kind == "error":
+        way = {"worse": "errs more", "better": "errs less", "within tolerance": "other bits, within tolerance"}.get(
+            row.sense, ""
+        )
+        return f"{subject}: {way or row.detail}: {_reading(row)}." if row.metric else f"{subject}: {way or row.detail}."
+    if row.kind == "price":
+        way = "dearer" if row.sense == "worse" else "cheaper"
+        whole = f"as a whole, over {_many(row.count, 'price')}, " if not row.case else ""
+        bar = "" if row.low is None or row.high is None else f" ({row.low:.3g} to {row.high:.3g})"
+        return f"{subject}: {whole}{way}: {row.ratio:.3g} times the {row.metric}{bar}, {_BESIDE.get(row.beside, 'as clocked')}."
+    if row.kind == "limit":
+        way = {"worse": "breaks earlier", "better": "holds longer", "within tolerance": "may be as before"}.get(
+            row.sense, "changed"
+        )
+        return f"{subject}: {row.metric} held to {_value(row.before, row.unit)}, now {_value(row.after, row.unit)}: {way}."
+    if row.kind == "determinism":
+        return f"{subject}: repeated {row.metric}: {row.before}, now {row.after}{' ' + row.detail if row.detail else ''}."
+    if row.kind == "warning":
+        way = "warns no more" if row.after is None else "warns anew"
+        return f"{subject}: {way}, in {_many(row.count, 'trial')}: {row.detail}"
+    if row.kind == "trials":
+        return f"{subject}: {_value(row.after, '1')} trials are new, {_value(row.before, '1')} are gone."
+    if row.kind == "version":
+        return f"{row.engine}: version {row.before}, now {row.after}."
+    if row.kind == "sources":
+        versions = f"{row.before or 'none'}, now {row.after or 'none'}"
+        return f"{subject or 'all'}: {_ORIGINS.get(row.metric, row.metric)} {versions} ({_many(row.count, 'trial')})."
+    if row.kind == "settings":
+        return f"{subject}: {row.metric} {row.before}, now {row.after} ({_many(row.count, 'trial')})."
+    return f"the machine: {row.metric} {row.before}, now {row.after}."
+
+
+def command(row: Change, changes: Changes) -> str:
+    """What shows a change again; '' for what is a fact about the runs."""
+    folder = changes.b.folder
+    if row.kind == "price":
+        case = ["--case", row.case] if row.case else []
+        return shlex.join(["plumbline", "run", f"{folder}/study.toml", "--engine", row.engine, *case, "--out", "build/again"])
+    return shlex.join(["plumbline", "reproduce", folder, row.trial_b]) if row.trial_b else ""
+
+
+def folded(rows: Iterable[Change]) -> list[tuple[str, Sequence[Change]]]:
+    """Sentences with the rows behind each: what is within tolerance, and facts of one kind, in one for each engine."""
+    made: dict[object, list[Change]] = {}
+    for number, row in enumerate(rows):
+        single = row.kind == "price" and bool(row.case)
+        alone = (row.sense in ("worse", "better") and not single) or row.kind in (
+            "version",
+            "machine",
+            "verdict",
+            "determinism",
+        )
+        folds = (row.kind, row.sense, row.engine, row.metric if row.kind == "sources" else "")
+        made.setdefault(number if alone else folds, []).append(row)
+    return [(sentence(group[0]) if len(group) == 1 else _of_many(group), group) for group in made.values()]
+
+
+def _of_many(group: Sequence[Change]) -> str:
+    first = group[0]
+    cases = len({row.case for row in group})
+    who = first.engine or "all engines"
+    if first.kind == "error":
+        what = "the same bits are measured otherwise" if first.sense == "neither" else "other bits, within tolerance"
+        most = f"most of all {_subject(first)}: {_reading(first)}" if first.metric else _subject(first)
+        return f"{who}: {what}: {_many(len(group), 'answer')} in {_many(cases, 'case')}, {most}."
+    if first.kind == "trials":
+        gone, new = (sum(v for row in group if isinstance(v := value(row), float)) for value in (_before, _after))
+        return f"{who}: {new:.0f} trials are new, {gone:.0f} are gone, in {_many(cases, 'case')}."
+    if first.kind == "price":
+        return f"{who}: {_many(len(group), 'single price')} of their own, most of all {sentence(first)}"
+    facts = {
+        "warning": "notes came or went",
+        "settings": "settings changed",
+        "limit": "brackets moved and may hold the same limit",
+    }
+    if first.kind == "sources":
+        return (
+            f"{who}: {_ORIGINS.get(first.metric, first.metric)} changed for {_many(sum(row.count for row in group), 'trial')}."
+        )
+    return f"{who}: {facts.get(first.kind, first.kind)}: {len(group)}, the first: {sentence(first)}"
+
+
+def _before(row: Change) -> Value:
+    return row.before
+
+
+def _after(row: Change) -> Value:
+    return row.after

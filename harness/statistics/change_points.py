@@ -1,0 +1,178 @@
+"""Change points: the nights from which on a series lies on another level.
+
+Candidates are the exact optimum of PELT (R. Killick, P. Fearnhead & I. A. Eckley, J. Amer. Statist. Assoc. 107 (2012) 1590) on
+logarithms whose outliers are clipped. Each is then moved to where the capped sum of squares is least, and the weakest dropped,
+one after the other, until what is left is beyond chance: Student's t of the two levels beside it, counted once for each night
+that it could have been (Bonferroni). docs/decisions/0016 says how often that finds what, and what else was tried.
+"""
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ChangePoint", "change_points", "common_mode", "levelled"]
+
+Floats: TypeAlias = NDArray[np.float64]
+
+CHANCE = 1e-3
+"""Of a series: how often chance alone may look like a change of it."""
+LEAST = 0.01
+"""Changes of a price below one in a hundred are nobody's concern, however sure."""
+FEWEST = 3
+"""Nights on a level: with two, one outlier would be half of it."""
+ORDINARY = 0.7
+"""Share of a level's nights that have to lie on it: a few outliers in a row are no level."""
+CAP, CLIP, HALF = 3.0, 2.5, 3
+"""An outlier lies three spreads off its level; before levels are known, values are clipped at two and a half from the middle of
+the seven nights around them."""
+PENALTY = 10.0
+"""Of a candidate, in squared spreads: below what the test asks for, so that the test decides."""
+SHIFT = 6
+"""Nights by which a candidate may be moved."""
+TINY = 1e-6
+"""Spread of a series that hardly varies: there is no t of none."""
+_NORMAL_MAD = 0.6745
+_NORMAL_CAPPED = 0.9866
+"""Of a normal distribution with spread 1: its median absolute deviation, and its spread within three."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChangePoint:
+    """Terms: index: of the first value on the new level. ratio: new level over old. p_value: how often chance does as much."""
+
+    index: int
+    ratio: float
+    p_value: float
+
+
+def change_points(series: Floats, segments: NDArray[np.int64] | None = None) -> tuple[ChangePoint, ...]:
+    """The change points of a series, shape (n,), positive, one value a night, NaN for a night without one; in order.
+
+    Args: segments (n,): nights of different numbers (another version, another machine) are never compared; one for all if None.
+    """
+    numbers = np.zeros(len(series), np.int64) if segments is None else segments
+    usable = np.isfinite(series) & (series > 0)
+    made: list[ChangePoint] = []
+    for number in dict.fromkeys(numbers.tolist()):
+        nights = np.flatnonzero(usable & (numbers == number))
+        made += [ChangePoint(index=int(nights[at]), ratio=ratio, p_value=p) for at, ratio, p in _of_log(np.log(series[nights]))]
+    return tuple(sorted(made, key=lambda point: point.index))
+
+
+def common_mode(series: Floats) -> Floats:
+    """The factor (n,) by which each night slowed all series, shape (s, n): the median over series of each one's departure
+    from its own median; 1 where no series has a value. Several series over it are free of what the machine did to all."""
+    logs = np.log(np.where(series > 0, series, np.nan))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a night or a series without any value
+        factor: Floats = np.exp(np.nanmedian(logs - np.nanmedian(logs, axis=1, keepdims=True), axis=0))
+    return np.nan_to_num(factor, nan=1.0)
+
+
+def levelled(series: Floats) -> Floats:
+    """Several series (s, n) that should move together as one (n,), of less noise: the geometric mean of each over its median,
+    outliers clipped.
+
+    A step of 5 % in one series with 2 % noise is hardly placed to the night; in four of them it is.
+    """
+    logs = np.full(series.shape, np.nan)
+    for row, values in zip(logs, series, strict=True):
+        nights = np.flatnonzero(np.isfinite(values) & (values > 0))
+        if len(nights) > 1:
+            row[nights] = _clipped(np.log(values[nights]))[0]
+            row -= np.median(row[nights])
+    there = np.isfinite(logs).any(axis=0)
+    mean = np.full(series.shape[1], np.nan)
+    mean[there] = np.exp(np.nanmean(logs[:, there], axis=0))
+    return mean
+
+
+def _of_log(y: Floats) -> list[tuple[int, float, float]]:
+    """Index, ratio and p of each change in logarithms (n,), all finite."""
+    if len(y) < 2 * FEWEST + 2:
+        return []  # a spread of so few values is none
+    ends = _candidates(y)
+    while ends:
+        spread = _spread(y, ends)
+        for _ in range(2):
+            ends = _moved(y, ends, spread)
+        tests = [_test(y, *around, spread) for around in _around(ends, len(y))]
+        weakest = max(range(len(ends)), key=lambda k: tests[k][1])
+        if tests[weakest][1] < CHANCE:
+            return [(end, float(np.exp(step)), p) for end, (step, p) in zip(ends, tests, strict=True)]
+        del ends[weakest]
+    return []
+
+
+def _candidates(y: Floats) -> list[int]:
+    from ruptures import KernelCPD  # late: a listing must not pay for it
+
+    clipped, spread = _clipped(y)
+    found: list[int] = KernelCPD(kernel="linear", min_size=FEWEST).fit(clipped[:, None] / spread).predict(pen=PENALTY)[:-1]
+    return found
+
+
+def _clipped(y: Floats) -> tuple[Floats, float]:
+    """Logarithms (n,) without outliers, and their spread from night to night."""
+    steps = np.diff(y)
+    spread = max(float(np.median(np.abs(steps - np.median(steps)))) / _NORMAL_MAD / 2**0.5, TINY)
+    middle = np.array([np.median(y[max(0, k - HALF) : k + HALF + 1]) for k in range(len(y))])
+    return np.clip(y, middle - CLIP * spread, middle + CLIP * spread), spread
+
+
+def _around(ends: Sequence[int], length: int) -> list[tuple[int, int, int]]:
+    """Each change with the ends of the levels beside it."""
+    bounds = [0, *ends, length]
+    return [(bounds[k - 1], bounds[k], bounds[k + 1]) for k in range(1, len(bounds) - 1)]
+
+
+def _level(values: Floats, spread: float) -> tuple[float, int]:
+    """The mean of what lies within the cap around it, begun at the median, and how many those are."""
+    level, within = float(np.median(values)), np.ones(len(values), np.bool_)
+    for _ in range(3):
+        within = np.abs(values - level) <= CAP * spread
+        if not within.any():
+            return level, 0
+        level = float(values[within].mean())
+    return level, int(within.sum())
+
+
+def _spread(y: Floats, ends: Sequence[int]) -> float:
+    """The spread around the levels, without outliers."""
+    bounds = [0, *ends, len(y)]
+    off = np.concatenate([y[a:b] - np.median(y[a:b]) for a, b in pairwise(bounds)])
+    rough = max(float(np.median(np.abs(off))) / _NORMAL_MAD, TINY)
+    within = np.abs(off) <= CAP * rough
+    free = max(int(within.sum()) - len(ends) - 1, 1)
+    return max(float(np.sqrt((off[within] ** 2).sum() / free)) / _NORMAL_CAPPED, TINY)
+
+
+def _moved(y: Floats, ends: Sequence[int], spread: float) -> list[int]:
+    """Each change where the squares around the levels beside it, capped, are least."""
+    bounds = [0, *ends, len(y)]
+    for k in range(1, len(bounds) - 1):
+        start, at, end = bounds[k - 1 : k + 2]
+        tried = range(max(start + FEWEST, at - SHIFT), min(end - FEWEST, at + SHIFT) + 1)
+        bounds[k] = min(tried, key=lambda cut: _capped(y[start:cut], spread) + _capped(y[cut:end], spread), default=at)
+    return bounds[1:-1]
+
+
+def _capped(values: Floats, spread: float) -> float:
+    off = (values - _level(values, spread)[0]) / spread
+    return float(np.minimum(off**2, CAP**2).sum())
+
+
+def _test(y: Floats, start: int, at: int, end: int, spread: float) -> tuple[float, float]:
+    """The step between two levels, and how often chance alone makes one as sure anywhere in the series."""
+    from scipy.stats import t as student  # late, too
+
+    (low, few), (high, many) = _level(y[start:at], spread), _level(y[at:end], spread)
+    if few < max(FEWEST, ORDINARY * (at - start)) or many < max(FEWEST, ORDINARY * (end - at)) or abs(high - low) < LEAST:
+        return high - low, 1.0
+    t = abs(high - low) / (spread * (1 / few + 1 / many) ** 0.5)
+    return high - low, min(1.0, 2 * float(student.sf(t, len(y) - 3)) * (len(y) - 1))

@@ -1,0 +1,48 @@
+"""The page What changed in a real browser: silent, sortable, and nothing to scroll sideways on a phone."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from harness.findings.changes import compare
+from harness.store.store import Store
+from reports import what_changed
+from tests.browser.test_report import browser, visit  # noqa: F401 -- the fixtures
+from tests.two_runs import write_two_runs
+
+pytestmark = pytest.mark.browser
+
+
+def planted(trials: pd.DataFrame, measurements: pd.DataFrame, samples: pd.DataFrame) -> None:
+    mine = trials["engine"] == "dart"
+    trials.loc[mine, ["trajectory_hash", "engine_version"]] = ["0123456789abcdef", "2.0.0"]
+    measurements.loc[measurements["trial"].isin(trials.loc[mine, "trial"]), "value"] *= 1.5
+    samples.loc[samples["trial"].isin(trials.loc[mine, "trial"]), "cpu"] *= 1.4
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("changed")
+    changes = compare(*map(Store, write_two_runs(folder, planted)))
+    return what_changed(changes, folder / "out", ["dart"])
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_opens_in_silence_and_says_the_worst_first(page: Path, visit: Any, scheme: str) -> None:  # noqa: F811
+    seen = visit(page, color_scheme=scheme)
+    assert seen.said == []
+    assert "errs more" in seen.page.locator("#worse li").first.inner_text()
+    assert "plumbline reproduce" in seen.page.locator("#worse li code").first.inner_text()
+    rows = seen.page.locator("#all tbody tr")
+    assert rows.count() > 50
+    seen.page.locator("#all select").select_option("worse")
+    assert set(seen.page.locator("#all tbody tr:visible td:first-child").all_inner_texts()) == {"worse"}
+
+
+def test_a_phone_needs_no_sideways_scrolling(page: Path, visit: Any) -> None:  # noqa: F811
+    seen = visit(page)
+    seen.page.set_viewport_size({"width": 390, "height": 844})
+    seen.page.wait_for_timeout(300)
+    assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390

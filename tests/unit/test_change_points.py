@@ -1,0 +1,80 @@
+"""Are changes of a history seen, at the right night, and nothing where there is none?
+
+The rates asked for are those that the project promises where a night's price is known to 2 %. A step of 5 % is two and a half
+spreads; one series alone cannot place that to the night (whoever knows that there is exactly one step does so in 51 or 52 of
+60), so three that should move together are asked.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from harness.statistics.change_points import change_points, common_mode, levelled
+from harness.trajectory import Floats
+from tests.synthetic_nights import NIGHTS, History, history
+
+HISTORIES = 60
+
+
+def by_series(night: History) -> Floats:
+    return night.prices / common_mode(night.prices)
+
+
+def by_canary(night: History) -> Floats:
+    return night.prices / night.canary
+
+
+def step(size: float, night: int) -> Floats:
+    return np.where(np.arange(NIGHTS) >= night, 1 + size, 1.0)
+
+
+def steps_placed(size: float, together: int, free: Callable[[History], Floats]) -> int:
+    placed = 0
+    for number in range(HISTORIES):
+        night, signed = 8 + number * 44 // 59, size if number % 2 else -size
+        series = free(history((2, number), changed=together, factor=step(signed, night)))
+        found = change_points(levelled(series[:together]) if together > 1 else series[0])
+        placed += any(abs(point.index - night) <= 1 and (point.ratio > 1) == (signed > 0) for point in found)
+    return placed
+
+
+def test_sixty_histories_without_a_change_raise_no_alarm() -> None:
+    for free in (by_series, by_canary):
+        assert not [n for n in range(HISTORIES) if change_points(free(history((1, n)))[0])]
+
+
+def test_a_step_of_ten_percent_is_placed_to_the_night_and_one_of_five_where_three_series_are_judged_together() -> None:
+    assert steps_placed(0.10, 3, by_series) == HISTORIES
+    assert steps_placed(0.05, 3, by_series) >= 57
+    assert steps_placed(0.10, 1, by_canary) == HISTORIES
+
+
+def test_a_drift_of_ten_percent_over_thirty_nights_is_seen_as_slower_and_slower() -> None:
+    for number in range(HISTORIES):
+        drift = 1 + 0.1 * np.clip((np.arange(NIGHTS) - 5 - number % 20) / 30, 0, 1)
+        found = change_points(by_series(history((3, number), factor=drift))[0])
+        assert found, number
+        assert all(point.ratio > 1 for point in found), number
+
+
+def test_a_step_without_noise_has_its_size_and_its_night_with_and_without_gaps() -> None:
+    series = 2e-3 * step(0.2, 20)
+    series[[3, 19, 40]] = np.nan
+    (point,) = change_points(series)
+    assert point.index == 20
+    assert abs(point.ratio - 1.2) < 1e-9  # rounding of logarithms and their means
+    assert point.p_value < 1e-9
+
+
+def test_a_new_version_opens_a_segment_and_is_no_change() -> None:
+    series = step(0.5, 30)
+    assert change_points(series)
+    assert not change_points(series, (np.arange(NIGHTS) >= 30).astype(np.int64))
+
+
+def test_too_few_nights_give_no_answer_and_nights_without_any_price_no_trouble() -> None:
+    assert change_points(np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])) == ()
+    assert change_points(np.full(NIGHTS, np.nan)) == ()
+    empty = np.full((3, NIGHTS), np.nan)
+    assert (common_mode(empty) == 1).all()
+    assert np.isnan(levelled(empty)).all()

@@ -1,0 +1,202 @@
+"""Is every planted change between two run folders told, with its size, and nothing else?"""
+
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+from harness.cli.main import main
+from harness.findings.changes import Change, Changes, compare
+from harness.findings.changes.comment import LONGEST_COMMENT, comment
+from harness.findings.changes.files import changes_files
+from harness.findings.changes.values import Side
+from harness.findings.changes.weights import heaviest_first
+from harness.findings.changes.words import command, sentence
+from harness.store.store import Store
+from tests.two_runs import Planted, write_two_runs
+
+
+def compared(folder: Path, planted: Planted | None = None, **machine: Any) -> Changes:
+    return compare(*map(Store, write_two_runs(folder, planted, machine or None)))
+
+
+def cells(trials: pd.DataFrame, case: str, engine: str) -> "pd.Series[bool]":
+    return (trials["case"] == case) & (trials["engine"] == engine)
+
+
+def other_bits(trials: pd.DataFrame, measurements: pd.DataFrame, case: str, engine: str, times: float) -> "pd.Series[bool]":
+    """Trials of a case on an engine get another trajectory, and their headline so many times the value."""
+    mine = cells(trials, case, engine)
+    trials.loc[mine, "trajectory_hash"] = "0123456789abcdef"
+    headline = measurements["at_most"].notna() & (measurements["metric"] != "energy_drift")
+    measurements.loc[measurements["trial"].isin(trials.loc[mine, "trial"]) & headline, "value"] *= times
+    return mine
+
+
+def test_two_runs_of_the_same_say_nothing_though_the_machine_was_a_third_slower(tmp_path: Path) -> None:
+    changes = compared(tmp_path)
+    assert changes.rows == ()
+    assert changes.matched == changes.a.trials == changes.b.trials
+    assert changes.clocked > 100
+
+
+def test_an_engine_that_takes_a_fifth_longer_is_told_by_trial_and_as_a_whole_over_the_other_engines(tmp_path: Path) -> None:
+    def slower(trials: pd.DataFrame, _measurements: pd.DataFrame, samples: pd.DataFrame) -> None:
+        mine = samples["trial"].isin(trials.loc[trials["engine"] == "reference", "trial"])
+        samples.loc[mine, "cpu"] *= 1.2
+
+    changes = compared(tmp_path, slower)
+    assert {(row.kind, row.sense, row.engine, row.beside) for row in changes.rows} == {
+        ("price", "worse", "reference", "other engines")
+    }
+    (whole,) = [row for row in changes.rows if not row.case]
+    # The median of some hundred ratios, each of two medians of ten samples with 2 % noise: a spread of 1 % / 10 about.
+    assert whole.ratio == pytest.approx(1.2, rel=0.01)
+    assert whole.low is not None
+    assert whole.high is not None
+    assert whole.low < 1.2 < whole.high
+    assert len(changes.rows) > 0.9 * whole.count
+
+
+def test_one_engine_alone_is_compared_over_the_canary(tmp_path: Path) -> None:
+    folders = write_two_runs(tmp_path)
+    for folder in folders:
+        trials = pd.read_parquet(folder / "trials.parquet")
+        trials[trials["engine"] == "dart"].to_parquet(folder / "trials.parquet", index=False)
+    samples = pd.read_parquet(folders[1] / "samples.parquet")
+    samples["cpu"] *= 1.5
+    samples.to_parquet(folders[1] / "samples.parquet", index=False)
+    trials = pd.read_parquet(folders[1] / "trials.parquet")
+    trials["cpu_per_unit"] *= 1.5
+    trials.to_parquet(folders[1] / "trials.parquet", index=False)
+    rows = compare(*map(Store, folders)).rows
+    assert rows
+    assert {(row.kind, row.sense, row.beside) for row in rows} == {("price", "worse", "canary")}
+    assert all(abs((row.ratio or 0) - 1.5) < 0.1 for row in rows)  # two medians of ten samples with 2 % noise each
+
+
+def test_another_last_bit_is_no_change_for_the_worse_and_an_error_three_times_as_large_is(tmp_path: Path) -> None:
+    def planted(trials: pd.DataFrame, measurements: pd.DataFrame, _samples: pd.DataFrame) -> None:
+        other_bits(trials, measurements, "joint_pendulum", "mujoco", 1 + 1e-12)
+        other_bits(trials, measurements, "friction_stop", "mujoco", 3.0)
+
+    changes = compared(tmp_path, planted)
+    assert {(row.kind, row.sense, row.case) for row in changes.rows if row.kind == "error"} == {
+        ("error", "within tolerance", "joint_pendulum"),
+        ("error", "worse", "friction_stop"),
+    }
+    worse = [row for row in changes.rows if row.sense == "worse"]
+    assert all(row.ratio == pytest.approx(3) for row in worse)
+    assert changes.rows[: len(worse)] == tuple(worse)
+    # No price of such an engine is a yardstick any more; the others' are.
+    assert not [row for row in changes.rows if row.kind == "price"]
+
+
+def test_a_verdict_that_flips_is_said_first_and_bars_the_gate_of_its_engine_alone(tmp_path: Path) -> None:
+    def planted(trials: pd.DataFrame, measurements: pd.DataFrame, _samples: pd.DataFrame) -> None:
+        mine = other_bits(trials, measurements, "spin_asymmetric_top", "dart", 500.0) & (trials["status"] == "passed")
+        trials.loc[mine, ["status", "reason"]] = ["failed", "attitude_error above its bound"]
+
+    changes = compared(tmp_path, planted)
+    first = changes.rows[0]
+    assert (first.kind, first.sense, first.before, first.after) == ("verdict", "worse", "passed", "failed")
+    assert changes.regressions(["dart"])
+    assert not changes.regressions(["mujoco", "bullet"])
+    folders = str(tmp_path / "a"), str(tmp_path / "b")
+    for gate, code in ((["--gate", "dart"], 1), (["--gate", "mujoco"], 0), ([], 0), (["--gate", "dar"], 2)):
+        assert CliRunner().invoke(main, ["diff", *folders, *gate]).exit_code == code
+    said = CliRunner().invoke(main, ["diff", *folders, "--format", "json"]).stdout
+    assert json.loads(said)[0]["command"] == f"plumbline reproduce {folders[1]} {first.trial_b}"
+
+
+def test_the_same_bits_that_are_measured_otherwise_are_no_fault_of_the_engine(tmp_path: Path) -> None:
+    def planted(trials: pd.DataFrame, measurements: pd.DataFrame, _samples: pd.DataFrame) -> None:
+        mine = other_bits(trials, measurements, "joint_chain", "bullet", 2.0)
+        trials.loc[mine, "trajectory_hash"] = trials.loc[mine, "trial"]
+
+    errors = [row for row in compared(tmp_path, planted).rows if row.kind == "error"]
+    assert errors
+    assert {row.sense for row in errors} == {"neither"}
+
+
+def test_a_truth_that_is_known_to_less_than_the_change_makes_no_change(tmp_path: Path) -> None:
+    def planted(trials: pd.DataFrame, measurements: pd.DataFrame, _samples: pd.DataFrame) -> None:
+        mine = other_bits(trials, measurements, "rest_table", "mujoco", 1.5)
+        measurements.loc[measurements["trial"].isin(trials.loc[mine, "trial"]), "truth_error"] = 1.0
+
+    assert {row.sense for row in compared(tmp_path, planted).rows} == {"within tolerance"}
+
+
+def test_versions_sources_machine_and_trials_that_came_or_went_are_facts(tmp_path: Path) -> None:
+    def planted(trials: pd.DataFrame, _measurements: pd.DataFrame, _samples: pd.DataFrame) -> None:
+        trials.loc[trials["engine"] == "dart", ["engine_version", "sources"]] = ["2.0.0", '{"adapter": "1111"}']
+        trials.loc[cells(trials, "rest_table", "bullet"), "case"] = "rest_elsewhere"
+
+    rows = compared(tmp_path, planted, processor="Another CPU").rows
+    assert {(row.kind, row.sense, row.engine) for row in rows} == {
+        ("version", "neither", "dart"),
+        ("sources", "neither", "dart"),
+        ("machine", "neither", ""),
+        ("trials", "neither", "bullet"),
+    }
+    counts = {row.case: (row.before, row.after) for row in rows if row.kind == "trials" and row.track == "default"}
+    assert counts == {"rest_table": (6.0, 0.0), "rest_elsewhere": (0.0, 6.0)}
+    assert all(sentence(row).endswith(".") for row in rows)
+
+
+def many(count: int) -> Changes:
+    """So many verdicts that flipped, with long reasons."""
+    rows = [
+        Change(kind="verdict", sense="worse", case=f"case_{n}|<b>", engine="dart", track="tuned", dt=0.01, trial_b=f"{n:016x}",
+               before="passed", after="failed", detail="x" * 1900)
+        for n in range(count)
+    ]  # fmt: skip
+    side = Side(folder="a b", study="quick", started="", machine="", trials=count, versions=())
+    return Changes(a=side, b=side, rows=heaviest_first(rows), matched=count, same=0, clocked=0)
+
+
+def test_a_summary_of_a_thousand_changes_fits_a_comment(tmp_path: Path) -> None:
+    text = comment(many(1000), ["dart"])
+    assert len(text) <= LONGEST_COMMENT
+    assert "1000 regressions" in text
+    assert "<b>" not in text
+    assert command(many(1).rows[0], many(1)) == "plumbline reproduce 'a b' 0000000000000000"
+
+
+def test_the_files_say_the_same_to_build_servers_and_trackers(tmp_path: Path) -> None:
+    def planted(trials: pd.DataFrame, measurements: pd.DataFrame, _samples: pd.DataFrame) -> None:
+        other_bits(trials, measurements, "friction_stop", "mujoco", 3.0)
+
+    folders = write_two_runs(tmp_path, planted)
+    stores = [Store(folder) for folder in folders]
+    changes = compare(*stores)
+    files = changes_files(changes, stores[1], ["mujoco"])
+    root = ElementTree.fromstring(files["junit.xml"])
+    (suite,) = root
+    tests = suite.findall("testcase")
+    asked = stores[1].trials.groupby(["case", "engine"]).ngroups
+    assert (root.tag, suite.tag, len(tests), int(suite.attrib["tests"])) == ("testsuites", "testsuite", asked, asked)
+    assert len({(test.attrib["classname"], test.attrib["name"]) for test in tests}) == asked
+    assert [test.attrib["name"] for test in tests if test.find("failure") is not None] == ["friction_stop"]
+    assert int(suite.attrib["failures"]) == 1
+    assert int(suite.attrib["skipped"]) == sum(test.find("skipped") is not None for test in tests) > 0
+    results = json.loads(files["asv.json"])
+    assert results["version"] == 2
+    for name, row in results["results"].items():
+        values, axes = row[0], row[1]
+        assert len(values) == np.prod([len(axis) for axis in axes]), name
+        assert len(row) <= len(results["result_columns"])
+    metrics = json.loads(files["bencher.json"])
+    assert {measure for one in metrics.values() for measure in one} == {"latency", "error"}
+    for one in metrics.values():
+        for figure in one.values():
+            assert figure["lower_value"] <= figure["value"] <= figure["upper_value"]
+    badge = ElementTree.fromstring(files["badge.svg"])
+    title = badge.find("{http://www.w3.org/2000/svg}title")
+    assert title is not None
+    assert title.text == f"plumbline: {len(changes.regressions(['mujoco']))} worse"

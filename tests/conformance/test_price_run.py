@@ -85,10 +85,10 @@ def test_the_price_list_has_every_pair_and_says_what_is_not_reached(folder: Path
     assert {row["engine"] for row in rows if row["cost"] is not None and row["target"] < 2e-6} == {"mujoco", "reference"}
 
 
-def test_going_on_runs_nothing_that_was_run(folder: Path, plumbline: Command) -> None:
+def test_going_on_runs_nothing_that_was_run(folder: Path, printed: Command) -> None:
     """The rounds are found again from the journal, to the letter."""
     before = (folder / "journal.jsonl").read_bytes()
-    done = plumbline("run", str(folder.parent / "small.toml"), "--out", str(folder), "--workers", "2", "--resume")
+    done = printed("run", str(folder.parent / "small.toml"), "--out", str(folder), "--workers", "2", "--resume")
     assert done.returncode == 0, done.stderr
     assert (folder / "journal.jsonl").read_bytes() == before
 

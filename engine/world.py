@@ -155,19 +155,24 @@ class World:
                 done, status = self._step(self._floats, self._ints, 1)
             else:
                 done, status = 0, FULL
-            if status == DIVERGED:
-                raise Diverged(self.steps)
-            if status == UNSOLVED:
-                raise Diverged(self.steps, f"integrator '{self.options.integrator}' found no solution for so long a step")
-            if status >= OPEN_JOINT:
-                raise Diverged(self.steps, self.open_joint(status))
             count -= done
-            if status == CONVEX_PENDING:
-                from engine.contact.collide_convex import collide_convex
+            if status != DONE:
+                self._resume(status)
 
-                collide_convex(self._floats, self._ints)
-            if status == FULL:
-                self._floats, self._ints = grow(self._floats, self._ints)
+    def _resume(self, status: int) -> None:
+        """Do what has to be done before a world that stopped with a status goes on. Raises: Diverged."""
+        if status == DIVERGED:
+            raise Diverged(self.steps)
+        if status == UNSOLVED:
+            raise Diverged(self.steps, f"integrator '{self.options.integrator}' found no solution for so long a step")
+        if status >= OPEN_JOINT:
+            raise Diverged(self.steps, self.open_joint(status))
+        if status == CONVEX_PENDING:
+            from engine.contact.collide_convex import collide_convex
+
+            collide_convex(self._floats, self._ints)
+        if status == FULL:
+            self._floats, self._ints = grow(self._floats, self._ints)
 
     def open_joint(self, status: int) -> str:
         """What is to be said of the joint that a step with this status found open."""

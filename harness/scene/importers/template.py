@@ -46,6 +46,8 @@ axis_W = [0.0, 1.0, 0.0]
 # limits = { lower = -1.0, upper = 1.0 }
 # spring = { stiffness = 0.0, damping = 0.1, rest = 0.0 }
 # drive = { stiffness = 10.0, damping = 1.0, target = 0.5, limit = 5.0 }
+# Its target moves with motion = { type = "sinusoid", amplitude = 0.3, frequency = 1.0, phase = 0.0 } in the drive, or
+# { type = "samples", time = [0.0, 1.0], target = [0.0, 0.5] }.
 
 # One law for each pair of materials that can touch; pairs in `apart` pass through each other.
 [[surfaces]]

@@ -79,7 +79,7 @@ def compile_here(text: Prepared, file: str) -> mjcf_model.Model:
 
 def _one(path: Path) -> str:
     """What became of a file: 'read', 'refused', or what is wrong with how it ended."""
-    wishes = Wishes(root=None if path.suffix == ".xml" else "floating", drop=frozenset(DROPPABLE))
+    wishes = Wishes(root=None if path.suffix == ".xml" else "floating", drop=frozenset(DROPPABLE), looks=True)
     signal.setitimer(signal.ITIMER_PROF, DEADLINE)
     try:
         read(path, wishes, Companion(massless=Massless(mass=1e-3)))

@@ -52,6 +52,8 @@ axis_W = [0.0, 1.0, 0.0]
 # armature = 0.01             # rotor inertia about the axis [kg m2; kg of a slide]
 # friction_loss = 0.2         # dry friction, at most [N m; N of a slide]
 # coupling = { joint = "other", ratio = 2.0, offset = 0.0 }  # this coordinate is ratio times the other's, plus offset
+# Its target moves with motion = { type = "sinusoid", amplitude = 0.3, frequency = 1.0, phase = 0.0 } in the drive, or
+# { type = "samples", time = [0.0, 1.0], target = [0.0, 0.5] }.
 
 # One law for each pair of materials that can touch; pairs in `apart` pass through each other.
 [[surfaces]]

@@ -70,7 +70,6 @@ class Shapes:
         return tuple(made)
 
     def _shape(self, geometry: Any, element: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
-        shape: Shape
         if geometry.mesh is not None:
             return self._mesh(geometry.mesh, element, link)
         shape = _primitive(geometry)

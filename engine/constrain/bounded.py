@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from engine.compile.jit import inlined, kernel
+from engine.compile.jit import inlined
 from engine.constrain.careful import careful_solve
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
 from engine.constrain.principal_pivoting import settle_bounds
@@ -36,7 +36,7 @@ ROUND_OFF = 1e-12
 """What may be left of a row [m/s or rad/s], as a share of its largest term."""
 
 
-@kernel
+@inlined
 def unmet(change: Floats, rows: Rows, r: int, n: int, careful: bool) -> tuple[float, float]:
     """What row r still asks for, -(J v + softness * impulse + bias) after all impulses, and what of it may be round-off."""
     row, vector = rows.row, rows.vector
@@ -106,7 +106,7 @@ def change_sides(bodies: Bodies, rows: Rows, equalities: int, n: int) -> tuple[i
     return changed, stuck
 
 
-@kernel
+@inlined
 def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int) -> None:
     """Change the velocities so that J v + softness * impulse + bias = 0 on free rows, each impulse between its bounds.
 

@@ -49,8 +49,8 @@ def _prices(store: Store) -> Iterator[_Figure]:
     for row in store.asked.itertuples():
         if row.cpu_per_unit == row.cpu_per_unit and not _beside(row):
             yield _Figure(
-                _name(row, store), (row.engine, row.track, f"{row.dt:.6g}"), float(row.cpu_per_unit), float(row.cpu_per_unit_low),
-                float(row.cpu_per_unit_high),
+                _name(row, store), (row.engine, row.track, f"{row.dt:.6g}"), float(row.cpu_per_unit),
+                float(row.cpu_per_unit_low), float(row.cpu_per_unit_high),
             )  # fmt: skip
 
 

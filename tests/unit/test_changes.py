@@ -192,6 +192,8 @@ def test_the_files_say_the_same_to_build_servers_and_trackers(tmp_path: Path) ->
         assert len(values) == np.prod([len(axis) for axis in axes]), name
         assert len(row) <= len(results["result_columns"])
     metrics = json.loads(files["bencher.json"])
+    prices = stores[1].trials["cpu_per_unit"].notna().sum()
+    assert sum("latency" in one for one in metrics.values()) == prices  # no trial stands in the place of another
     assert {measure for one in metrics.values() for measure in one} == {"latency", "error"}
     for one in metrics.values():
         for figure in one.values():

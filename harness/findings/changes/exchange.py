@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+from harness.findings.changes.matching import where_of
 from harness.store.machine_fingerprint import machine_digest
 from harness.store.record import digest
 from harness.store.store import Store
@@ -32,9 +33,11 @@ class _Figure:
     high: float
 
 
-def _name(row: Any) -> str:
-    """Case and what is asked of it; a trial that departs from the case's parameters is another benchmark."""
-    return f"{row.case}.{row.unit}" if isinstance(row.unit, str) else str(row.case)
+def _name(row: Any, store: Store) -> str:
+    """The case; a trial that departs from the case's parameters, or counts something else than steps, is another benchmark."""
+    where = where_of(row, store.catalogue)
+    unit = row.unit if isinstance(row.unit, str) and row.unit != "step" else ""
+    return str(row.case) + (f"({where})" if where else "") + (f".{unit}" if unit else "")
 
 
 def _beside(row: Any) -> bool:
@@ -46,8 +49,8 @@ def _prices(store: Store) -> Iterator[_Figure]:
     for row in store.asked.itertuples():
         if row.cpu_per_unit == row.cpu_per_unit and not _beside(row):
             yield _Figure(
-                _name(row), (row.engine, row.track, f"{row.dt:.6g}"), float(row.cpu_per_unit), float(row.cpu_per_unit_low),
-                float(row.cpu_per_unit_high),
+                _name(row, store), (row.engine, row.track, f"{row.dt:.6g}"), float(row.cpu_per_unit),
+                float(row.cpu_per_unit_low), float(row.cpu_per_unit_high),
             )  # fmt: skip
 
 
@@ -59,7 +62,7 @@ def _errors(store: Store) -> Iterator[_Figure]:
         if headline is not None and math.isfinite(headline.value):
             off = float(getattr(headline, "truth_error", 0.0) or 0.0)
             value = float(headline.value)
-            yield _Figure(str(row.case), (row.engine, row.track, f"{row.dt:.6g}"), value, value - off, value + off)
+            yield _Figure(_name(row, store), (row.engine, row.track, f"{row.dt:.6g}"), value, value - off, value + off)
 
 
 def bencher(store: Store) -> dict[str, dict[str, dict[str, float]]]:
@@ -67,7 +70,7 @@ def bencher(store: Store) -> dict[str, dict[str, dict[str, float]]]:
     made: dict[str, dict[str, dict[str, float]]] = {}
     for measure, scale, figures in (("latency", 1e9, _prices(store)), ("error", 1.0, _errors(store))):
         for one in figures:
-            name = "/".join((one.benchmark.partition(".")[0], *one.settings))
+            name = "/".join((one.benchmark, *one.settings))
             value = {"value": scale * one.value, "lower_value": scale * one.low, "upper_value": scale * one.high}
             made.setdefault(name, {})[measure] = value
     return made

@@ -96,12 +96,11 @@ def factor(rows: Rows, n: int, body: Floats) -> None:
                 total -= low[i, k] * low[j, k]
             low[i, j] = total / low[j, j]
             diagonal -= low[i, j] * low[i, j]
-        carried = diagonal > SUSPECT * matrix[i, i]
         if diagonal > LOW_PIVOT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
             low[i, i] = math.sqrt(diagonal)
         elif row[i, SOFTNESS] > 0.0 or lies_in_span(rows, i, body, diagonal / matrix[i, i]):
             vector[PIVOT, i] = 1.0
-        elif carried:
+        elif diagonal > SUSPECT * matrix[i, i]:
             low[i, i] = math.sqrt(diagonal)
         else:
             vector[CAREFUL, 0] = 1.0

@@ -38,7 +38,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 _RUN = (
     click.option("--dt", type=Seconds(1e-9, 1.0), metavar="X", help="The coarsest time step [s] of the ladder [1/240]."),
     click.option("--duration", type=Seconds(1e-6, 1e6), metavar="X", help="How long the scene runs [s] [5]."),
-    click.option("--budget", type=Seconds(0.0, 1e7), metavar="T", help="CPU time of the ladder, like 90, 5m, 2h [120 s]."),
+    click.option("--budget", type=Seconds(0.0, 1e7), metavar="T", help="CPU time of the ladder, like 60, 5m, 2h [90 s]."),
 )
 
 

@@ -1,8 +1,6 @@
 """The study of a scene of the user's own: a ladder of time steps on both tracks of every engine, and what the scene calls
 for."""
 
-from dataclasses import replace
-
 from harness.case import Case
 from harness.study.experiment import Experiment
 from harness.study.refinement import Refinement
@@ -12,6 +10,8 @@ __all__ = ["study_of"]
 
 HALVED = 16
 """What part of the first step the ladder is halved down to at least."""
+BUDGET = 90.0
+"""CPU seconds of the ladder: with effects and the clock, three minutes of two cores for an arm of twenty joints."""
 SAMPLE = 0.01
 """Seconds of a timing sample: runs of many engines and steps have to be clocked within the minutes that one waits."""
 
@@ -19,11 +19,10 @@ SAMPLE = 0.01
 def study_of(case: Case, budget: float | None = None) -> Study:
     """Where every engine ends in this scene, what that costs at each step, and which effects the scene needs.
 
-    Args: budget [s]: CPU time of the runs of the ladder, None for that of `Refinement`.
+    Args: budget [s]: CPU time of the runs of the ladder, BUDGET if None.
     """
     finest = case.dt / HALVED
-    refined = Refinement(finest=finest, member_dt=case.ladder[-1])
-    refined = refined if budget is None else replace(refined, budget=budget)
+    refined = Refinement(finest=finest, member_dt=case.ladder[-1], budget=BUDGET if budget is None else budget)
     ladder = Experiment(name="ladder", dt="ladder", refine=refined, sample_seconds=SAMPLE)
     # Effects are told from an engine's own error, so that they are asked about at a step at which it is small.
     needs = Experiment(name="effects", tracks=("tuned",), dt=(case.ladder[1],), effects=True, samples=3, sample_seconds=SAMPLE)

@@ -18,7 +18,7 @@ from harness.scene.file import dump_json, dump_toml, parse
 from harness.scene.importers.commands import load_commands
 from harness.scene.importers.companion import Companion, Drives, JointWish
 from harness.scene.importers.reading import read
-from harness.scene.importers.sweeping import FREQUENCY, SHARE
+from harness.scene.importers.sweeping import FASTEST, FREQUENCY, SHARE
 from harness.study import plugins
 from harness.trajectory import Floats
 from harness.trial.simulate import simulate
@@ -256,6 +256,12 @@ def test_a_sweep_starts_where_the_joint_stands_and_stays_within_its_range_and_sp
     assert motion.frequency < FREQUENCY
     assert joint.drive.limit == 5.0
     assert row(got, "sweep").becomes == "a slower sinusoid"
+    # Without a speed of its own the same joint goes as fast as arms do.
+    free = imported(tmp_path, urdf(joint='<limit lower="-1" upper="2"/>'), wish, scenario="sweep").scene.joints[0]
+    assert isinstance(free, Revolute)
+    assert free.drive is not None
+    assert isinstance(free.drive.motion, Sinusoid)
+    assert free.drive.motion.frequency * 2 * math.pi * free.drive.motion.amplitude == pytest.approx(FASTEST, rel=1e-12)
 
 
 def test_a_sweep_leaves_the_motion_that_the_companion_states(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ from harness.scene.importers.mounting import mounted
 from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from harness.scene.importers.robot import Robot
 from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped
-from harness.scene.importers.sweeping import swept
+from harness.scene.importers.sweeping import poses_of, swept
 from harness.scene.importers.ties import tied, untied
 from harness.scene.importers.units import scaled, suspected
 
@@ -137,8 +137,9 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     if wishes.scenario == "drop":
         companion = scenarios.grounded(companion)
     if wishes.scenario in ("hold", "sweep"):
-        drive = scenarios.held_by_drives if wishes.scenario == "hold" else swept
-        robot, more = drive(robot, _made(scenarios.unpowered(robot), companion).tree.massive)
+        idle = scenarios.unpowered(robot)
+        poses = [_made(one, companion).tree.massive for one in ([idle] if wishes.scenario == "hold" else poses_of(idle))]
+        robot, more = (scenarios.held_by_drives if wishes.scenario == "hold" else swept)(robot, poses)
         rows += more
     made = _made(followed(robot), companion)
     rows += [*_counted(robot, made), *made.laws.rows, *consequences(made.tree.massive, wishes.drop)]

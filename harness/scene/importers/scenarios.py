@@ -81,12 +81,18 @@ def swung(robot: Robot) -> Robot:
 
 
 def held_by_drives(
-    robot: Robot, bodies: Sequence[Massive], names: Collection[str] | None = None
+    robot: Robot, poses: Sequence[Sequence[Massive]], names: Collection[str] | None = None
 ) -> tuple[Robot, list[Fidelity]]:
-    """Each joint without a drive gets one that holds it where it starts. Args: names: of these joints alone; of all if None."""
-    scalars, M, places = inertias(bodies)
+    """Each joint without a drive gets one that holds it where it starts.
+
+    Args: poses: that it is strong enough for. names: of these joints alone; of all if None.
+    """
     rotors = 0.0 if "armature" in robot.dropped else 1.0
-    own = {c.name: float(M[k, k]) + rotors * c.armature for c, k in zip(scalars, places, strict=True)}
+    own: dict[str, float] = {}
+    for bodies in poses:
+        scalars, M, places = inertias(bodies)
+        for c, k in zip(scalars, places, strict=True):
+            own[c.name] = max(own.get(c.name, 0.0), float(M[k, k]) + rotors * c.armature)
     given = []
 
     def hold(c: Coordinate) -> Coordinate:
@@ -110,7 +116,8 @@ def held_by_drives(
         count=len(given),
         outcome="approximated",
         becomes="a critically damped drive that holds the start",
-        consequence="the file gives no gains; natural frequency of each with the other joints held",
+        consequence="the file gives no gains; natural frequency of each with the other joints held"
+        f"{', where its inertia is greatest' if len(poses) > 1 else ''}",
         value=HOLD_RATE / (2 * math.pi),
         unit="Hz",
     )

@@ -11,17 +11,36 @@ from harness.scene.importers.robot import Coordinate, Robot
 from harness.scene.importers.scenarios import held_by_drives
 from harness.scene.motion import Sinusoid
 
-__all__ = ["FREQUENCY", "OPEN", "SHARE", "swept"]
+__all__ = ["FASTEST", "FREQUENCY", "OPEN", "SHARE", "poses_of", "swept"]
 
 FREQUENCY = 0.5
-"""Of the sinusoid [Hz]: through the range and back in two seconds, where the joint's own speed allows it."""
+"""Of the sinusoid [Hz]: through the range and back in two seconds, where that is not too fast."""
+FASTEST = 2.0
+"""Greatest speed of a target [rad/s], a slide's a tenth of that [m/s]: what arms do whose makers say so."""
+INSTANTS = 4
+"""Poses on the way for which drives are made strong enough, beside the start."""
 SHARE = 0.8
 """Of half the range: the stops are not what is asked about, and a drive overshoots."""
 OPEN = 1.0
 """Half the range of a joint that has no end on a side [rad]; a slide's is a tenth of that [m]."""
 
 
-def swept(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list[Fidelity]]:
+def poses_of(robot: Robot) -> list[Robot]:
+    """The robot at the start and at instants of its sweep; at the start alone where loops are closed."""
+    made = [robot]
+    for k in range(0 if robot.closures else INSTANTS):
+        share = math.sin(math.pi * (k + 0.5) / INSTANTS) * (-1.0) ** k
+
+        def there(c: Coordinate, share: float = share) -> Coordinate:
+            middle, reach = _reach(c)
+            return replace(c, position=middle + share * reach) if c.kind in ("revolute", "prismatic") else c
+
+        links = tuple(replace(link, coordinates=tuple(there(c) for c in link.coordinates)) for link in robot.links)
+        made.append(replace(robot, links=links))
+    return made
+
+
+def swept(robot: Robot, poses: Sequence[Sequence[Massive]]) -> tuple[Robot, list[Fidelity]]:
     """The robot with a drive on each joint, whose target goes through the range, and what is to be said of that.
 
     Where the companion moves a target that motion stays. In a machine with closed loops joints do not move freely of each
@@ -33,9 +52,9 @@ def swept(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list[Fidelity
         moving = [c for c in scalar if c.servo is not None] or scalar[:1]
     names = {c.name for c in moving}
     if robot.closures:
-        driven, rows = held_by_drives(robot, bodies, names)
+        driven, rows = held_by_drives(robot, poses, names)
     else:
-        driven, rows = held_by_drives(robot, bodies)
+        driven, rows = held_by_drives(robot, poses)
     made = tuple(
         replace(link, coordinates=tuple(_swept(c) if c.name in names else c for c in link.coordinates)) for link in driven.links
     )
@@ -48,8 +67,9 @@ def swept(robot: Robot, bodies: Sequence[Massive]) -> tuple[Robot, list[Fidelity
                 count=len(slow),
                 outcome="exact",
                 becomes="a slower sinusoid",
-                consequence="at the joint's own greatest speed in the middle of its range; all others go there and back at",
-                value=FREQUENCY,
+                consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
+                "goes there and back at",
+                value=min(_frequency(c, _reach(c)[1]) for c in moving),
                 unit="Hz",
             )
         )
@@ -76,7 +96,8 @@ def _reach(c: Coordinate) -> tuple[float, float]:
 
 
 def _frequency(c: Coordinate, reach: float) -> float:
-    """Such that the target is never faster than the joint may be."""
-    if c.speed is None or reach <= 0:
+    """Such that the target is never faster than the joint may be, nor than arms are."""
+    if reach <= 0:
         return FREQUENCY
-    return min(FREQUENCY, c.speed / (2 * math.pi * reach))
+    fastest = FASTEST if c.kind == "revolute" else FASTEST / 10
+    return min(FREQUENCY, min(fastest, c.speed or math.inf) / (2 * math.pi * reach))

@@ -141,8 +141,8 @@ def _audit(file: Path, wishes: Wishes, as_json: bool, told: dict[str, Any]) -> b
 
     for name in told["gated"]:
         if name not in plugins.names("adapters") or not plugins.adapter(name).loaders:
-            reading = [engine for engine in plugins.names("adapters") if plugins.adapter(engine).loaders]
-            raise click.BadParameter(f"'{name}', expected one of {', '.join(reading)}", param_hint="--gate")
+            having = [engine for engine in plugins.names("adapters") if plugins.adapter(engine).loaders]
+            raise click.BadParameter(f"'{name}', expected one of {', '.join(having)}", param_hint="--gate")
     readings = []
     for reading in audit(file, wishes, told["tolerance"], told["seed"]):
         readings.append(reading)

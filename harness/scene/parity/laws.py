@@ -40,8 +40,8 @@ def rows_of(a: Sequence[Law], b: Sequence[Law], slides: frozenset[str], extent: 
         law = law_A or law_B
         assert law is not None
         if law_A is None or law_B is None:
-            words = ("present", "absent") if law_B is None else ("absent", "present")
-            rows.append(_row("law", f"{law.kind} {law.name}", *words, tolerance, words=ALONE))
+            there_A, there_B = ("present", "absent") if law_B is None else ("absent", "present")
+            rows.append(_row("law", f"{law.kind} {law.name}", there_A, there_B, tolerance, words=ALONE))
         elif law.kind == "mimic":
             rows += _mimic(law_A, law_B, slides, extent, tolerance)
         elif law.kind == "closure":
@@ -62,8 +62,8 @@ def _mimic(a: Law, b: Law, slides: frozenset[str], extent: float, tolerance: flo
     if a.ratio is None or b.ratio is None:  # one of the two does not tell its numbers
         return []
     if a.partners != b.partners:
-        led = [f"follows {law.partners[0]}" for law in (a, b)]
-        return [_row("law", element, *led, tolerance, words="it follows another joint")]
+        led_A, led_B = (f"follows {law.partners[0]}" for law in (a, b))
+        return [_row("law", element, led_A, led_B, tolerance, words="it follows another joint")]
     ratio_A, ratio_B, offset_A, offset_B = (x or 0.0 for x in (a.ratio, b.ratio, a.offset, b.offset))
     own, led = ("m" if name in slides else "rad" for name in (a.name, a.partners[0]))
     rows = []
@@ -83,7 +83,8 @@ def _mimic(a: Law, b: Law, slides: frozenset[str], extent: float, tolerance: flo
 def _closure(a: Law, b: Law, extent: float, tolerance: float) -> list[Difference]:
     element = f"closure {a.name}"
     if a.whole != b.whole:
-        return [_row("law", element, *("all held" if law.whole else "a point held" for law in (a, b)), tolerance)]
+        whole_A, whole_B = ("all held" if law.whole else "a point held" for law in (a, b))
+        return [_row("law", element, whole_A, whole_B, tolerance, words="the loop holds more or less")]
     if a.points is None or b.points is None:
         return []
     if a.partners != b.partners and a.partners == b.partners[::-1]:
@@ -91,8 +92,8 @@ def _closure(a: Law, b: Law, extent: float, tolerance: float) -> list[Difference
     elif a.partners == b.partners:
         b_points = b.points
     else:
-        held = [" and ".join(name or "the world" for name in law.partners) for law in (a, b)]
-        return [_row("law", element, *held, tolerance, words="the loop closes between other links")]
+        sides_A, sides_B = (" and ".join(name or "the world" for name in law.partners) for law in (a, b))
+        return [_row("law", element, sides_A, sides_B, tolerance, words="the loop closes between other links")]
     gaps = [float(np.linalg.norm(np.subtract(p, q))) for p, q in zip(a.points, b_points, strict=True)]
     worst = int(np.argmax(gaps))
     size = gaps[worst]

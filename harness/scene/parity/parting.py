@@ -65,7 +65,7 @@ def motion_of(name: str, robot: RobotFacts, at: Configuration, gravity: Array, d
 
     Raises: RobotError, naming file, line and column.
     """
-    times = np.arange(round(duration / DT)) * DT
+    times: Array = np.arange(round(duration / DT), dtype=np.float64) * DT
     torques = np.zeros((len(times), len(robot.joints)))
     if name == "sines":
         weights = np.abs(dynamics(robot, Configuration(at.q, at.turned, np.zeros_like(at.rates)), gravity).bias)
@@ -125,9 +125,9 @@ def parting(robot: RobotFacts, a: Array, b: Array) -> Parting:
     if not len(beyond):
         return whole
     sample = int(beyond[0, 0])
-    joint = robot.joints[int(np.argmax(np.where(np.isnan(apart[sample]), np.inf, apart[sample])))].name
+    first = robot.joints[int(np.argmax(np.where(np.isnan(apart[sample]), np.inf, apart[sample])))].name
     return Parting(
-        duration=whole.duration, time=sample * DT, joint=joint, unit=units[joint], farthest=whole.farthest,
+        duration=whole.duration, time=sample * DT, joint=first, unit=units[first], farthest=whole.farthest,
         distance=whole.distance, farthest_unit=whole.farthest_unit,
     )  # fmt: skip
 

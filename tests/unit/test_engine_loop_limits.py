@@ -99,9 +99,7 @@ def _gap(world: engine.World) -> float:
 
 @dataclass(frozen=True)
 class Pose:
-    """At a crank angle: turns of coupler and rocker [rad]; the inertia that the crank feels [kg m2]; heights times masses [kg m];
-    the middle of the coupler (x, z) [m].
-    """
+    """At a crank angle: turns [rad], inertia about the crank [kg m2], masses times heights [kg m], middle of the coupler [m]."""
 
     coupler: float
     rocker: float

@@ -99,7 +99,7 @@ def _gap(world: engine.World) -> float:
 
 @dataclass(frozen=True)
 class Pose:
-    """At a crank angle: turns [rad], inertia about the crank [kg m2], masses times heights [kg m], middle of the coupler [m]."""
+    """At a crank angle: turns [rad], inertia about the crank [kg m2], masses times heights [kg m], the coupler's middle [m]."""
 
     coupler: float
     rocker: float

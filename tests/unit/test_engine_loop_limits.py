@@ -22,8 +22,7 @@ Floats = NDArray[np.float64]
 
 PINS = ("crank_pin", "coupler_pin", "coupler_end", "rocker_pin")
 START = ((0.0, 0.0), (0.06, 0.1), (0.33, 0.19), (0.3, 0.0))
-"""The pins of a linkage on two feet, (x, z) [m]: its crank can go round; its rocker turns back where crank and coupler are in
-one line."""
+"""The pins, (x, z) [m]: the crank can go round; the rocker turns back where crank and coupler are in one line."""
 MASSES = (0.2, 0.4, 0.4)
 
 
@@ -34,7 +33,7 @@ def _moment(k: int) -> float:
 
 @dataclass(frozen=True)
 class Linkage:
-    """A four-bar linkage: what its pins have, and what else there is."""
+    """A four-bar linkage: what its pins have, what else there is."""
 
     limits: Mapping[str, engine.Limits] = field(default_factory=dict)
     spring: engine.Spring | None = None
@@ -100,9 +99,7 @@ def _gap(world: engine.World) -> float:
 
 @dataclass(frozen=True)
 class Pose:
-    """The linkage at a crank angle: how far coupler and rocker have turned [rad]; what inertia the crank feels [kg m2]; the
-    heights of all masses times these [kg m]; the middle of the coupler (x, z) [m].
-    """
+    """At a crank angle: turns [rad], inertia about the crank [kg m2], masses times heights [kg m], the coupler's middle [m]."""
 
     coupler: float
     rocker: float
@@ -221,7 +218,7 @@ def test_a_limit_of_any_pin_stops_the_loop_where_it_is_reached(pins: tuple[str, 
     g dt^2 / l = 1e-4 in a step, which the next takes back; other pins turn by up to five times as much.
     """
     limits = {pin: STOPS[pin] for pin in pins}
-    if len(pins) > 1:
+    if pins[1:]:
         _, _, pose = _falls(2.0, _no_torque, {"crank_pin": STOPS["crank_pin"]})
         at = _coordinates(1.6, pose)
         limits = {pin: engine.Limits(upper=at[pin]) if at[pin] > 0 else engine.Limits(lower=at[pin]) for pin in pins}

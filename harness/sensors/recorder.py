@@ -36,7 +36,7 @@ def steps_between_readings(sensor: Sensor, dt: float) -> int:
         ValueError: the sensor's interval is no whole number of steps.
     """
     steps = 1.0 / (sensor.rate * dt)
-    if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
+    if not 0.5 < steps < math.inf or abs(steps - round(steps)) > 1e-6 * steps:
         raise ValueError(
             f"sensor '{sensor.name}': rate {sensor.rate:g} Hz, expected a whole divisor of the {1.0 / dt:g} steps a second"
         )

@@ -202,10 +202,15 @@ LIMITS: dict[str, Fault] = {
         "at most 8",
         options=("--limit", "vertices=8"),
     ),
-    "a range finder at 1e9 Hz": told(lidar("1e9"), "sensor 'scan'", "5.76e+13 rays", "--limit rays="),
-    "a range finder at 1e300 Hz": told(lidar("1e300"), "sensor 'scan'", "rays", "--limit rays="),
+    "a range finder at 1e9 Hz": told(
+        lidar("1e9"), "sensor 'scan'", "rate 1e+09 Hz", "a whole divisor of the 240 steps", "--dt"
+    ),
+    "a range finder at 1e300 Hz": told(lidar("1e300"), "sensor 'scan'", "rate 1e+300 Hz", "a whole divisor of the 240 steps"),
     "a camera of 16384 pixels squared": told(BALL + CAMERA + "width = 16384\nheight = 16384", "sensor 'eye'", "--limit rays="),
-    "an IMU at 1e12 Hz": told(BALL + CAMERA.replace("camera", "imu").replace("10.0", "1e12"), "sensor 'eye'", "--limit rays="),
+    "an IMU at 1e12 Hz": told(BALL + CAMERA.replace("camera", "imu").replace("10.0", "1e12"), "sensor 'eye'", "rate 1e+12 Hz"),
+    "a range finder of 1e8 rays a second": told(
+        lidar("240.0") + "channels = 4096\ncolumns = 65536\n", "sensor 'scan'", "rays", "--limit rays="
+    ),
     "1e9 steps": study("dt = [1e-9]", "dt 1e-09 s", "2000000000 steps", "--limit steps="),
     "2e12 steps": study("dt = [1e-12]", "steps", "at most 100000000", "--limit steps="),
     "steps beyond a limit of one's own": study("dt = [0.01]", "200 steps", "at most 199", options=("--limit", "steps=199")),
@@ -302,7 +307,7 @@ STUDIES: dict[str, Fault] = {
         "", "--case", "'flight_bos'", options=("--case", "f*", "--case", "flight_bos")
     ),
     "an escape sequence on the command line": study("", "--case", options=("--case", "\x1b[31m")),
-    "an unknown option with an escape sequence": study("", "No such option", options=("--\x1b[31m",)),
+    "an unknown option with an escape sequence": study("", "no option", options=("--\x1b[31m",)),
     "0 workers on the command line": study("", "--workers", options=("--workers", "0")),
     "1e99 workers on the command line": study("", "--workers", options=("--workers", "9" * 99)),
     "a shard of 0": study("", "--shard", options=("--shard", "0/4")),

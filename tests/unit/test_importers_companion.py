@@ -144,7 +144,7 @@ def test_our_own_scenes_are_read_as_they_are(tmp_path: Path) -> None:
         read(tmp_path / "own.toml")
     (tmp_path / "own.plumb.toml").write_text("duration = 2.0")
     assert read(tmp_path / "own.toml").duration == 2
-    with pytest.raises(RobotError, match="--drop, --package, --root and --scenario are for robot files"):
+    with pytest.raises(RobotError, match="--drop, --package, --root, --scenario and --convex are for robot files"):
         read(tmp_path / "own.toml", Wishes(root="fixed"))
 
 
@@ -155,7 +155,7 @@ def test_an_imported_scene_survives_our_own_format(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["robot.sdf", "robot", "robot.urdf.txt"])
 def test_another_ending_is_refused_with_those_that_there_are(tmp_path: Path, name: str) -> None:
-    with pytest.raises(RobotError, match=r"expected one of \.toml, \.json, \.urdf, \.xml, \.mjcf"):
+    with pytest.raises(RobotError, match=r"expected one of \.toml, \.json, \.xml, \.mjcf, \.urdf"):
         read(tmp_path / name)
 
 

@@ -149,7 +149,7 @@ def test_held_energy_counts_weight_motion_and_the_springs_of_drives() -> None:
 def test_a_drive_that_moves_is_no_spring() -> None:
     assert ARM.drive is not None
     moving = replace(ARM, drive=replace(ARM.drive, target_velocity=1.0))
-    with pytest.raises(NotMeasurable, match="moves or has a limit"):
+    with pytest.raises(NotMeasurable, match="moves, pushes or has a limit"):
         HELD_ENERGY_GAIN(Scene(bodies=STAGE.bodies, joints=(moving,)), rest())
 
 

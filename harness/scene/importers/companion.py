@@ -182,24 +182,26 @@ def load_companion(path: Path) -> Companion:
         return Companion()
     where = named(path)
     try:
-        told = document(path)
+        table = document(path)
     except InputError as error:
         raise RobotError(str(error)) from None
-    said = _misspelt(told, Companion, "")
+    misspelling = _misspelt(table, Companion, "")
     for key, form in _TABLES.items():
-        if not said and isinstance(told.get(key), dict):
-            said = _misspelt(told[key], form, f"{key} > ")
-    joints = told.get("joints")
+        if not misspelling and isinstance(table.get(key), dict):
+            misspelling = _misspelt(table[key], form, f"{key} > ")
+    joints = table.get("joints")
     for name, wish in joints.items() if isinstance(joints, dict) else ():
-        if not said and isinstance(wish, dict):
-            said = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
-            said = said or _misspelt_kind(wish.get("motion"), _MOTIONS, f"joints > {quoted(name, 80)} > motion > ")
-    sensors = told.get("sensors")
-    for place, sensor in enumerate(sensors if isinstance(sensors, list) else ()):
-        said = said or _misspelt_kind(sensor, _SENSORS, f"sensors[{place}] > ")
-    if said:
-        raise RobotError(f"{where}: {said}")
+        if not misspelling and isinstance(wish, dict):
+            misspelling = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
+            misspelling = misspelling or _misspelt_kind(
+                wish.get("motion"), _MOTIONS, f"joints > {quoted(name, 80)} > motion > "
+            )
+    sensors = table.get("sensors")
+    for number, sensor in enumerate(sensors if isinstance(sensors, list) else ()):
+        misspelling = misspelling or _misspelt_kind(sensor, _SENSORS, f"sensors[{number}] > ")
+    if misspelling:
+        raise RobotError(f"{where}: {misspelling}")
     try:
-        return filled(_ADAPTER, told, where)
+        return filled(_ADAPTER, table, where)
     except FieldError as error:
         raise RobotError(str(error)) from None

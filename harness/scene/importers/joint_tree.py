@@ -100,7 +100,7 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
             called[lines[-1].coordinate.name] = joints[-1].name
     owner = {link: lead for lead, group in groups.items() for link in group.members}
     joints = coupled(joints, robot, called)
-    joints += [_closure(one, robot, at, owner, held, joint_names) for one in robot.closures]
+    joints += [_closure(closure, robot, at, owner, held, joint_names) for closure in robot.closures]
     if companion.ground is not None:
         bodies.append(_ground(companion, body_names))
     return Tree(tuple(bodies), tuple(joints), tuple(massive), held)

@@ -43,7 +43,7 @@ def scaled(robot: Robot, units: Units) -> Robot:
     return replace(
         robot,
         links=tuple(_link(link, units, slides) for link in robot.links),
-        closures=tuple(_closure(one, length, units.mass) for one in robot.closures),
+        closures=tuple(_closure(closure, length, units.mass) for closure in robot.closures),
         gravity=None
         if robot.gravity is None
         else (robot.gravity[0] * length, robot.gravity[1] * length, robot.gravity[2] * length),

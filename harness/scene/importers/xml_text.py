@@ -79,8 +79,10 @@ def elements(text: str, file: str) -> Element:
         def startElement(self, name: str, attrs: Any) -> None:
             element = Element(name, dict(attrs), file, self.locator.getLineNumber())
             self.count += 1
-            if said := beyond("parts", self.count, "elements") or beyond("depth", len(self.open) + 1, "elements in each other"):
-                raise element.refuse(said)
+            if excess := beyond("parts", self.count, "elements") or beyond(
+                "depth", len(self.open) + 1, "elements in each other"
+            ):
+                raise element.refuse(excess)
             if self.open:
                 self.open[-1].children.append(element)
             else:

@@ -134,8 +134,8 @@ def stored(loaded: Loaded) -> dict[str, Any]:
             return [plain(each) for each in value]
         return sorted(value) if isinstance(value, frozenset) else value
 
-    told: dict[str, Any] = plain(asdict(loaded))
-    return told
+    table: dict[str, Any] = plain(asdict(loaded))
+    return table
 
 
 def restored(told: dict[str, Any]) -> Loaded:

@@ -170,8 +170,8 @@ def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
         print_table(f"A: {reading.stated.source}; B: {reading.source}", ("kind", *_COLUMNS), cells)
     count = len(reading.rows)
     documented = count - len(reading.undocumented)
-    said = f"{count} quantities differ, {documented} of them by a documented default"
-    say(f"{reading.title}: {said if count else 'reads the robot that the file states'}")
+    summary = f"{count} quantities differ, {documented} of them by a documented default"
+    say(f"{reading.title}: {summary if count else 'reads the robot that the file states'}")
 
 
 def _side(reading: "Reading") -> "Side":

@@ -83,8 +83,8 @@ def is_scene(name: str) -> bool:
     path = Path(name)
     if path.suffix not in {".json", ".toml"}:
         return is_robot(path)
-    told = document(path)
-    return path.suffix == ".json" or "bodies" in told
+    table = document(path)
+    return path.suffix == ".json" or "bodies" in table
 
 
 def imported_from(path: Path, told: dict[str, Any], *, looks: bool = False) -> "Imported":

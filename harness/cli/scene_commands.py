@@ -97,11 +97,11 @@ def show(file: Path, as_json: bool, **told: Any) -> None:
 def _bodies(scene: "Scene") -> list[dict[str, Any]]:
     import numpy as np
 
-    found = []
+    rows = []
     for body in scene.bodies:
         moments = np.linalg.eigvalsh(np.array(body.inertia))
         shapes = ", ".join(dict.fromkeys(placed.shape.type for placed in body.collision))
-        found.append(
+        rows.append(
             {
                 "kind": "body",
                 "name": body.name,
@@ -114,7 +114,7 @@ def _bodies(scene: "Scene") -> list[dict[str, Any]]:
                 "p_WB": list(body.p_WB),
             }
         )
-    return found
+    return rows
 
 
 def _cells(body: dict[str, Any]) -> tuple[object, ...]:
@@ -124,7 +124,7 @@ def _cells(body: dict[str, Any]) -> tuple[object, ...]:
 
 
 def _joints(imported: "Imported") -> list[dict[str, Any]]:
-    found = []
+    rows = []
     for joint in imported.scene.joints:
         row: dict[str, Any] = {
             "kind": "joint",
@@ -138,8 +138,8 @@ def _joints(imported: "Imported") -> list[dict[str, Any]]:
         row |= {"lower": limits.lower, "upper": limits.upper} if limits else {"lower": None, "upper": None}
         row |= {f"spring_{name}": getattr(spring, name) for name in ("stiffness", "damping", "rest")} if spring else {}
         row |= {f"drive_{name}": getattr(drive, name) for name in ("stiffness", "damping", "target", "limit")} if drive else {}
-        found.append(row)
-    return found
+        rows.append(row)
+    return rows
 
 
 def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:

@@ -77,15 +77,15 @@ def _hull(vertices: Floats) -> Solid:
     from scipy.spatial import ConvexHull as Hull  # late: a listing must not pay for it
 
     hull = Hull(vertices)
-    corners, place = vertices[hull.vertices], {int(k): i for i, k in enumerate(hull.vertices)}
+    corners, corner_of = vertices[hull.vertices], {int(k): i for i, k in enumerate(hull.vertices)}
     normals = np.unique(np.round(hull.equations[:, :3], 12), axis=0)
     outward = hull.equations[:, :3]
     edges = set()
-    for one, (triangle, beside) in enumerate(zip(hull.simplices.tolist(), hull.neighbors.tolist(), strict=True)):
+    for face, (triangle, beside) in enumerate(zip(hull.simplices.tolist(), hull.neighbors.tolist(), strict=True)):
         for i, other in enumerate(beside):
             # Two triangles of one face have no edge between them.
-            if outward[one] @ outward[other] < 1.0 - FLAT:
-                a, b = place[triangle[i - 1]], place[triangle[i - 2]]
+            if outward[face] @ outward[other] < 1.0 - FLAT:
+                a, b = corner_of[triangle[i - 1]], corner_of[triangle[i - 2]]
                 edges.add((min(a, b), max(a, b)))
     return Solid(corners, normals / np.linalg.norm(normals, axis=1)[:, None], tuple(sorted(edges)), 0.0, 0.0, "convex hull")
 

@@ -25,7 +25,7 @@ def _momenta(
 ) -> tuple[Floats, Floats]:
     """What each step of a body of mass m above the ground gains, m dv (k, 3), and what its forces say, (F + m g) dt, [N s]."""
     scene = on_ground(adapter, body, friction=friction, restitution=restitution)
-    gained, said = [], []
+    gained, impulses = [], []
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
         before = state_of(simulation, scene).v_WB[1]
         for _ in range(steps):
@@ -33,9 +33,9 @@ def _momenta(
             force = simulation.contacts().force_W.sum(axis=0) if len(simulation.contacts()) else np.zeros(3)
             after = state_of(simulation, scene).v_WB[1]
             gained.append(body.mass * (after - before))
-            said.append((force + np.array([0.0, 0.0, -G * body.mass])) * FINE)
+            impulses.append((force + np.array([0.0, 0.0, -G * body.mass])) * FINE)
             before = after
-    return np.array(gained), np.array(said)
+    return np.array(gained), np.array(impulses)
 
 
 def _balanced(what: str, gained: Floats, said: Floats) -> Finding:

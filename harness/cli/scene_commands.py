@@ -29,11 +29,11 @@ def scene() -> None:
 @robot_options
 @limited
 @json_rows
-def check(file: Path, as_json: bool, **told: Any) -> None:
+def check(file: Path, as_json: bool, **options: Any) -> None:
     """Say what would be refused of FILE, or that nothing is, and which engines cannot express the scene."""
     from harness.study import plugins
 
-    imported = imported_from(file, told)
+    imported = imported_from(file, options)
     rows = [
         {"engine": name, "verdict": verdict, "reason": reason}
         for name, (verdict, reason) in (
@@ -65,11 +65,11 @@ def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
 @robot_options
 @limited
 @json_rows
-def show(file: Path, as_json: bool, **told: Any) -> None:
+def show(file: Path, as_json: bool, **options: Any) -> None:
     """List the bodies, joints and totals of FILE, and what became of each element."""
     from harness.scene.importers.fidelity import BRIEF, brief, plain
 
-    imported = imported_from(file, told)
+    imported = imported_from(file, options)
     rows = [plain(row) for row in imported.fidelity]
     if as_json:
         print_json([*_bodies(imported.scene), *_joints(imported), *({"kind": "fidelity", **row} for row in rows)])
@@ -162,13 +162,13 @@ def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:
 @robot_options
 @limited
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write it there instead; ending .toml or .json.")
-def convert(file: Path, out: Path | None, **told: Any) -> None:
+def convert(file: Path, out: Path | None, **options: Any) -> None:
     """Write FILE as our own TOML."""
     from harness.scene.file import dump_json, dump_toml
 
     if out is not None and out.suffix not in (".toml", ".json"):
         raise click.BadParameter(f"'{out.suffix}', expected .toml or .json", param_hint="--out")
-    imported = imported_from(file, told)
+    imported = imported_from(file, options)
     if out is None:
         click.echo(dump_toml(imported.scene), nl=False)
         return

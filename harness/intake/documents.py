@@ -88,13 +88,13 @@ def regular(path: Path) -> None:
     _check_kind(named(path), path.stat())
 
 
-def _check(where: str, found: os.stat_result) -> None:
-    _check_kind(where, found)
-    _check_size(where, found.st_size)
+def _check(where: str, status: os.stat_result) -> None:
+    _check_kind(where, status)
+    _check_size(where, status.st_size)
 
 
-def _check_kind(where: str, found: os.stat_result) -> None:
-    kind = stat.S_IFMT(found.st_mode)
+def _check_kind(where: str, status: os.stat_result) -> None:
+    kind = stat.S_IFMT(status.st_mode)
     if kind != stat.S_IFREG:
         raise InputError(f"{where}: is {_KINDS.get(kind, 'no regular file')}, expected a file")
 
@@ -137,10 +137,10 @@ def _line(text: str, place: int) -> int:
     return text.count("\n", 0, place) + 1
 
 
-def _too_long(text: str, found: re.Match[str]) -> str:
-    before = text[max(0, found.start() - 40) : found.start()].rpartition("\n")[2]
-    digits = len(found[0].replace("_", ""))
-    return f"{quoted((before + found[0][:20]).strip())}...: {beyond('digits', digits, 'digits of a number')}"
+def _too_long(text: str, matched: re.Match[str]) -> str:
+    before = text[max(0, matched.start() - 40) : matched.start()].rpartition("\n")[2]
+    digits = len(matched[0].replace("_", ""))
+    return f"{quoted((before + matched[0][:20]).strip())}...: {beyond('digits', digits, 'digits of a number')}"
 
 
 class _Nest:

@@ -22,27 +22,27 @@ class FieldError(ValueError):
     """A document that does not fit; each line of the message names source, element, field, value and expectation."""
 
 
-def filled(form: TypeAdapter[T], told: Any, source: str) -> T:
+def filled(form: TypeAdapter[T], document: Any, source: str) -> T:
     """The value that a document tells; a text or a truth value is no number, and nothing is turned into another kind.
 
     Raises: FieldError.
     """
     try:
-        text = json.dumps(told)
+        text = json.dumps(document)
     except (TypeError, ValueError, RecursionError):
-        raise _strange(told, source) from None
+        raise _strange(document, source) from None
     try:
         return form.validate_json(text, strict=True)
     except ValidationError as error:
         if any(problem["type"] == "json_invalid" for problem in error.errors(include_url=False)):
-            raise _strange(told, source) from None
-        raise FieldError("\n".join(_lines(told, source, error))) from None
+            raise _strange(document, source) from None
+        raise FieldError("\n".join(_lines(document, source, error))) from None
 
 
-def _lines(told: Any, source: str, error: ValidationError) -> Iterator[str]:
+def _lines(document: Any, source: str, error: ValidationError) -> Iterator[str]:
     problems = error.errors(include_url=False)
     for problem in problems[:MOST]:
-        location = _place(told, problem["loc"])
+        location = _place(document, problem["loc"])
         message = readable(problem["msg"].removeprefix("Value error, "), 600)
         got = problem["input"]
         fits = problem["type"] not in ("missing", "value_error") or not isinstance(got, dict)
@@ -51,10 +51,10 @@ def _lines(told: Any, source: str, error: ValidationError) -> Iterator[str]:
         yield f"{source}: and {len(problems) - MOST} more of this kind"
 
 
-def _place(told: Any, path: Path) -> str:
+def _place(document: Any, path: Path) -> str:
     """A path into the document in words: indices become the names of the elements where they have one."""
     words: list[str] = []
-    here = told
+    here = document
     for depth, key in enumerate(path):
         tag = key not in here and depth < len(path) - 1 if isinstance(here, dict) else isinstance(key, str)
         if tag:
@@ -71,9 +71,9 @@ def _place(told: Any, path: Path) -> str:
     return readable(" > ".join(words), 400)
 
 
-def _strange(told: Any, source: str) -> FieldError:
-    for path, value, reason in _strangers(told, ()):
-        return FieldError(f"{source}: {_place(told, path)}: {reason}, got {quoted(value)}")
+def _strange(document: Any, source: str) -> FieldError:
+    for path, value, reason in _strangers(document, ()):
+        return FieldError(f"{source}: {_place(document, path)}: {reason}, got {quoted(value)}")
     return FieldError(f"{source}: not readable: no values of JSON")
 
 

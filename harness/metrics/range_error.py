@@ -43,11 +43,11 @@ def _pairs(scene: Scene, actual: Trajectory, expected: Trajectory | None, channe
     return np.concatenate(readings), np.concatenate(truths)
 
 
-def _same_surface(found: Floats, truth: Floats) -> NDArray[np.bool_]:
+def _same_surface(readings: Floats, truth: Floats) -> NDArray[np.bool_]:
     """Mask of beams that hit what the truth hits; NaN counts as a hit, so that it shows in the error."""
-    hit = ~np.isinf(found) & ~np.isinf(truth)
+    hit = ~np.isinf(readings) & ~np.isinf(truth)
     with np.errstate(invalid="ignore"):
-        mask: NDArray[np.bool_] = hit & ~(np.abs(found - truth) > OTHER_SURFACE * truth)
+        mask: NDArray[np.bool_] = hit & ~(np.abs(readings - truth) > OTHER_SURFACE * truth)
     return mask
 
 

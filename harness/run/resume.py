@@ -48,14 +48,14 @@ def damage(folder: Path, record: Record) -> str:
     return ""
 
 
-def _differences(one: Any, other: Any, where: str) -> list[str]:
+def _differences(value: Any, other: Any, where: str) -> list[str]:
     """The places at which two studies differ."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        names = sorted({*one, *other})
-        return [d for name in names for d in _differences(one.get(name), other.get(name), f"{where}.{name}".strip("."))]
-    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        return [d for k, (a, b) in enumerate(zip(one, other, strict=True)) for d in _differences(a, b, f"{where}[{k}]")]
-    return [] if one == other else [where]
+    if isinstance(value, dict) and isinstance(other, dict):
+        names = sorted({*value, *other})
+        return [d for name in names for d in _differences(value.get(name), other.get(name), f"{where}.{name}".strip("."))]
+    if isinstance(value, list) and isinstance(other, list) and len(value) == len(other):
+        return [d for k, (a, b) in enumerate(zip(value, other, strict=True)) for d in _differences(a, b, f"{where}[{k}]")]
+    return [] if value == other else [where]
 
 
 def another_study(folder: Path, journal: Journal, study: Mapping[str, Any]) -> str:

@@ -44,13 +44,13 @@ def _listed(table: Any, key: str) -> list[Any]:
     return entries if isinstance(entries, list) else []
 
 
-def _beyond(told: Any) -> str:
+def _beyond(table: Any) -> str:
     """What of a scene goes beyond a limit, in words; '' where nothing does."""
     for kind in ("bodies", "joints", "sensors"):
-        if excess := beyond(kind, len(_listed(told, kind))):
+        if excess := beyond(kind, len(_listed(table, kind))):
             return f"{kind}: {excess}"
     counts = {"vertices": 0, "faces": 0}
-    for place, body in enumerate(_listed(told, "bodies")):
+    for place, body in enumerate(_listed(table, "bodies")):
         for placed in (*_listed(body, "collision"), *_listed(body, "visual")):
             shape = placed.get("shape") if isinstance(placed, dict) else None
             for kind in counts:
@@ -60,11 +60,11 @@ def _beyond(told: Any) -> str:
     return ""
 
 
-def _scene(told: Any, source: str) -> Scene:
-    if excess := _beyond(told):
+def _scene(table: Any, source: str) -> Scene:
+    if excess := _beyond(table):
         raise SceneError(f"{source}: {excess}")
     try:
-        return filled(_ADAPTER, told, source)
+        return filled(_ADAPTER, table, source)
     except FieldError as error:
         raise SceneError(str(error)) from None
 

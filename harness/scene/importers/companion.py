@@ -154,11 +154,11 @@ def beside(path: Path) -> Path:
     return path.with_name(path.name.removesuffix(path.suffix) + ENDING)
 
 
-def _misspelt(told: Any, form: Any, within: str) -> str:
+def _misspelt(table: Any, form: Any, within: str) -> str:
     """The first key that a table does not have, with those that it has; '' where there is none."""
     assert is_dataclass(form)
     valid = [field.name for field in fields(form)]
-    for key in told:
+    for key in table:
         if key not in valid:
             near = difflib.get_close_matches(str(key), valid, 1)
             hint = f"; did you mean {near[0]}?" if near else ""
@@ -166,10 +166,10 @@ def _misspelt(told: Any, form: Any, within: str) -> str:
     return ""
 
 
-def _misspelt_kind(told: Any, forms: dict[str, Any], within: str) -> str:
+def _misspelt_kind(table: Any, forms: dict[str, Any], within: str) -> str:
     """The same of a table whose form its `type` says."""
-    form = forms.get(str(told.get("type"))) if isinstance(told, dict) else None
-    return "" if form is None else _misspelt(told, form, within)
+    form = forms.get(str(table.get("type"))) if isinstance(table, dict) else None
+    return "" if form is None else _misspelt(table, form, within)
 
 
 def load_companion(path: Path) -> Companion:

@@ -67,14 +67,14 @@ def _pose(X: Pose, length: float) -> Pose:
     return Pose(X.R, X.p * length)
 
 
-def _closure(one: Closure, length: float, mass: float) -> Closure:
+def _closure(closure: Closure, length: float, mass: float) -> Closure:
     return replace(
-        one,
-        anchor_A=one.anchor_A * length,
-        anchor_B=one.anchor_B * length,
-        stiffness=one.stiffness * mass,
-        damping=one.damping * mass,
-        rest=one.rest * length,
+        closure,
+        anchor_A=closure.anchor_A * length,
+        anchor_B=closure.anchor_B * length,
+        stiffness=closure.stiffness * mass,
+        damping=closure.damping * mass,
+        rest=closure.rest * length,
     )
 
 

@@ -45,9 +45,9 @@ class Element:
         name = self.attributes.get("name")
         return f"{self.file}: line {self.line}: <{quoted(self.tag, 60)[1:-1]}>{'' if name is None else ' ' + quoted(name, 80)}"
 
-    def refuse(self, said: str) -> RobotError:
+    def refuse(self, reason: str) -> RobotError:
         """The error that this element is."""
-        return RobotError(f"{self.where}: {said}")
+        return RobotError(f"{self.where}: {reason}")
 
 
 def elements(text: str, file: str) -> Element:

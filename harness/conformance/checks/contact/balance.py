@@ -38,10 +38,10 @@ def _momenta(
     return np.array(gained), np.array(impulses)
 
 
-def _balanced(what: str, gained: Floats, said: Floats) -> Finding:
+def _balanced(what: str, gained: Floats, impulses: Floats) -> Finding:
     peak = float(np.abs(gained).max())
-    worst = float(np.abs(gained - said).max()) / peak if peak > 0 else inf
-    total = np.abs((gained - said).sum(axis=0)).max() / float(np.abs(gained).sum(axis=0).max())
+    worst = float(np.abs(gained - impulses).max()) / peak if peak > 0 else inf
+    total = np.abs((gained - impulses).sum(axis=0)).max() / float(np.abs(gained).sum(axis=0).max())
     return judge(
         near(f"{what}: worst difference in a step of m dv and (F + m g) dt, over the greatest of them", worst, 0.0, _LINE),
         near(f"{what}: their difference over all steps, over the way of the momentum", total, 0.0, _LINE),

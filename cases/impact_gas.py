@@ -26,9 +26,11 @@ def _walls(inner: float) -> tuple[PlacedShape, ...]:
     walls = []
     for axis in range(3):
         for side in (-1.0, 1.0):
-            half, place = [inner + 2 * WALL] * 3, [0.0] * 3
-            half[axis], place[axis] = WALL, side * (inner + WALL)
-            walls.append(PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2])), p_BS=(place[0], place[1], place[2])))
+            half, centre = [inner + 2 * WALL] * 3, [0.0] * 3
+            half[axis], centre[axis] = WALL, side * (inner + WALL)
+            walls.append(
+                PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2])), p_BS=(centre[0], centre[1], centre[2]))
+            )
     return tuple(walls)
 
 
@@ -61,10 +63,10 @@ def scene(edge: float = EDGE, speed: float = SPEED, seed: int = 0) -> Scene:
             inertia=sphere_inertia(MASS, RADIUS),
             material="sphere",
             collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-            p_WB=place,
+            p_WB=centre,
             v_WB=velocity.tolist(),
         )
-        for i, (place, velocity) in enumerate(zip(places, _velocities(len(places), speed, seed), strict=True))
+        for i, (centre, velocity) in enumerate(zip(places, _velocities(len(places), speed, seed), strict=True))
     ]
     return Scene(
         bodies=(box, *spheres),

@@ -122,8 +122,8 @@ def _caught_off_the_plane(
     for v_W, w_W in _motions(velocities, spins, approach):
         right = coulomb_impact(v_W, w_W, MASS, moment, RADIUS, restitution, friction)
         for arm in (RADIUS - depth, RADIUS + way):
-            found = coulomb_impact(v_W, w_W, MASS, moment, arm, restitution, friction)
-            worst = np.maximum(worst, [np.linalg.norm(a - b) for a, b in zip(found, right, strict=True)])
+            motion = coulomb_impact(v_W, w_W, MASS, moment, arm, restitution, friction)
+            worst = np.maximum(worst, [np.linalg.norm(a - b) for a, b in zip(motion, right, strict=True)])
     return float(worst[0]), float(worst[1])
 
 

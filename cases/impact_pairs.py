@@ -50,7 +50,7 @@ def scene(ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) ->
     """Pairs side by side along y: for each restitution one of masses ratio:1, one of 1:1 and one of 1:ratio; no gravity."""
     balls = []
     for row, (kind, *masses) in enumerate(_pairs(ratio, restitutions)):
-        for side, mass, place, speed in zip(("left", "right"), masses, (-1, 1), CLOSING, strict=True):
+        for side, mass, direction, speed in zip(("left", "right"), masses, (-1, 1), CLOSING, strict=True):
             balls.append(
                 Body(
                     name=f"{side}_{row}",
@@ -58,7 +58,7 @@ def scene(ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) ->
                     inertia=sphere_inertia(mass, RADIUS),
                     material=f"e_{kind}",
                     collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-                    p_WB=(place * (RADIUS + (GAP + WIDER * row) / 2), SPACING * row, 0.0),
+                    p_WB=(direction * (RADIUS + (GAP + WIDER * row) / 2), SPACING * row, 0.0),
                     v_WB=(speed, 0.0, 0.0),
                 )
             )

@@ -72,14 +72,14 @@ def acceleration(theta: Floats, rate: Floats) -> Floats:
     sum_j A_ij cos(theta_i - theta_j) theta_j'' + A_ij sin(theta_i - theta_j) theta_j'^2 = -m g L (n - i - 1/2) sin(theta_i);
     A_ij = m L^2 (n - max(i, j) - 1/2) off the diagonal and A_ii = I + m L^2/4 + m L^2 (n - 1 - i), i from 0.
     """
-    place = np.arange(len(theta))
-    below = len(theta) - 0.5 - np.maximum(place[:, None], place[None, :]).astype(np.float64)
+    link = np.arange(len(theta))
+    below = len(theta) - 0.5 - np.maximum(link[:, None], link[None, :]).astype(np.float64)
     coupling = np.multiply(MASS * LENGTH**2, below)
-    np.fill_diagonal(coupling, INERTIA + MASS * LENGTH**2 * (len(theta) - 1 - place + 0.25))
+    np.fill_diagonal(coupling, INERTIA + MASS * LENGTH**2 * (len(theta) - 1 - link + 0.25))
     apart = theta[:, None] - theta[None, :]
-    push = -(coupling * np.sin(apart)) @ rate**2 - MASS * G * LENGTH * (len(theta) - 0.5 - place) * np.sin(theta)
-    found: Floats = np.linalg.solve(coupling * np.cos(apart), push)
-    return found
+    push = -(coupling * np.sin(apart)) @ rate**2 - MASS * G * LENGTH * (len(theta) - 0.5 - link) * np.sin(theta)
+    accelerations: Floats = np.linalg.solve(coupling * np.cos(apart), push)
+    return accelerations
 
 
 def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:
@@ -91,10 +91,10 @@ def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:
     if len(time) == 0:
         return Trajectory.of(time, n)
     start = np.concatenate([np.full(n, np.radians(angle)), np.zeros(n)])
-    found = solve_ivp(change, (0.0, max(float(time[-1]), 1e-9)), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
-    if not found.success:
-        raise RuntimeError(f"the reference integration stopped: {found.message}")
-    return placed(time, found.y.T[:, :n], found.y.T[:, n:])
+    solution = solve_ivp(change, (0.0, max(float(time[-1]), 1e-9)), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
+    if not solution.success:
+        raise RuntimeError(f"the reference integration stopped: {solution.message}")
+    return placed(time, solution.y.T[:, :n], solution.y.T[:, n:])
 
 
 @lru_cache(maxsize=8)

@@ -61,10 +61,10 @@ def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
     if len(time) == 0:
         return np.zeros((0, 4))
     end = max(float(time[-1]), 1e-9)
-    found = solve_ivp(change, (0.0, end), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
-    if not found.success:
-        raise RuntimeError(f"the reference integration stopped: {found.message}")
-    angles: Floats = found.y.T
+    solution = solve_ivp(change, (0.0, end), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
+    if not solution.success:
+        raise RuntimeError(f"the reference integration stopped: {solution.message}")
+    angles: Floats = solution.y.T
     return angles
 
 

@@ -69,9 +69,14 @@ def _trajectory(time: Floats, y: Floats) -> Trajectory:
     count = y.shape[1] // 4
     made = Trajectory.of(time, 2 * count)
     for k in range(count):
-        one = placed(time, y[:, k::count])
-        for whole, part in ((made.p_WB, one.p_WB), (made.q_WB, one.q_WB), (made.v_WB, one.v_WB), (made.w_WB, one.w_WB)):
-            whole[:, 2 * k : 2 * k + 2] = part
+        member = placed(time, y[:, k::count])
+        for whole, array in (
+            (made.p_WB, member.p_WB),
+            (made.q_WB, member.q_WB),
+            (made.v_WB, member.v_WB),
+            (made.w_WB, member.w_WB),
+        ):
+            whole[:, 2 * k : 2 * k + 2] = array
     return made
 
 

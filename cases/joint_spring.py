@@ -28,14 +28,14 @@ def _scene(ratios: Sequence[float] = RATIOS, rate: float = RATE, stretch: float 
     """One mass for each damping ratio, side by side, on a rail along x, released `stretch` [m] from its spring's rest."""
     bodies, joints = [], []
     for k, ratio in enumerate(ratios):
-        place = (stretch, SPACING * k, 0.0)
+        centre = (stretch, SPACING * k, 0.0)
         bodies.append(
             Body(
                 name=f"mass_{k}",
                 mass=MASS,
                 inertia=box_inertia(MASS, HALF),
                 visual=(PlacedShape(shape=Box(half_extents=HALF)),),
-                p_WB=place,
+                p_WB=centre,
             )
         )
         joints.append(
@@ -43,7 +43,7 @@ def _scene(ratios: Sequence[float] = RATIOS, rate: float = RATE, stretch: float 
                 name=f"rail_{k}",
                 parent=WORLD,
                 child=f"mass_{k}",
-                anchor_W=place,
+                anchor_W=centre,
                 axis_W=(1.0, 0.0, 0.0),
                 position=stretch,
                 spring=Spring(stiffness=MASS * rate**2, damping=2 * MASS * rate * ratio),

@@ -62,13 +62,13 @@ def eccentric_anomaly(mean: Floats, eccentricity: float) -> Floats:
     """
     turns = 2 * np.pi * np.floor(mean / (2 * np.pi))
     rest = mean - turns
-    found = np.full_like(rest, np.pi)
+    eccentric = np.full_like(rest, np.pi)
     for _ in range(50):
-        change = (found - eccentricity * np.sin(found) - rest) / (1 - eccentricity * np.cos(found))
-        found = found - change
+        change = (eccentric - eccentricity * np.sin(eccentric) - rest) / (1 - eccentricity * np.cos(eccentric))
+        eccentric = eccentric - change
         if np.abs(change).max(initial=0.0) < 1e-15 * np.pi:
             break
-    anomaly: Floats = found + turns
+    anomaly: Floats = eccentric + turns
     return anomaly
 
 

@@ -29,9 +29,9 @@ def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
             mass=MASS,
             inertia=box_inertia(MASS, (HALF, HALF, HALF)),
             collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
-            p_WB=place,
+            p_WB=centre,
         )
-        for i, place in enumerate(places)
+        for i, centre in enumerate(places)
     ]
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     return Scene(

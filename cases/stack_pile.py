@@ -32,15 +32,15 @@ def side(n: int) -> int:
 
 def packing(n: int) -> Floats:
     """Centres (n, 3) m in units of RADIUS, layer upon layer of side^2 and (side - 1)^2 balls, about the middle of the floor."""
-    edge, found = side(n), list[tuple[float, float, float]]()
+    edge, centres = side(n), list[tuple[float, float, float]]()
     layer = 0
-    while len(found) < n:
+    while len(centres) < n:
         inner = layer % 2 if edge > 1 else 0
         height = 1.0 + layer * (math.sqrt(2) if edge > 1 else 2.0)
         places = np.arange(edge - inner) * 2.0 - (edge - inner - 1)
-        found += [(float(x), float(y), height) for y in places for x in places]
+        centres += [(float(x), float(y), height) for y in places for x in places]
         layer += 1
-    return np.array(found[:n])
+    return np.array(centres[:n])
 
 
 def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Scene:  # noqa: ARG001 -- stepped by the harness
@@ -54,9 +54,9 @@ def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Sc
             inertia=sphere_inertia(mass, RADIUS),
             collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             material="ball",
-            p_WB=(RADIUS * place).tolist(),
+            p_WB=(RADIUS * centre).tolist(),
         )
-        for k, place in enumerate(packing(count))
+        for k, centre in enumerate(packing(count))
     ]
     laws = tuple(
         Surface(between=pair, static_friction=friction, kinetic_friction=friction)

@@ -29,8 +29,8 @@ def scene(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Scene
     half = (HALF, HALF, HALF)
     bodies = []
     for k in range(round(n)):
-        layer, place = divmod(k, EDGE * EDGE)
-        x, y = ((2 * ROOM * HALF) * (one - (EDGE - 1) / 2) for one in divmod(place, EDGE))
+        layer, cell = divmod(k, EDGE * EDGE)
+        x, y = ((2 * ROOM * HALF) * (index - (EDGE - 1) / 2) for index in divmod(cell, EDGE))
         cube = k % 2 == 0
         bodies.append(
             Body(

@@ -85,9 +85,9 @@ def _swung(speed: float, friction: float) -> tuple[float, float]:
     The blow is the ball's whole momentum, and friction's share of it across.
     """
     ball, *parts = scene(speed, friction=friction).bodies
-    mass, p = np.array([part.mass for part in parts]), np.array([part.p_WB for part in parts])
+    mass, p = np.array([body.mass for body in parts]), np.array([body.p_WB for body in parts])
     centre = mass @ p / mass.sum()
-    inertia = sum((_about(part, centre) for part in parts), np.zeros((3, 3)))
+    inertia = sum((_about(body, centre) for body in parts), np.zeros((3, 3)))
     arm = np.array(ball.p_WB) - (0.0, RADIUS, 0.0) - centre
     blow, across = np.array([0.0, -MASS * speed, 0.0]), np.array([friction * MASS * speed, 0.0, 0.0])
     rate = max(float(np.linalg.norm(np.linalg.solve(inertia, np.cross(arm, blow + way * across)))) for way in (-1.0, 1.0))

@@ -23,8 +23,8 @@ STEADY = 1.0
 
 def scene(n: float = 1, stiffness: float = STIFFNESS, damping: float = DAMPING, friction: float = FRICTION) -> Scene:
     """n machines in rows of four; drives of `stiffness` [N m/rad] and `damping` [N m s/rad]."""
-    one = bearing(quadruped(stiffness, damping), EARTH_GRAVITY)
-    machines = [copy_of(one, str(k), (SPACING * (k % ROW), SPACING * (k // ROW), 0.0)) for k in range(round(n))]
+    robot = bearing(quadruped(stiffness, damping), EARTH_GRAVITY)
+    machines = [copy_of(robot, str(k), (SPACING * (k % ROW), SPACING * (k // ROW), 0.0)) for k in range(round(n))]
     return Scene(
         bodies=(floor(), *(body for machine in machines for body in machine.bodies)),
         joints=tuple(hinge for machine in machines for hinge in machine.hinges),

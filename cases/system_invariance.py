@@ -25,11 +25,11 @@ def scene(speed: float = SPEED) -> Scene:  # noqa: ARG001 -- of its retelling
 
 def retellings(speed: float = SPEED) -> tuple[Retelling, ...]:
     """Some metres away; turned by 40 degrees about a skew axis, gravity too; at `speed` [m/s], on a floor that moves alike."""
-    told = stage()
+    original = stage()
     return (
-        moved(told, (3.7, -5.1, 0.4)),
-        turned(told, axis_angle((1.0, 2.0, 3.0), 0.7)),
-        in_motion(told, (0.8 * speed, -0.6 * speed, 0.0)),
+        moved(original, (3.7, -5.1, 0.4)),
+        turned(original, axis_angle((1.0, 2.0, 3.0), 0.7)),
+        in_motion(original, (0.8 * speed, -0.6 * speed, 0.0)),
     )
 
 

@@ -34,8 +34,8 @@ def _starts(starts: float, nearest: float, seed: int) -> tuple[Floats, Floats]:
 def _centres(count: int) -> Floats:
     """Of the bumps, (n, 3) m, on a square lattice about the origin."""
     edge = int(np.ceil(np.sqrt(count)))
-    place = np.arange(count)
-    flat: Floats = SPACING * np.stack([place % edge - (edge - 1) / 2, place // edge - (edge - 1) / 2, np.zeros(count)], axis=1)
+    index = np.arange(count)
+    flat: Floats = SPACING * np.stack([index % edge - (edge - 1) / 2, index // edge - (edge - 1) / 2, np.zeros(count)], axis=1)
     return flat
 
 

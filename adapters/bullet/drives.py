@@ -106,7 +106,7 @@ class Actuation:
         (k, c, free), (stiff, damped, target_velocity, limit, constant), h = self.springs, self.drives, self.h
         passive, active = c + h * k, damped + h * stiff
         held = self.footing.held(port, number, start=self.pose is None)
-        stance = tuple(sorted((one.link, len(one.rows)) for one in held))
+        stance = tuple(sorted((hold.link, len(hold.rows)) for hold in held))
         if self.pose is None or stance != self.stance or (np.abs(x - self.pose) > self.reach).any():
             mobility, self.fall = self.skeleton.response(port, number, self.gravity, held)
             self.yielding = np.linalg.inv(np.eye(len(x)) + h * mobility * (passive + active))

@@ -43,15 +43,15 @@ class Footing:
             return []
         if start:
             port.call("performCollisionDetection")
-        found: list[Held] = []
+        holds: list[Held] = []
         for c in port.call("getContactPoints", bodyA=number):
             link, point, other = (c[3], c[5], c[2]) if c[1] == number else (c[4], c[6], c[1])
             friction = self.friction.get((link, other))
             if friction is None or (c[8] > TOUCHING if start else c[9] <= 0.0):
                 continue
             sticks = friction > 0.0 and (start or math.hypot(c[10], c[12]) < 0.999 * friction * c[9])
-            found.append(Held(link, point, np.eye(3) if sticks else np.array([c[7]])))
-        return found
+            holds.append(Held(link, point, np.eye(3) if sticks else np.array([c[7]])))
+        return holds
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,9 +137,9 @@ class Skeleton:
         pulled = np.einsum("bdi,b,i->d", J, self.mass, np.asarray(gravity))
         answers: Floats = np.linalg.solve(root.T @ root, np.column_stack((wanted, pulled)))
         if held:
-            bodies = np.array([one.link for one in held]) + self.free
-            moves = J[bodies] + np.cross(K[bodies], (np.array([one.point_W for one in held]) - centre[bodies])[:, None])
-            C = np.concatenate([one.rows @ move.T for one, move in zip(held, moves, strict=True)])
+            bodies = np.array([hold.link for hold in held]) + self.free
+            moves = J[bodies] + np.cross(K[bodies], (np.array([hold.point_W for hold in held]) - centre[bodies])[:, None])
+            C = np.concatenate([hold.rows @ move.T for hold, move in zip(held, moves, strict=True)])
             push = np.linalg.solve(root.T @ root, C.T)
             answers = answers - push @ (np.linalg.pinv(C @ push, rcond=SINGULAR, hermitian=True) @ (C @ answers))
         return answers[acted, :-1], answers[acted, -1]

@@ -159,15 +159,15 @@ def set_parameters(port: Port, settings: Settings, options: Mapping[str, Any], t
 
 def resolved_settings(port: Port, settings: Settings, options: Mapping[str, Any]) -> Settings:
     """What Bullet says of itself, and what was told to it where it keeps silent. Raises: SettingsError."""
-    said = port.call("getPhysicsEngineParameters")
+    parameters = port.call("getPhysicsEngineParameters")
     substeps = settings.substeps or 1
-    if abs(said["fixedTimeStep"] * substeps - settings.dt) > 1e-12 * settings.dt:
-        raise SettingsError(f"settings: dt {settings.dt} s, but Bullet steps by {said['fixedTimeStep'] * substeps} s")
+    if abs(parameters["fixedTimeStep"] * substeps - settings.dt) > 1e-12 * settings.dt:
+        raise SettingsError(f"settings: dt {settings.dt} s, but Bullet steps by {parameters['fixedTimeStep'] * substeps} s")
     return replace(
         settings,
-        dt=said["fixedTimeStep"] * substeps,
+        dt=parameters["fixedTimeStep"] * substeps,
         substeps=substeps,
-        iterations=said["numSolverIterations"],
+        iterations=parameters["numSolverIterations"],
         integrator="semi_implicit_euler",
         solver=settings.solver or "si",
         tolerance=1e-7 if settings.tolerance is None else settings.tolerance,

@@ -104,31 +104,31 @@ def _continuous(path: Path) -> frozenset[str]:
 
 def _link(port: Port, body: int, k: int, names: dict[int, str], endless: frozenset[str]) -> LoadedLink:
     bullet = port.bullet
-    told, dynamics = port.call("getJointInfo", body, k), port.call("getDynamicsInfo", body, k)
+    joint, dynamics = port.call("getJointInfo", body, k), port.call("getDynamicsInfo", body, k)
     state = port.call("getLinkState", body, k, computeForwardKinematics=True)
     R = Rotation.from_quat(state[1]).as_matrix()
     joints: tuple[JointFacts, ...] = ()
-    if told[2] != bullet.JOINT_FIXED:
-        bounded = told[1].decode() not in endless and told[8] <= told[9] and max(abs(told[8]), abs(told[9])) < _OPEN
+    if joint[2] != bullet.JOINT_FIXED:
+        bounded = joint[1].decode() not in endless and joint[8] <= joint[9] and max(abs(joint[8]), abs(joint[9])) < _OPEN
         kinds = {bullet.JOINT_PRISMATIC: "prismatic", bullet.JOINT_SPHERICAL: "ball"}
         joints = (
             JointFacts(
-                name=told[1].decode(),
-                kind=kinds.get(told[2], "revolute"),  # type: ignore[arg-type]
+                name=joint[1].decode(),
+                kind=kinds.get(joint[2], "revolute"),  # type: ignore[arg-type]
                 parent=FIXED,
-                axis=R @ np.array(told[13]),  # the axis is told in the inertial frame of the child
+                axis=R @ np.array(joint[13]),  # the axis is told in the inertial frame of the child
                 anchor=np.array(state[4]),
-                lower=float(told[8]) if bounded else None,
-                upper=float(told[9]) if bounded else None,
-                damping=float(told[6]),
-                friction_loss=float(told[7]),
-                effort=float(told[10]) if 0 < told[10] < _OPEN else None,
-                speed=float(told[11]) if 0 < told[11] < _OPEN else None,
+                lower=float(joint[8]) if bounded else None,
+                upper=float(joint[9]) if bounded else None,
+                damping=float(joint[6]),
+                friction_loss=float(joint[7]),
+                effort=float(joint[10]) if 0 < joint[10] < _OPEN else None,
+                speed=float(joint[11]) if 0 < joint[11] < _OPEN else None,
             ),
         )
     return LoadedLink(
         name=names[k],
-        parent=names[told[16]],
+        parent=names[joint[16]],
         joints=joints,
         mass=float(dynamics[0]),
         centre=np.array(state[0]),

@@ -84,10 +84,10 @@ class Twin:
         """First hits, see `Simulation.cast`."""
         fraction, owner, normal = np.ones(len(origins)), np.full(len(origins), -1), np.zeros((len(origins), 3))
         for number, hits in enumerate(self.caster(origins, directions, max_range)()):
-            part = slice(number * RAY_BATCH, (number + 1) * RAY_BATCH)
-            fraction[part] = [hit[2] for hit in hits]
-            owner[part] = [self.owners.get(hit[0], -1) for hit in hits]
-            normal[part] = [hit[4] for hit in hits]
+            rays = slice(number * RAY_BATCH, (number + 1) * RAY_BATCH)
+            fraction[rays] = [hit[2] for hit in hits]
+            owner[rays] = [self.owners.get(hit[0], -1) for hit in hits]
+            normal[rays] = [hit[4] for hit in hits]
         normal[owner < 0] = 0.0
         return Hits(np.where(owner < 0, np.inf, fraction * max_range), owner.astype(np.int64), normal)
 
@@ -95,8 +95,8 @@ class Twin:
         """A function that casts these rays, RAY_BATCH of them in one native call, and gives the binding's own tuples."""
         ends = origins + directions * max_range
         starts = range(0, len(origins), RAY_BATCH)
-        parts = [(origins[k : k + RAY_BATCH].tolist(), ends[k : k + RAY_BATCH].tolist()) for k in starts]
-        return lambda: [self.port.call("rayTestBatch", *part) for part in parts]
+        batches = [(origins[k : k + RAY_BATCH].tolist(), ends[k : k + RAY_BATCH].tolist()) for k in starts]
+        return lambda: [self.port.call("rayTestBatch", *batch) for batch in batches]
 
     def render(self, camera: Camera, scene: Scene, colour: bool) -> Image:
         """The picture of TinyRenderer, see `Simulation.render`; z = f n / (f - (f - n) d) of its depth buffer d.

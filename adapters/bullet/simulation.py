@@ -184,13 +184,13 @@ class BulletSimulation:
 
     def joint_states(self) -> JointStates:
         """Coordinates and rates of the joints of multibodies; what closes a loop has none, and pybullet tells no reactions."""
-        found = JointStates.unknown(self._scene)
+        states = JointStates.unknown(self._scene)
         for k, joint in enumerate(self._scene.joints):
             if joint.name in self._made.coordinates:
                 number, link, position = self._made.coordinates[joint.name]
                 q, rate = self._port.call("getJointState", number, link)[:2]
-                found.coordinate[k], found.rate[k] = position + q, rate
-        return found
+                states.coordinate[k], states.rate[k] = position + q, rate
+        return states
 
     def _points(self) -> list[Any]:
         """The binding's tuples of the points that touched or bore a force in the last sub-step.

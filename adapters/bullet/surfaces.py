@@ -45,11 +45,11 @@ def _factors(values: Mapping[tuple[Kind, Kind], float], what: str) -> dict[Kind,
     rows = [(pair, value) for pair, value in values.items() if value > 0]
     if not rows:
         return dict.fromkeys(kinds, 0.0)
-    place = {kind: k for k, kind in enumerate(positive)}
+    column = {kind: k for k, kind in enumerate(positive)}
     matrix, logarithms = np.zeros((len(rows), len(positive))), np.zeros(len(rows))
     for row, ((a, b), value) in enumerate(rows):
-        matrix[row, place[a]] += 1
-        matrix[row, place[b]] += 1
+        matrix[row, column[a]] += 1
+        matrix[row, column[b]] += 1
         logarithms[row] = math.log(value)
     solution = np.linalg.lstsq(matrix, logarithms, rcond=None)[0]
     misfit = np.abs(matrix @ solution - logarithms)
@@ -59,7 +59,7 @@ def _factors(values: Mapping[tuple[Kind, Kind], float], what: str) -> dict[Kind,
             f"surface {a[0]}/{b[0]}",
             f"Bullet multiplies the {what} of the two bodies; no numbers give {value:g} and the other pairs",
         )
-    return {kind: math.exp(solution[place[kind]]) if kind in place else 0.0 for kind in kinds}
+    return {kind: math.exp(solution[column[kind]]) if kind in column else 0.0 for kind in kinds}
 
 
 def _levers(values: Mapping[tuple[Kind, Kind], float], friction: Mapping[Kind, float], what: str) -> dict[Kind, float]:
@@ -69,16 +69,16 @@ def _levers(values: Mapping[tuple[Kind, Kind], float], friction: Mapping[Kind, f
     kinds = sorted({kind for pair in values for kind in pair})
     if not any(values.values()):
         return dict.fromkeys(kinds, 0.0)
-    place = {kind: k for k, kind in enumerate(kinds)}
+    column = {kind: k for k, kind in enumerate(kinds)}
     matrix, target = np.zeros((len(values), len(kinds))), np.zeros(len(values))
     for row, ((a, b), value) in enumerate(values.items()):
-        matrix[row, place[a]] += friction[b]
-        matrix[row, place[b]] += friction[a]
+        matrix[row, column[a]] += friction[b]
+        matrix[row, column[b]] += friction[a]
         target[row] = value
     solution, misfit = nnls(matrix, target)
     if misfit > 1e-12 * target.max():
         raise Unsupported(what, "Bullet combines it as r_a mu_b + r_b mu_a; no numbers give every pair its value")
-    return {kind: float(solution[place[kind]]) for kind in kinds}
+    return {kind: float(solution[column[kind]]) for kind in kinds}
 
 
 def coefficients(scene: Scene) -> dict[Kind, Coefficients]:

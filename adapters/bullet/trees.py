@@ -49,7 +49,7 @@ def fast_tops(scene: Scene) -> set[str]:
     """
     held = [name for joint in scene.joints for name in (joint.parent, joint.child) if name != WORLD]
     pull = math.hypot(*scene.gravity) if Effect.GRAVITY in scene.effects else 0.0
-    found = set()
+    tops = set()
     for joint in scene.joints:
         ends = [scene.body(name) for name in (joint.parent, joint.child) if name != WORLD]
         moving = [body for body in ends if body.motion != "static"]
@@ -66,8 +66,8 @@ def fast_tops(scene: Scene) -> set[str]:
         across = float(np.linalg.norm(momentum - spin * arm / reach))
         greatest = float(np.linalg.eigvalsh(np.asarray(body.inertia)).max()) + body.mass * reach**2
         if abs(spin) > across and spin**2 > 4 * greatest * body.mass * pull * reach:
-            found.add(joint.name)
-    return found
+            tops.add(joint.name)
+    return tops
 
 
 def constrained_joints(scene: Scene, joints: Sequence[Joint], choice: str) -> frozenset[str]:

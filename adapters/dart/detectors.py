@@ -69,25 +69,25 @@ def _meetings(scene: Scene) -> set[tuple[str, str, bool]]:
     for body in touching_bodies(scene):
         types = frozenset(placed.shape.type for placed in body.collision)
         groups.setdefault((body.material, body.movable, types), []).append(body.name)
-    found = set()
+    meetings = set()
     for (one, ones), (other, others) in combinations_with_replacement(groups.items(), 2):
         if not (one[1] or other[1]) or frozenset((one[0], other[0])) in apart:
             continue
         if any(a != b and frozenset((a, b)) not in joined for a in ones for b in others):
-            found |= {(min(a, b), max(a, b), one[1] and other[1]) for a in one[2] for b in other[2]}
-    return found
+            meetings |= {(min(a, b), max(a, b), one[1] and other[1]) for a in one[2] for b in other[2]}
+    return meetings
 
 
 def _wrong(detector: str, meetings: set[tuple[str, str, bool]]) -> list[str]:
     """The pairs among `meetings` that a detector has wrong, as 'box/capsule'."""
-    found = set()
+    wrong = set()
     for a, b, both in meetings:
         meshes = len(MESHES & {a, b}) if a != b else 2 * (a in MESHES)
         # Balls fall through meshes by FCL, hulls by DART's own detector; two that move push each other sideways by ODE.
         loose = meshes > 0 if detector in ("fcl", "dart") else detector == "ode" and both and meshes == 2
         if loose or f"{a}/{b}" in WRONG_PAIRS[detector]:
-            found.add(f"{a}/{b}")
-    return sorted(found)
+            wrong.add(f"{a}/{b}")
+    return sorted(wrong)
 
 
 def keep_apart(built: Built) -> None:

@@ -73,38 +73,38 @@ class Foresight:
         holds = self._holds(dt, begun)
         reached, waiting = set[int](), list(self._driven)
         while waiting:
-            if (one := waiting.pop()) not in reached:
-                reached.add(one)
-                waiting += [other for hold in holds if one in hold.rows for other in hold.rows]
+            if (number := waiting.pop()) not in reached:
+                reached.add(number)
+                waiting += [other for hold in holds if number in hold.rows for other in hold.rows]
         first, size, u = {}, 0, list[Floats]()
-        for one in sorted(reached):
-            skeleton = built.skeletons[one]
+        for number in sorted(reached):
+            skeleton = built.skeletons[number]
             skeleton.computeForwardDynamics()
-            first[one] = size
+            first[number] = size
             u.append(np.asarray(skeleton.getVelocities()) + dt * np.asarray(skeleton.getAccelerations()))
             size += len(u[-1])
         ahead = np.concatenate(u)
         bearing = [hold for hold in holds if reached.issuperset(hold.rows)]
-        masses = {one: np.array(built.skeletons[one].getMassMatrix()) for one in reached}
+        masses = {number: np.array(built.skeletons[number].getMassMatrix()) for number in reached}
         saturated: dict[str, float] = {}
         while True:
             mobility, push = np.zeros((size, size)), np.zeros(size)
-            for one, mass in masses.items():
+            for number, mass in masses.items():
                 gain = np.zeros(len(mass))
-                for name, motor in self._driven.get(one, {}).items():
+                for name, motor in self._driven.get(number, {}).items():
                     k = motor.joint.getIndexInSkeleton(0)
                     gain[k] = motor.inertia(dt, name in saturated)
-                    spring, drive = motor.forces(ahead[first[one] + k], dt)
-                    push[first[one] + k] = dt * (spring + saturated.get(name, drive))
-                loose = self._loose[one]
-                mobility[np.ix_(first[one] + loose, first[one] + loose)] = np.linalg.inv(
+                    spring, drive = motor.forces(ahead[first[number] + k], dt)
+                    push[first[number] + k] = dt * (spring + saturated.get(name, drive))
+                loose = self._loose[number]
+                mobility[np.ix_(first[number] + loose, first[number] + loose)] = np.linalg.inv(
                     (mass + np.diag(gain))[np.ix_(loose, loose)]
                 )
             end = _held(ahead, mobility, push, bearing, first)
             exceeded = False
-            for one, motors in self._driven.items():
+            for number, motors in self._driven.items():
                 for name, motor in motors.items():
-                    spring, drive = motor.forces(end[first[one] + motor.joint.getIndexInSkeleton(0)], dt)
+                    spring, drive = motor.forces(end[first[number] + motor.joint.getIndexInSkeleton(0)], dt)
                     cut = saturated.get(name, motor.cut(drive))
                     motor.joint.setCommand(0, spring + cut)
                     if name not in saturated and cut != drive:
@@ -125,15 +125,15 @@ class Foresight:
 
         def of_point(place: int, point: Floats, along: Floats) -> tuple[int, Floats] | None:
             """Skeleton and rows of the velocities [m/s] of a point along directions (r, 3)."""
-            one = self._skeleton_of[place]
-            if one is None:
+            number = self._skeleton_of[place]
+            if number is None:
                 return None
             node = built.nodes[place]
             if place not in jacobians:
-                jacobians[place] = np.asarray(built.skeletons[one].getWorldJacobian(node))
+                jacobians[place] = np.asarray(built.skeletons[number].getWorldJacobian(node))
                 places[place] = np.asarray(node.getWorldTransform().translation())
             turn, way = jacobians[place][:3], jacobians[place][3:]
-            return one, along @ way + np.cross(point - places[place], along) @ turn
+            return number, along @ way + np.cross(point - places[place], along) @ turn
 
         holds = []
         for contact in result.getContacts():
@@ -148,34 +148,34 @@ class Foresight:
             along = normal[None] if slides else np.vstack((normal, tangents(normal)))
             hold = Hold({}, one_sided=True)
             for sign, object_ in zip((1.0, -1.0), objects, strict=True):
-                found = of_point(body_of(object_), np.asarray(contact.point), np.vstack((along, across)))
-                if found is not None:
-                    one, rows = found
-                    hold.rows[one] = hold.rows.get(one, 0.0) + sign * rows[:-1]
-                    hold.pull[one] = hold.pull.get(one, 0.0) + sign * dt * rows[-1] * bool(slides)
+                motion = of_point(body_of(object_), np.asarray(contact.point), np.vstack((along, across)))
+                if motion is not None:
+                    number, rows = motion
+                    hold.rows[number] = hold.rows.get(number, 0.0) + sign * rows[:-1]
+                    hold.pull[number] = hold.pull.get(number, 0.0) + sign * dt * rows[-1] * bool(slides)
             holds.append(hold)
-        for one, joint in self._limits:
+        for number, joint in self._limits:
             impulse = joint.getConstraintImpulse(0)
             if impulse != 0:
-                row = np.zeros((1, built.skeletons[one].getNumDofs()))
+                row = np.zeros((1, built.skeletons[number].getNumDofs()))
                 row[0, joint.getIndexInSkeleton(0)] = math.copysign(1.0, impulse)
-                holds.append(Hold({one: row}, one_sided=True))
-        for one, joint, loss in self._dry:
-            row = np.zeros((1, built.skeletons[one].getNumDofs()))
+                holds.append(Hold({number: row}, one_sided=True))
+        for number, joint, loss in self._dry:
+            row = np.zeros((1, built.skeletons[number].getNumDofs()))
             row[0, joint.getIndexInSkeleton(0)] = 1.0
             speed = float(joint.getVelocity(0))
             if abs(speed) < AT_REST:
-                holds.append(Hold({one: row}))
+                holds.append(Hold({number: row}))
             else:
-                holds.append(Hold({one: row[:0]}, pull={one: -math.copysign(dt * loss, speed) * row[0]}))
+                holds.append(Hold({number: row[:0]}, pull={number: -math.copysign(dt * loss, speed) * row[0]}))
         for loop in built.loops:
             hold = Hold({})
             for sign, (place, point) in zip((1.0, -1.0), loop, strict=False):
                 X_WB = built.nodes[place].getWorldTransform()
-                found = of_point(place, X_WB.translation() + X_WB.rotation() @ point, np.eye(3))
-                if found is not None:
-                    one, rows = found
-                    hold.rows[one] = hold.rows.get(one, 0.0) + sign * rows
+                motion = of_point(place, X_WB.translation() + X_WB.rotation() @ point, np.eye(3))
+                if motion is not None:
+                    number, rows = motion
+                    hold.rows[number] = hold.rows.get(number, 0.0) + sign * rows
             holds.append(hold)
         return [hold for hold in holds if hold.rows]
 
@@ -188,15 +188,15 @@ def _held(ahead: Floats, mobility: Floats, push: Floats, holds: list[Hold], firs
     """
     push = push.copy()
     for hold in holds:
-        for one, impulse in hold.pull.items():
-            push[first[one] : first[one] + len(impulse)] += impulse
+        for number, impulse in hold.pull.items():
+            push[first[number] : first[number] + len(impulse)] += impulse
     free: Floats = ahead + mobility @ push
     while holds:
         starts = np.cumsum([0, *(len(next(iter(hold.rows.values()))) for hold in holds)])
         jacobian = np.zeros((starts[-1], len(ahead)))
         for hold, start in zip(holds, starts, strict=False):
-            for one, rows in hold.rows.items():
-                jacobian[start : start + len(rows), first[one] : first[one] + rows.shape[1]] = rows
+            for number, rows in hold.rows.items():
+                jacobian[start : start + len(rows), first[number] : first[number] + rows.shape[1]] = rows
         given = jacobian @ mobility @ jacobian.T
         given[np.diag_indices_from(given)] += SHARED * np.trace(given) / len(given) + np.finfo(np.float64).tiny
         p = np.linalg.solve(given, -jacobian @ free)

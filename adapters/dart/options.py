@@ -39,7 +39,7 @@ def validated(settings: Settings) -> dict[str, Any]:
                 f"settings: option '{name}' is unknown to dart, expected some of {', '.join(known)}, error_reduction"
             )
         allowed = known[name]
-        if not any(value is one or (isinstance(one, str) and value == one) for one in allowed):
+        if not any(value is choice or (isinstance(choice, str) and value == choice) for choice in allowed):
             raise SettingsError(f"settings: option '{name}' {value!r}, expected one of {allowed}")
     if settings.integrator not in (None, INTEGRATOR):
         raise SettingsError(f"settings: integrator '{settings.integrator}', expected '{INTEGRATOR}', the only one of dart")

@@ -40,8 +40,8 @@ def load(path: Path, request: Request) -> Loaded:
                 laws.append(Law(kind="mimic", name=joint.getName()))  # dartpy does not tell what it follows
             links.append(_link(node, joint))
     facts = gathered("DART", links, tuple(laws))
-    skeleton = max(skeletons, key=lambda one: one.getNumDofs())
-    if sum(one.getNumDofs() > 0 for one in skeletons) > 1:
+    skeleton = max(skeletons, key=lambda candidate: candidate.getNumDofs())
+    if sum(candidate.getNumDofs() > 0 for candidate in skeletons) > 1:
         return Loaded(facts=facts)
     places = {
         skeleton.getJoint(k).getName(): int(skeleton.getJoint(k).getIndexInSkeleton(0))

@@ -132,12 +132,12 @@ class DartSimulation(Simulation):
     def joint_states(self) -> JointStates:
         """Coordinates and rates of the joints of skeletons; what is a constraint has none, and dartpy tells no reactions."""
         scene = self._open.scene
-        found = JointStates.unknown(scene)
+        states = JointStates.unknown(scene)
         for k, joint in enumerate(scene.joints):
             if joint.name in self._open.coordinates:
                 made = self._open.coordinates[joint.name]
-                found.coordinate[k], found.rate[k] = made.getPosition(0), made.getVelocity(0)
-        return found
+                states.coordinate[k], states.rate[k] = made.getPosition(0), made.getVelocity(0)
+        return states
 
     def contacts(self) -> Contacts:
         """The contacts of the last step, those of sleeping bodies as they were last seen."""

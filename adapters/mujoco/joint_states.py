@@ -23,7 +23,7 @@ class JointReader:
         """Coordinates, rates and reactions of native joints at this instant; those that close loops are left open."""
         world, m = self._world, self._world.model
         d = self._settled()
-        found = JointStates.unknown(world.scene)
+        states = JointStates.unknown(world.scene)
         for k, joint in enumerate(world.scene.joints):
             if joint.name not in world.indices.hung:
                 continue
@@ -31,15 +31,15 @@ class JointReader:
             body = world.indices.body[hung.body]
             native = int(m.body_jntadr[body])
             if isinstance(joint, Revolute | Prismatic):
-                found.coordinate[k] = d.qpos[m.jnt_qposadr[native]]
-                found.rate[k] = d.qvel[m.jnt_dofadr[native]]
+                states.coordinate[k] = d.qpos[m.jnt_qposadr[native]]
+                states.rate[k] = d.qvel[m.jnt_dofadr[native]]
             # cfrc_int: torque and force by the body above, about the centre of mass of the whole tree.
             torque, force = d.cfrc_int[body, :3], d.cfrc_int[body, 3:]
             child = world.indices.body[world.scene.index(joint.child)]
             anchor = d.xpos[child] + d.xmat[child].reshape(3, 3) @ hung.anchor_M
             torque = torque + np.cross(d.subtree_com[m.body_rootid[body]] - anchor, force)
-            found.reaction[k] = np.concatenate((force, torque)) * (-1.0 if hung.turned else 1.0)
-        return found
+            states.reaction[k] = np.concatenate((force, torque)) * (-1.0 if hung.turned else 1.0)
+        return states
 
     def _settled(self) -> Any:
         """A copy of the state with all that follows from it worked out."""

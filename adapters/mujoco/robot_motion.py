@@ -32,8 +32,8 @@ def moved(robot: RobotFacts, motion: Motion) -> Floats:
         if joint.kind in ("revolute", "prismatic"):
             motor = spec.add_actuator(name=joint.name, trntype=mj.mjtTrn.mjTRN_JOINT, target=joint.name)
             motor.set_to_motor()
-    for place, law in enumerate(robot.laws):
-        _bind(mj, spec, bodies, law, place)
+    for number, law in enumerate(robot.laws):
+        _bind(mj, spec, bodies, law, number)
     try:
         model = spec.compile()
     except ValueError as error:

@@ -108,11 +108,11 @@ class ReferenceSimulation:
         crowded = (
             f"; {certificate.crowded} sub-steps had too many blows and took the last as one" if certificate.crowded else ""
         )
-        said = f"exact: relative residual at most {certificate.residual:.1g} over {certificate.solves} solves"
+        precision = f"exact: relative residual at most {certificate.residual:.1g} over {certificate.solves} solves"
         missed = (
             f", {certificate.missed} of them above the tolerance {self._resolved.tolerance:g}" if certificate.missed else ""
         )
-        return (Notice(said + missed + crowded),)
+        return (Notice(precision + missed + crowded),)
 
     def save(self) -> object:
         """Both arrays of the world."""

@@ -127,7 +127,7 @@ class Feature(Flag):
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the bits that are set, in lower case, in the order of definition."""
-        return tuple(one.name.lower() for one in Feature if one in self and one.name is not None)
+        return tuple(feature.name.lower() for feature in Feature if feature in self and feature.name is not None)
 
 
 class Unsupported(Exception):
@@ -315,11 +315,11 @@ class Adapter(ABC):
     loader_defaults: Mapping[tuple[str, str], Mapping[str, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for one in self.emulated:
-            where = f"adapter '{self.name}': emulated {'|'.join(one.feature.names)}"
-            if len(one.feature.names) != 1 or one.feature not in self.features:
+        for emulation in self.emulated:
+            where = f"adapter '{self.name}': emulated {'|'.join(emulation.feature.names)}"
+            if len(emulation.feature.names) != 1 or emulation.feature not in self.features:
                 raise ValueError(f"{where}: expected one feature that the adapter claims")
-            if not one.how.strip() or not one.tracks or not set(one.tracks) <= set(self.tracks):
+            if not emulation.how.strip() or not emulation.tracks or not set(emulation.tracks) <= set(self.tracks):
                 raise ValueError(f"{where}: expected how, and on which of the tracks {', '.join(self.tracks)}")
 
     def knobs_in(self, scene: Scene) -> tuple[str, ...]:

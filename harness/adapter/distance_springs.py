@@ -68,7 +68,7 @@ class DistanceSprings:
         p = np.array([*(b.p_WB for b in bodies), (0.0, 0.0, 0.0)])
         q = np.array([*(b.q_WB for b in bodies), (1.0, 0.0, 0.0, 0.0)])
         law = np.array([(j.spring.stiffness, j.spring.damping, j.spring.rest) for j in springs if j.spring]).T
-        found = cls(
+        made = cls(
             ends=ends,
             anchors=rotate_back(q[ends], points - p[ends]),
             law=law,
@@ -80,8 +80,8 @@ class DistanceSprings:
             h=h,
             implicit=False,
         )
-        found.implicit = found._reversing()
-        return found
+        made.implicit = made._reversing()
+        return made
 
     def _reversing(self) -> bool:
         """May the forces of a step's start reverse a velocity within it, in some pose?

@@ -25,15 +25,15 @@ def features_of(scene: Scene) -> Feature:
     Neither what is asked of a running simulation (contacts, rays, pictures, saving), nor whether pairs of materials need a law
     each, nor whether one moment of inertia is turned against another.
     """
-    found, effects = Feature.NONE, scene.effects  # what it takes to tell effects grows with the scene: it is done once
-    for one in (*_of_bodies(scene, effects), *_of_joints(scene, effects)):
-        found |= one
+    features, effects = Feature.NONE, scene.effects  # what it takes to tell effects grows with the scene: it is done once
+    for needed in (*_of_bodies(scene, effects), *_of_joints(scene, effects)):
+        features |= needed
     for effect, feature in (_DAMPING | _CONTACT).items():
         if effect in effects:
-            found |= feature
+            features |= feature
     if Effect.FRICTION in effects and any(law.static_friction > law.kinetic_friction for law in scene.surfaces):
-        found |= Feature.STATIC_FRICTION
-    return found
+        features |= Feature.STATIC_FRICTION
+    return features
 
 
 def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:

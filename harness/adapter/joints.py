@@ -26,9 +26,9 @@ def joints_of(simulation: Simulation, scene: Scene, near: Floats | None = None) 
     own: Any = getattr(simulation, "joint_states", None)
     if own is None:
         return meant
-    said: JointStates = own()
+    states: JointStates = own()
     return JointStates(
-        np.where(np.isnan(said.coordinate), meant.coordinate, said.coordinate),
-        np.where(np.isnan(said.rate), meant.rate, said.rate),
-        said.reaction,
+        np.where(np.isnan(states.coordinate), meant.coordinate, states.coordinate),
+        np.where(np.isnan(states.rate), meant.rate, states.rate),
+        states.reaction,
     )

@@ -65,7 +65,7 @@ class Turns:
 
     def warnings(self) -> tuple[str | Notice, ...]:
         """All of them, each once."""
-        return tuple(dict.fromkeys(said for simulation in self._simulations for said in simulation.warnings()))
+        return tuple(dict.fromkeys(warning for simulation in self._simulations for warning in simulation.warnings()))
 
     def close(self) -> None:
         """Close every world."""

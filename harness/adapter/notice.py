@@ -28,4 +28,4 @@ class Notice:
 
 def as_notices(warnings: tuple[str | Notice, ...]) -> tuple[Notice, ...]:
     """What `Simulation.warnings` says; a plain text is a note, whatever it reads."""
-    return tuple(Notice(said) if isinstance(said, str) else said for said in warnings)
+    return tuple(Notice(warning) if isinstance(warning, str) else warning for warning in warnings)

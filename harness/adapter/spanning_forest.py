@@ -60,8 +60,8 @@ def spanning_forest(
     Source: Kruskal, On the shortest spanning subtree of a graph, Proc. AMS 7 (1956) 48.
     """
     sets = DisjointSets[Node]()
-    for one, other in pairwise(ground):
-        sets.unite(one, other)
+    for node, other in pairwise(ground):
+        sets.unite(node, other)
     beside: dict[Node, list[tuple[Node, Edge]]] = {}
     closing: list[Edge] = []
     for edge in edges:

@@ -66,23 +66,23 @@ def _kind(where: str, value: Any, of: type) -> None:
 
 def _felt(read: Callable[[str], Any], name: str) -> tuple[Floats, Floats]:
     """What the engine's own accelerometer and gyroscope say. Raises: BrokenContract, Diverged."""
-    found = read(name)
-    if not isinstance(found, tuple) or len(found) != 2:
-        raise BrokenContract(f"inertial('{name}'): got {type(found).__name__}, expected two arrays")
-    for what, value in zip(("accelerometer", "gyroscope"), found, strict=True):
+    sample = read(name)
+    if not isinstance(sample, tuple) or len(sample) != 2:
+        raise BrokenContract(f"inertial('{name}'): got {type(sample).__name__}, expected two arrays")
+    for what, value in zip(("accelerometer", "gyroscope"), sample, strict=True):
         _numbers(f"inertial('{name}'): {what}", value, (3,))
-    return found
+    return sample
 
 
 def _joints(read: Callable[[], JointStates], joints: int) -> JointStates:
     """What the engine holds of its joints; NaN says that it holds nothing. Raises: BrokenContract, Diverged."""
-    found = read()
-    _kind("joint_states()", found, JointStates)
+    states = read()
+    _kind("joint_states()", states, JointStates)
     for name, shape in (("coordinate", (joints,)), ("rate", (joints,)), ("reaction", (joints, 6))):
-        value = getattr(found, name)
+        value = getattr(states, name)
         _array(f"joint_states().{name}", value, shape, "f")
         _numbers(f"joint_states().{name}", np.nan_to_num(value, nan=0.0, posinf=np.inf, neginf=-np.inf), shape)
-    return found
+    return states
 
 
 class Answering:
@@ -96,28 +96,28 @@ class Answering:
         """What is not checked, and what not every engine has. Raises: AttributeError."""
         if name.startswith("_"):
             raise AttributeError(name)
-        found = getattr(self._simulation, name)
+        attribute = getattr(self._simulation, name)
         if name == "joint_states":
-            return partial(_joints, found, self._joints)
-        return partial(_felt, found) if name == "inertial" else found
+            return partial(_joints, attribute, self._joints)
+        return partial(_felt, attribute) if name == "inertial" else attribute
 
     @property
     def resolved(self) -> Settings:
         """The settings that are used."""
-        found = self._simulation.resolved
-        _kind("resolved", found, Settings)
-        return found
+        settings = self._simulation.resolved
+        _kind("resolved", settings, Settings)
+        return settings
 
     def warnings(self) -> tuple[Notice, ...]:
         """What there is to say."""
-        found = self._simulation.warnings()
-        _kind("warnings()", found, tuple)
-        for number, said in enumerate(found):
-            if not isinstance(said, str | Notice):
+        warnings = self._simulation.warnings()
+        _kind("warnings()", warnings, tuple)
+        for number, warning in enumerate(warnings):
+            if not isinstance(warning, str | Notice):
                 raise BrokenContract(
-                    f"warnings()[{number}]: got {said!r:.80} of {type(said).__name__}, expected a text or Notice"
+                    f"warnings()[{number}]: got {warning!r:.80} of {type(warning).__name__}, expected a text or Notice"
                 )
-        return as_notices(found)
+        return as_notices(warnings)
 
     def state(self, out: State) -> None:
         """The present state; what the engine leaves out is not finite. Raises: Diverged."""
@@ -128,44 +128,44 @@ class Answering:
         for name, array in arrays.items():
             if not sane(array):
                 row, column = np.argwhere(~(np.abs(array) <= LARGEST))[0]
-                found, body = array[row, column], self._names[row]
-                what = f"beyond {LARGEST:g}" if np.isfinite(found) else "not finite"
-                raise Diverged(f"the state is {what}: {name} of body '{body}': {found}")
+                value, body = array[row, column], self._names[row]
+                what = f"beyond {LARGEST:g}" if np.isfinite(value) else "not finite"
+                raise Diverged(f"the state is {what}: {name} of body '{body}': {value}")
 
     def contacts(self) -> Contacts:
         """The contacts of the last step."""
-        found = self._simulation.contacts()
-        _kind("contacts()", found, Contacts)
-        count = len(found.gap) if isinstance(found.gap, np.ndarray) and found.gap.ndim else 0
+        contacts = self._simulation.contacts()
+        _kind("contacts()", contacts, Contacts)
+        count = len(contacts.gap) if isinstance(contacts.gap, np.ndarray) and contacts.gap.ndim else 0
         for name in ("gap", "point_W", "normal_W", "force_W"):
-            _numbers(f"contacts().{name}", getattr(found, name), (count,) if name == "gap" else (count, 3))
+            _numbers(f"contacts().{name}", getattr(contacts, name), (count,) if name == "gap" else (count, 3))
         for name in ("body_A", "body_B"):
-            _places(f"contacts().{name}", getattr(found, name), (count,), 0, self._bodies)
-        if not (found.body_A < found.body_B).all():
+            _places(f"contacts().{name}", getattr(contacts, name), (count,), 0, self._bodies)
+        if not (contacts.body_A < contacts.body_B).all():
             raise BrokenContract("contacts(): got a pair with A >= B, expected A < B")
-        if count and not np.abs(np.linalg.norm(found.normal_W, axis=1) - 1).max() <= _UNIT:
+        if count and not np.abs(np.linalg.norm(contacts.normal_W, axis=1) - 1).max() <= _UNIT:
             raise BrokenContract("contacts().normal_W: got a normal whose length is not 1")
-        return found
+        return contacts
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hits; the rays are as before."""
         before, rays = directions.copy(), len(directions)
-        found = self._simulation.cast(origins, directions, max_range)
+        hits = self._simulation.cast(origins, directions, max_range)
         if not np.array_equal(before, directions):
             raise BrokenContract("cast(): got directions that were changed, expected them left alone")
-        _kind("cast()", found, Hits)
-        _numbers("cast().distance", found.distance, (rays,), unbounded=True)
-        _places("cast().body", found.body, (rays,), -1, self._bodies)
-        _numbers("cast().normal_W", found.normal_W, (rays, 3))
-        return found
+        _kind("cast()", hits, Hits)
+        _numbers("cast().distance", hits.distance, (rays,), unbounded=True)
+        _places("cast().body", hits.body, (rays,), -1, self._bodies)
+        _numbers("cast().normal_W", hits.normal_W, (rays, 3))
+        return hits
 
     def render(self, camera: Camera, colour: bool = True) -> Image:
         """A picture."""
-        found = self._simulation.render(camera, colour)
-        _kind("render()", found, Image)
+        image = self._simulation.render(camera, colour)
+        _kind("render()", image, Image)
         shape = camera.height, camera.width
-        _numbers("render().depth", found.depth, shape, unbounded=True)
-        _places("render().body", found.body, shape, -1, self._bodies)
-        if found.colour is not None:
-            _numbers("render().colour", found.colour, (*shape, 3))
-        return found
+        _numbers("render().depth", image.depth, shape, unbounded=True)
+        _places("render().body", image.body, shape, -1, self._bodies)
+        if image.colour is not None:
+            _numbers("render().colour", image.colour, (*shape, 3))
+        return image

@@ -32,8 +32,8 @@ def _numbers(what: str, value: Any, shape: tuple[int, ...], unit: str) -> None:
     if not isfinite(np.vdot(value, value)):
         bad = np.argwhere(~np.isfinite(value))
         if len(bad):
-            place = tuple(int(k) for k in bad[0])
-            raise ValueError(f"{what}: got {value[place]} at {place}, expected finite numbers {unit}")
+            index = tuple(int(k) for k in bad[0])
+            raise ValueError(f"{what}: got {value[index]} at {index}, expected finite numbers {unit}")
 
 
 def check_wrench(bodies: int, f_B_W: Floats, tau_B_W: Floats) -> None:

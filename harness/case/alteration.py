@@ -83,18 +83,18 @@ class Alteration:
 
     def plain(self) -> dict[str, Any]:
         """What departs, as a JSON-ready mapping; empty where nothing does. `from_plain` reads it back."""
-        said: dict[str, Any] = {}
-        for one in fields(self):
-            value = getattr(self, one.name)
-            if value != one.default:
-                said[one.name] = list(value.names) if isinstance(value, Effect) else value
-        return said
+        departing: dict[str, Any] = {}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value != field.default:
+                departing[field.name] = list(value.names) if isinstance(value, Effect) else value
+        return departing
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Alteration":
         """Read back what `plain` wrote."""
-        said: dict[str, Any] = {name: _effects(value) if isinstance(value, list) else value for name, value in plain.items()}
-        return cls(**said)
+        values: dict[str, Any] = {name: _effects(value) if isinstance(value, list) else value for name, value in plain.items()}
+        return cls(**values)
 
 
 FAINT = 1e-9
@@ -120,8 +120,8 @@ def _with(scene: Scene, present: Effect) -> Scene:
         replace(body, **{name: max(FAINT, getattr(body, name)) for name in rates}) if rates and body.movable else body
         for body in scene.bodies
     )
-    said = present & (Effect.CONTINUOUS_COLLISION | Effect.GYROSCOPIC | Effect.GRAVITY)
-    return replace(scene, bodies=bodies, surfaces=surfaces, widen=scene.widen | said, narrow=scene.narrow & ~present)
+    widened = present & (Effect.CONTINUOUS_COLLISION | Effect.GYROSCOPIC | Effect.GRAVITY)
+    return replace(scene, bodies=bodies, surfaces=surfaces, widen=scene.widen | widened, narrow=scene.narrow & ~present)
 
 
 def _effects(names: Collection[str]) -> Effect:
@@ -153,15 +153,15 @@ def departures(scene: Scene, features: Collection[str]) -> Iterator[Alteration]:
     """What the study of effects makes of a scene: everything on, each effect left out that it calls for, each one taken in that
     it leaves off. `features` are the names of what the engine can express."""
     declared = scene.effects
-    on = _ALWAYS | _effects([one for one in features if one.upper() in Effect.__members__])
+    on = _ALWAYS | _effects([name for name in features if name.upper() in Effect.__members__])
     others = _TOUCHING if Effect.CONTACT in declared else _FREE
     yield Alteration(name=EVERYTHING, present=others & on & ~declared)
-    for one in Effect:
-        if one in declared and one != Effect.SENSING:
-            yield Alteration(name=f"without {one.names[0]}", narrow=one)
+    for effect in Effect:
+        if effect in declared and effect != Effect.SENSING:
+            yield Alteration(name=f"without {effect.names[0]}", narrow=effect)
     left_off = scene.content & ~declared
     if Effect.CONTACT in declared:
         left_off |= Effect.CONTINUOUS_COLLISION & ~declared
-    for one in Effect:
-        if one in left_off and one != Effect.SENSING:
-            yield Alteration(name=f"with {one.names[0]}", widen=one)
+    for effect in Effect:
+        if effect in left_off and effect != Effect.SENSING:
+            yield Alteration(name=f"with {effect.names[0]}", widen=effect)

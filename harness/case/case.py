@@ -56,10 +56,10 @@ class Check:
         if not callable(self.at_most):
             return float(self.at_most)
         wanted = _named(self.at_most)
-        told = parameters if wanted is None else {name: parameters[name] for name in wanted if name in parameters}
+        arguments = parameters if wanted is None else {name: parameters[name] for name in wanted if name in parameters}
         between = {OUTER: dt} if OUTER in signature(self.at_most).parameters else {}
         taken = dt if substep is None else substep
-        return float(self.at_most(taken, **between, **{name: _frozen(value) for name, value in told.items()}))
+        return float(self.at_most(taken, **between, **{name: _frozen(value) for name, value in arguments.items()}))
 
     def passes(self, value: float, dt: float, parameters: Mapping[str, Any] = OWN, substep: float | None = None) -> bool:
         """Is the value finite and on the right side of the bound?"""
@@ -72,13 +72,17 @@ class Check:
 @cache
 def _named(law: Callable[..., float]) -> tuple[str, ...] | None:
     """The parameters that a bound takes beside the steps; None where it takes all."""
-    taken = [one for one in list(signature(law).parameters.values())[1:] if one.name != OUTER]
-    return None if any(one.kind == Parameter.VAR_KEYWORD for one in taken) else tuple(one.name for one in taken)
+    taken = [parameter for parameter in list(signature(law).parameters.values())[1:] if parameter.name != OUTER]
+    return (
+        None
+        if any(parameter.kind == Parameter.VAR_KEYWORD for parameter in taken)
+        else tuple(parameter.name for parameter in taken)
+    )
 
 
 def _frozen(value: Any) -> Any:
     """What came through JSON as lists, as the tuples that it was: bounds that take long are kept by their arguments."""
-    return tuple(_frozen(part) for part in value) if isinstance(value, list | tuple) else value
+    return tuple(_frozen(element) for element in value) if isinstance(value, list | tuple) else value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -71,9 +71,9 @@ class Controlled:
     def step(self, count: int = 1) -> None:
         """Advance by count * dt, the wrench renewed whenever it is due. Raises: Diverged, Unsupported."""
         while count > 0:
-            part = self.renew(count)
-            self.simulation.step(part)
-            count -= part
+            steps = self.renew(count)
+            self.simulation.step(steps)
+            count -= steps
 
     def save(self) -> object:
         """The simulation's own, with the step that it stands at. Raises: Unsupported."""
@@ -103,10 +103,10 @@ def _drift(state: State, time: float) -> None:
 
 def wrench_after(control: Control, state: State) -> bytes:
     """The bits of what a control answers to a state at the start and a second later: what tells it from another one."""
-    told = b""
+    answer = b""
     for time in (0.0, 1.0):
         if control.wrench is not None:
-            told += b"".join(np.ascontiguousarray(part).tobytes() for part in control.wrench(time, state))
+            answer += b"".join(np.ascontiguousarray(array).tobytes() for array in control.wrench(time, state))
         if control.targets is not None:
-            told += repr(sorted(control.targets(time).items())).encode()
-    return told
+            answer += repr(sorted(control.targets(time).items())).encode()
+    return answer

@@ -62,10 +62,10 @@ def member(scene: Scene, number: int, dt: float, turn: bool = True) -> Member:
             off[place] = TOLERANCE * (size if math.isfinite(size) else 0.0) * way - phase * dt * np.array(body.v_WB)
     off[free] = _kept_touching(scene, free, off[free])
     places = (np.array([body.p_WB for body in scene.bodies]) + off).tolist()
-    bodies = (replace(body, p_WB=tuple(place)) for body, place in zip(scene.bodies, places, strict=True))
+    bodies = (replace(body, p_WB=tuple(p_WB)) for body, p_WB in zip(scene.bodies, places, strict=True))
     varied = replace(scene, bodies=tuple(bodies))
-    told = turned(varied, axis_angle((0.0, 0.0, 1.0), angle)) if turn and not own else None
-    return Member(varied if told is None else told.scene, told)
+    retelling = turned(varied, axis_angle((0.0, 0.0, 1.0), angle)) if turn and not own else None
+    return Member(varied if retelling is None else retelling.scene, retelling)
 
 
 def perturbed(scene: Scene, number: int) -> Scene:
@@ -79,7 +79,7 @@ def perturbed(scene: Scene, number: int) -> Scene:
 def _kept_touching(scene: Scene, free: list[int], off: Floats) -> Floats:
     """Displacements (n, 3) m of the free bodies, less what opens or closes a gap between bodies that touch: least squares."""
     column = {place: 3 * k for k, place in enumerate(free)}
-    touched = [one for one in touches(scene) if one.first in column or one.second in column]
+    touched = [touch for touch in touches(scene) if touch.first in column or touch.second in column]
     if not touched:
         return off
     apart = np.zeros((len(touched), off.size))

@@ -137,7 +137,9 @@ def scaled(scene: Scene, name: str, size: float) -> Retelling:
     def of(body: Body) -> Body:
         if body.linear_damping > 0 or body.angular_damping > 0:
             raise ValueError(f"body '{body.name}': is damped, which is not scaled")
-        parts = tuple(replace(part, shape=_sized(part.shape, size), p_BS=at(part.p_BS, size)) for part in body.collision)
+        parts = tuple(
+            replace(placed, shape=_sized(placed.shape, size), p_BS=at(placed.p_BS, size)) for placed in body.collision
+        )
         inertia = (np.array(body.inertia) * size**2).tolist()
         there = replace(body, p_WB=at(body.p_WB, size), v_WB=at(body.v_WB, speed), w_WB=at(body.w_WB, 1 / clock))
         return replace(there, inertia=inertia, collision=parts, visual=None)

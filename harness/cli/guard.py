@@ -25,9 +25,9 @@ def stop(code: int, message: str) -> NoReturn:
 
 def _misused(error: click.ClickException) -> NoReturn:
     """Say what click says of a wrong use, cleaned."""
-    said = StringIO()
-    error.show(file=said)
-    stop(error.exit_code, said.getvalue().rstrip("\n"))
+    message = StringIO()
+    error.show(file=message)
+    stop(error.exit_code, message.getvalue().rstrip("\n"))
 
 
 def say(sentence: str, err: bool = False) -> None:

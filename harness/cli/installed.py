@@ -32,7 +32,7 @@ def left_out(*kinds: str) -> list[str]:
     """Third parties' plug-ins of these kinds that cannot be loaded, in words."""
     from harness.study import plugins
 
-    return [f"{kind[:-1]} '{name}' is left out: {said}" for kind in kinds for name, said in plugins.left_out(kind).items()]
+    return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in plugins.left_out(kind).items()]
 
 
 @click.command()

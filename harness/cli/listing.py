@@ -22,9 +22,9 @@ def print_json(rows: Sequence[dict[str, Any]]) -> None:
         if isinstance(value, float) and not math.isfinite(value):
             return None
         if isinstance(value, dict):
-            return {key: plain(part) for key, part in value.items()}
+            return {key: plain(element) for key, element in value.items()}
         if isinstance(value, list | tuple):
-            return [plain(part) for part in value]
+            return [plain(element) for element in value]
         return value
 
     text = json.dumps([plain(row) for row in rows], indent=1, allow_nan=False, default=str)

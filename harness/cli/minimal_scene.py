@@ -29,8 +29,8 @@ def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None
 
     Returns: the file and the effects; None where the audit proposes nothing. Raises: OSError.
     """
-    found = audit(effects.rows(store))
-    without = [idle(scene, found.judged) for scene in scenes_of(found.failed) if scene[0] == case.name]
+    audited = audit(effects.rows(store))
+    without = [idle(scene, audited.judged) for scene in scenes_of(audited.failed) if scene[0] == case.name]
     if not without or not without[0]:
         return None
     names = without[0]
@@ -40,11 +40,13 @@ def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None
     scene = case.scene()
     minimal = replace(scene, narrow=scene.narrow | narrow, widen=scene.widen & ~narrow)
     source = Path(case.name.removeprefix(SCENE_PREFIX))
-    place = store.folder / MINIMAL / f"{source.stem}.minimal.toml"
-    disk.make_folder(place.parent)
-    said = f"# {case.title} without what its motion does not show: {', '.join(names)}; found on the engine '{found.judge}'.\n"
-    disk.write_atomically(place, (said + dump_toml(minimal)).encode())
+    path = store.folder / MINIMAL / f"{source.stem}.minimal.toml"
+    disk.make_folder(path.parent)
+    heading = (
+        f"# {case.title} without what its motion does not show: {', '.join(names)}; found on the engine '{audited.judge}'.\n"
+    )
+    disk.write_atomically(path, (heading + dump_toml(minimal)).encode())
     own = load_companion(beside(source))
     run = {"duration": case.duration} | {key: value for key in _OF_A_RUN if (value := getattr(own, key)) is not None}
-    disk.write_atomically(beside(place), tomli_w.dumps(run).encode())
-    return place, names
+    disk.write_atomically(beside(path), tomli_w.dumps(run).encode())
+    return path, names

@@ -17,20 +17,20 @@ if TYPE_CHECKING:
 __all__ = ["refuse_two_frictions", "scene_to_run"]
 
 
-def scene_to_run(name: str, folder: Path, told: "dict[str, Any]") -> str:
+def scene_to_run(name: str, folder: Path, options: "dict[str, Any]") -> str:
     """The path of the scene file that is run: a file of our own as it is, another format's import in the run folder.
 
     Raises: RobotError, SceneError, OSError.
     """
     path = Path(name)
-    asked = any(told.values())
+    asked = any(options.values())
     if not is_robot(path) and not asked:
         return name
 
     from harness.store.imported_scenes import keep
 
-    imported = imported_from(path, told, looks=True)
-    of_run = {key: told[key] for key in ("dt", "duration") if told.get(key) is not None}
+    imported = imported_from(path, options, looks=True)
+    of_run = {key: options[key] for key in ("dt", "duration") if options.get(key) is not None}
     imported = replace(imported, **of_run)
     counts = {word: sum(row.outcome == word for row in imported.fidelity) for word in ("exact", "approximated", "left_out")}
     summary = ", ".join(f"{count} kinds of elements {word.replace('_', ' ')}" for word, count in counts.items())

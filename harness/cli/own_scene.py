@@ -30,8 +30,8 @@ def closing_count(store: "Store") -> str:
 
 def closing_words(store: "Store") -> list[str]:
     """The sentences: the verdicts on all engines, then what of the scene's effects it needs."""
-    found = []
+    sentences = []
     for name in ("agreement", "effects"):
         table = tables.table(name)
-        found += tables.sentences(table, table.rows(store))
-    return found
+        sentences += tables.sentences(table, table.rows(store))
+    return sentences

@@ -39,7 +39,7 @@ _robot_file = click.Path(path_type=Path, dir_okay=False)
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Write the comparison and its page there.")
 @limited
 @json_rows
-def parity(file: Path, other: Path | None, as_json: bool, **told: Any) -> None:
+def parity(file: Path, other: Path | None, as_json: bool, **options: Any) -> None:
     """Say whether FILE and OTHER (URDF, MJCF) are the same robot, and what each difference is worth.
 
     Without OTHER, FILE is compared with what each engine's own loader makes of it.
@@ -47,24 +47,24 @@ def parity(file: Path, other: Path | None, as_json: bool, **told: Any) -> None:
     Exit code 1 where FILE and OTHER differ beyond the tolerance. What loaders change is a finding and no failure, unless --gate
     names their engine: then 1 where it changes something that its documentation does not tell.
     """
-    wishes = Wishes(drop=frozenset(told["drop"]), packages=package_roots(tuple(told["packages"])), root=told["root"])
+    wishes = Wishes(drop=frozenset(options["drop"]), packages=package_roots(tuple(options["packages"])), root=options["root"])
     from harness.scene.parity.comparison import TOLERANCE
 
-    told["tolerance"] = told["tolerance"] or TOLERANCE
+    options["tolerance"] = options["tolerance"] or TOLERANCE
     if other is None:
         for option, name in (("--map", "names"), ("--move", "move")):
-            if told[name] is not None:
+            if options[name] is not None:
                 raise click.UsageError(f"{option} is for two files, and OTHER is not given")
-        failed = _audit(file, wishes, as_json, told)
+        failed = _audit(file, wishes, as_json, options)
     else:
-        if told["gated"]:
+        if options["gated"]:
             raise click.UsageError("--gate is for one file: two files that differ always end in exit code 1")
-        failed = _pair(file, other, wishes, as_json, told)
+        failed = _pair(file, other, wishes, as_json, options)
     if failed:
         raise click.exceptions.Exit(GATE)
 
 
-def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, told: dict[str, Any]) -> bool:
+def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -> bool:
     """Compare two files. Do they differ?"""
     from dataclasses import asdict
 
@@ -74,11 +74,11 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, told: dict[str
     from harness.scene.parity.stated import pair_of
     from harness.store.parity_record import Side
 
-    tolerance = told["tolerance"]
+    tolerance = options["tolerance"]
     a, b = pair_of(file, other, wishes)
-    if told["names"] is not None:
-        b = renamed(b, joint_names(told["names"], a, b))
-    rows = compare(a, b, tolerance, told["seed"])
+    if options["names"] is not None:
+        b = renamed(b, joint_names(options["names"], a, b))
+    rows = compare(a, b, tolerance, options["seed"])
     if as_json:
         print_json([plain(row) for row in rows])
     elif rows:
@@ -86,16 +86,16 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, told: dict[str
         say(f"not the same robot: {len(rows)} quantities differ by more than {tolerance:g}")
     else:
         say(f"the same robot: {len(a.joints)} joints and what they move agree to {tolerance:g}")
-    parted = None if told["move"] is None else _moved(a, b, told)
+    parted = None if options["move"] is None else _moved(a, b, options)
     if parted is not None:
         say(_told(parted), err=as_json)
     side = Side(name=other.name, source=b.source, rows=tuple(plain(row) for row in rows))
-    parting = None if parted is None else {"move": _move_name(told["move"]), **asdict(parted)}
-    _keep(file, a, "floating" if a.joints and a.joints[0].kind == "free" else "fixed", (side,), told, parting)
+    parting = None if parted is None else {"move": _move_name(options["move"]), **asdict(parted)}
+    _keep(file, a, "floating" if a.joints and a.joints[0].kind == "free" else "fixed", (side,), options, parting)
     return bool(rows)
 
 
-def _moved(a: "RobotFacts", b: "RobotFacts", told: dict[str, Any]) -> "Parting":
+def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any]) -> "Parting":
     """Both under the same torques. Raises: RobotError, Unsupported."""
     import numpy as np
 
@@ -112,10 +112,10 @@ def _moved(a: "RobotFacts", b: "RobotFacts", told: dict[str, Any]) -> "Parting":
             "--move: the trees of the two files differ, so that no motion of both can be compared; --map may mend it"
         )
     gravity = np.array(a.gravity or b.gravity or EARTH)
-    start: Configuration = drawn(a, partner, told["seed"])[0]
+    start: Configuration = drawn(a, partner, options["seed"])[0]
     if any(law.kind == "closure" for law in (*a.laws, *partner.laws)):
         start = Configuration(np.zeros(len(a.joints)), {}, start.rates)
-    motion = motion_of(told["move"], a, start, gravity, told["seconds"])
+    motion = motion_of(options["move"], a, start, gravity, options["seconds"])
     engine = plugins.adapter("mujoco")
     return parting(a, engine.move_robot(a, motion), engine.move_robot(partner, motion))
 
@@ -133,24 +133,24 @@ def _move_name(move: str) -> str:
     return move if move in MOVES else Path(move).name
 
 
-def _audit(file: Path, wishes: Wishes, as_json: bool, told: dict[str, Any]) -> bool:
+def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -> bool:
     """Compare a file with what each engine's own loader makes of it. Does a gated engine change it undocumented?"""
     from harness.run.importer_audit import audit
     from harness.scene.parity.difference import plain
     from harness.study import plugins
 
-    for name in told["gated"]:
+    for name in options["gated"]:
         if name not in plugins.names("adapters") or not plugins.adapter(name).loaders:
             having = [engine for engine in plugins.names("adapters") if plugins.adapter(engine).loaders]
             raise click.BadParameter(f"'{name}', expected one of {', '.join(having)}", param_hint="--gate")
     readings = []
-    for reading in audit(file, wishes, told["tolerance"], told["seed"]):
+    for reading in audit(file, wishes, options["tolerance"], options["seed"]):
         readings.append(reading)
-        _report(reading, told["tolerance"], as_json)
+        _report(reading, options["tolerance"], as_json)
     if as_json:
         print_json([{"loader": reading.title, **plain(row)} for reading in readings for row in reading.rows])
-    _keep(file, readings[0].stated, readings[0].root, tuple(map(_side, readings)), told)
-    return any(reading.engine in told["gated"] and (reading.refused or reading.undocumented) for reading in readings)
+    _keep(file, readings[0].stated, readings[0].root, tuple(map(_side, readings)), options)
+    return any(reading.engine in options["gated"] and (reading.refused or reading.undocumented) for reading in readings)
 
 
 def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
@@ -170,8 +170,8 @@ def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
         print_table(f"A: {reading.stated.source}; B: {reading.source}", ("kind", *_COLUMNS), cells)
     count = len(reading.rows)
     documented = count - len(reading.undocumented)
-    said = f"{count} quantities differ, {documented} of them by a documented default"
-    say(f"{reading.title}: {said if count else 'reads the robot that the file states'}")
+    summary = f"{count} quantities differ, {documented} of them by a documented default"
+    say(f"{reading.title}: {summary if count else 'reads the robot that the file states'}")
 
 
 def _side(reading: "Reading") -> "Side":
@@ -189,21 +189,21 @@ def _keep(
     a: "RobotFacts",
     root: str,
     sides: "tuple[Side, ...]",
-    told: dict[str, Any],
+    options: dict[str, Any],
     parting: dict[str, Any] | None = None,
 ) -> None:
     """Where --out asks for it, the record of the comparison and its page."""
-    if told["out"] is None:
+    if options["out"] is None:
         return
     import reports
     from harness.store import parity_record
 
     record: ParityRecord = parity_record.ParityRecord(
-        file=file.name, joints=len(a.joints), root=root, tolerance=told["tolerance"], seed=told["seed"], sides=sides,
+        file=file.name, joints=len(a.joints), root=root, tolerance=options["tolerance"], seed=options["seed"], sides=sides,
         parting=parting,
     )  # fmt: skip
-    parity_record.write(told["out"], record)
-    say(f"page: {reports.parity_page(told['out'])}", err=True)
+    parity_record.write(options["out"], record)
+    say(f"page: {reports.parity_page(options['out'])}", err=True)
 
 
 _COLUMNS = ("quantity", "of", "A", "B", "unit", "differs by", "relative", "consequence")

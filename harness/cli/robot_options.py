@@ -56,15 +56,15 @@ def robot_options(command: Command) -> Command:
     return command
 
 
-def wishes_of(told: dict[str, Any]) -> Wishes:
+def wishes_of(options: dict[str, Any]) -> Wishes:
     """What these options wish. Raises: RobotError."""
     return Wishes(
-        drop=frozenset(told["drop"]),
-        packages=package_roots(tuple(told["packages"])),
-        root=told["root"],
-        scenario=told["scenario"],
-        one_friction=told["one_friction"],
-        convex=told["convex"],
+        drop=frozenset(options["drop"]),
+        packages=package_roots(tuple(options["packages"])),
+        root=options["root"],
+        scenario=options["scenario"],
+        one_friction=options["one_friction"],
+        convex=options["convex"],
     )
 
 
@@ -83,13 +83,13 @@ def is_scene(name: str) -> bool:
     path = Path(name)
     if path.suffix not in {".json", ".toml"}:
         return is_robot(path)
-    told = document(path)
-    return path.suffix == ".json" or "bodies" in told
+    table = document(path)
+    return path.suffix == ".json" or "bodies" in table
 
 
-def imported_from(path: Path, told: dict[str, Any], *, looks: bool = False) -> "Imported":
+def imported_from(path: Path, options: dict[str, Any], *, looks: bool = False) -> "Imported":
     """The import of a file under these options. Args: looks: read how it looks too. Raises: RobotError, SceneError."""
-    wishes = replace(wishes_of(told), looks=looks)
+    wishes = replace(wishes_of(options), looks=looks)
 
     from harness.scene.importers.reading import read
 

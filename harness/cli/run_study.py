@@ -77,8 +77,8 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float
 
 def _of_file(study: str, error: Exception) -> str:
     """What is wrong with a study, with the file that says it."""
-    said = str(error)
-    return said if not study.endswith(".toml") or said.startswith(study) else f"{study}: {said}"
+    message = str(error)
+    return message if not study.endswith(".toml") or message.startswith(study) else f"{study}: {message}"
 
 
 def publish(store: "Store", recordings: bool) -> Path:

@@ -29,11 +29,11 @@ def scene() -> None:
 @robot_options
 @limited
 @json_rows
-def check(file: Path, as_json: bool, **told: Any) -> None:
+def check(file: Path, as_json: bool, **options: Any) -> None:
     """Say what would be refused of FILE, or that nothing is, and which engines cannot express the scene."""
     from harness.study import plugins
 
-    imported = imported_from(file, told)
+    imported = imported_from(file, options)
     rows = [
         {"engine": name, "verdict": verdict, "reason": reason}
         for name, (verdict, reason) in (
@@ -65,11 +65,11 @@ def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
 @robot_options
 @limited
 @json_rows
-def show(file: Path, as_json: bool, **told: Any) -> None:
+def show(file: Path, as_json: bool, **options: Any) -> None:
     """List the bodies, joints and totals of FILE, and what became of each element."""
     from harness.scene.importers.fidelity import BRIEF, brief, plain
 
-    imported = imported_from(file, told)
+    imported = imported_from(file, options)
     rows = [plain(row) for row in imported.fidelity]
     if as_json:
         print_json([*_bodies(imported.scene), *_joints(imported), *({"kind": "fidelity", **row} for row in rows)])
@@ -97,11 +97,11 @@ def show(file: Path, as_json: bool, **told: Any) -> None:
 def _bodies(scene: "Scene") -> list[dict[str, Any]]:
     import numpy as np
 
-    found = []
+    rows = []
     for body in scene.bodies:
         moments = np.linalg.eigvalsh(np.array(body.inertia))
         shapes = ", ".join(dict.fromkeys(placed.shape.type for placed in body.collision))
-        found.append(
+        rows.append(
             {
                 "kind": "body",
                 "name": body.name,
@@ -114,7 +114,7 @@ def _bodies(scene: "Scene") -> list[dict[str, Any]]:
                 "p_WB": list(body.p_WB),
             }
         )
-    return found
+    return rows
 
 
 def _cells(body: dict[str, Any]) -> tuple[object, ...]:
@@ -124,7 +124,7 @@ def _cells(body: dict[str, Any]) -> tuple[object, ...]:
 
 
 def _joints(imported: "Imported") -> list[dict[str, Any]]:
-    found = []
+    rows = []
     for joint in imported.scene.joints:
         row: dict[str, Any] = {
             "kind": "joint",
@@ -138,8 +138,8 @@ def _joints(imported: "Imported") -> list[dict[str, Any]]:
         row |= {"lower": limits.lower, "upper": limits.upper} if limits else {"lower": None, "upper": None}
         row |= {f"spring_{name}": getattr(spring, name) for name in ("stiffness", "damping", "rest")} if spring else {}
         row |= {f"drive_{name}": getattr(drive, name) for name in ("stiffness", "damping", "target", "limit")} if drive else {}
-        found.append(row)
-    return found
+        rows.append(row)
+    return rows
 
 
 def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:
@@ -162,13 +162,13 @@ def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:
 @robot_options
 @limited
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write it there instead; ending .toml or .json.")
-def convert(file: Path, out: Path | None, **told: Any) -> None:
+def convert(file: Path, out: Path | None, **options: Any) -> None:
     """Write FILE as our own TOML."""
     from harness.scene.file import dump_json, dump_toml
 
     if out is not None and out.suffix not in (".toml", ".json"):
         raise click.BadParameter(f"'{out.suffix}', expected .toml or .json", param_hint="--out")
-    imported = imported_from(file, told)
+    imported = imported_from(file, options)
     if out is None:
         click.echo(dump_toml(imported.scene), nl=False)
         return

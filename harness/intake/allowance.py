@@ -46,31 +46,31 @@ class Allowance:
     trials: int = 200_000
 
 
-_NAMES = tuple(one.name for one in fields(Allowance))
+_NAMES = tuple(field.name for field in fields(Allowance))
 
 
 def _limit(text: str, where: str) -> tuple[str, int]:
-    name, equals, told = (part.strip() for part in text.partition("="))
+    name, equals, number = (word.strip() for word in text.partition("="))
     if name not in _NAMES or not equals:
         raise AllowanceError(f"{where}: {quoted(text)}, expected NAME=VALUE with one of {', '.join(_NAMES)}")
     try:
-        value = float(told) if len(told) < 30 else math.nan
+        value = float(number) if len(number) < 30 else math.nan
     except ValueError:
         value = math.nan
     if not 1 <= value <= 1e15 or value != int(value):
-        raise AllowanceError(f"{where}: {name} is {quoted(told)}, expected a whole number from 1 to 1e15")
+        raise AllowanceError(f"{where}: {name} is {quoted(number)}, expected a whole number from 1 to 1e15")
     return name, int(value)
 
 
 def raised(settings: Iterable[str], where: str, over: Allowance | None = None) -> Allowance:
     """The allowance with settings 'NAME=VALUE' laid over another one; `where` says who set them. Raises: AllowanceError."""
-    told: dict[str, int] = {}
+    values: dict[str, int] = {}
     for text in settings:
         name, value = _limit(text, where)
-        if name in told:
-            raise AllowanceError(f"{where}: {name} stands twice, {told[name]} and {value}, expected once")
-        told[name] = value
-    return Allowance(**(asdict(over or Allowance()) | told))
+        if name in values:
+            raise AllowanceError(f"{where}: {name} stands twice, {values[name]} and {value}, expected once")
+        values[name] = value
+    return Allowance(**(asdict(over or Allowance()) | values))
 
 
 def allowance() -> Allowance:
@@ -87,8 +87,8 @@ def _told(text: str) -> Allowance:
 def allowing(settings: Iterable[str], where: str) -> Iterator[None]:
     """Let these settings hold here and in every process that is started from here. Raises: AllowanceError."""
     before = os.environ.get(VARIABLE)
-    told: Mapping[str, int] = asdict(raised(settings, where, allowance()))
-    os.environ[VARIABLE] = ",".join(f"{name}={value}" for name, value in told.items())
+    limits: Mapping[str, int] = asdict(raised(settings, where, allowance()))
+    os.environ[VARIABLE] = ",".join(f"{name}={value}" for name, value in limits.items())
     try:
         yield
     finally:

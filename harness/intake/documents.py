@@ -70,8 +70,8 @@ def read(path: Path) -> str:
     except (OSError, ValueError) as error:
         if isinstance(error, InputError | AllowanceError):
             raise
-        said = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"{where}: not readable: {said}; expected a file") from None
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"{where}: not readable: {reason}; expected a file") from None
     _check_size(where, len(content))
     try:
         return content.decode()
@@ -88,26 +88,26 @@ def regular(path: Path) -> None:
     _check_kind(named(path), path.stat())
 
 
-def _check(where: str, found: os.stat_result) -> None:
-    _check_kind(where, found)
-    _check_size(where, found.st_size)
+def _check(where: str, status: os.stat_result) -> None:
+    _check_kind(where, status)
+    _check_size(where, status.st_size)
 
 
-def _check_kind(where: str, found: os.stat_result) -> None:
-    kind = stat.S_IFMT(found.st_mode)
+def _check_kind(where: str, status: os.stat_result) -> None:
+    kind = stat.S_IFMT(status.st_mode)
     if kind != stat.S_IFREG:
         raise InputError(f"{where}: is {_KINDS.get(kind, 'no regular file')}, expected a file")
 
 
 def _check_size(where: str, size: int) -> None:
-    if said := beyond("bytes", size):
-        raise InputError(f"{where}: {said}")
+    if excess := beyond("bytes", size):
+        raise InputError(f"{where}: {excess}")
 
 
 def parsed(text: str, where: str, ending: str) -> Any:
     """What a text says in TOML or JSON, by the ending. Raises: InputError."""
-    for line, said in (_toml_outline if ending == ".toml" else _json_outline)(text):
-        raise InputError(f"{where}: {f'line {line}: ' if line else ''}{said}")
+    for line, excess in (_toml_outline if ending == ".toml" else _json_outline)(text):
+        raise InputError(f"{where}: {f'line {line}: ' if line else ''}{excess}")
     try:
         return tomllib.loads(text) if ending == ".toml" else json.loads(text, object_pairs_hook=_once)
     except _Doubled as error:
@@ -127,8 +127,8 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         for name, value in pairs:
             if name in seen:
                 of = f" of {quoted(made['name'], 80)}" if isinstance(made.get("name"), str) else ""
-                told = f"with {quoted(seen[name], 60)} and {quoted(value, 60)}"
-                raise _Doubled(f"key {quoted(name, 80)}{of} stands twice, {told}; expected once")
+                both = f"with {quoted(seen[name], 60)} and {quoted(value, 60)}"
+                raise _Doubled(f"key {quoted(name, 80)}{of} stands twice, {both}; expected once")
             seen[name] = value
     return made
 
@@ -137,10 +137,10 @@ def _line(text: str, place: int) -> int:
     return text.count("\n", 0, place) + 1
 
 
-def _too_long(text: str, found: re.Match[str]) -> str:
-    before = text[max(0, found.start() - 40) : found.start()].rpartition("\n")[2]
-    digits = len(found[0].replace("_", ""))
-    return f"{quoted((before + found[0][:20]).strip())}...: {beyond('digits', digits, 'digits of a number')}"
+def _too_long(text: str, matched: re.Match[str]) -> str:
+    before = text[max(0, matched.start() - 40) : matched.start()].rpartition("\n")[2]
+    digits = len(matched[0].replace("_", ""))
+    return f"{quoted((before + matched[0][:20]).strip())}...: {beyond('digits', digits, 'digits of a number')}"
 
 
 class _Nest:
@@ -173,29 +173,29 @@ class _Nest:
         if key not in self.counts:
             return ""
         self.counts[key] += 1
-        told = self.counts[key]
+        number = self.counts[key]
         # The rest is not counted: what is refused is refused at once.
-        return f"{key}: at least {beyond(key, told)}" if told > getattr(self.limits, key) else ""
+        return f"{key}: at least {beyond(key, number)}" if number > getattr(self.limits, key) else ""
 
 
 def _json_outline(text: str) -> Iterator[tuple[int, str]]:
     """Where a JSON text goes beyond a limit, by line."""
     nest, string = _Nest(), ""
-    for found in re.finditer(rf"{_STRING}|[\[\]{{}}]|{_LONG.format(digits=nest.limits.digits)}", text, re.DOTALL):
-        token = found[0]
-        said = ""
+    for matched in re.finditer(rf"{_STRING}|[\[\]{{}}]|{_LONG.format(digits=nest.limits.digits)}", text, re.DOTALL):
+        token = matched[0]
+        excess = ""
         if token[0] == '"':
             string = token if len(nest.open) == 1 else string
         elif token in "[{":
             if len(nest.open) == 1:
                 nest.within = string.strip('"')
-            said = nest.push(token, 1)
+            excess = nest.push(token, 1)
         elif token in "]}":
             del nest.open[-1:]
         else:
-            said = _too_long(text, found)
-        if said:
-            yield _line(text, found.start()), said
+            excess = _too_long(text, matched)
+        if excess:
+            yield _line(text, matched.start()), excess
             return
 
 
@@ -214,29 +214,29 @@ def _toml_outline(text: str) -> Iterator[tuple[int, str]]:
         )
     )
     outside, inside = (re.compile(pattern, re.DOTALL) for pattern in (f"{header}|{others}", others))
-    place = 0
-    while found := (inside if nest.open else outside).search(text, place):
-        token, place, said = found[0], found.end(), ""
-        match found.lastgroup:
+    position = 0
+    while matched := (inside if nest.open else outside).search(text, position):
+        token, position, excess = matched[0], matched.end(), ""
+        match matched.lastgroup:
             case "header":
                 names = re.findall(_PART, token)
                 nest.parts += 1
-                said = _deep(names, nest.limits)
+                excess = _deep(names, nest.limits)
                 if token.lstrip().startswith("[[") and len(names) == 1:
-                    said = said or nest.count(names[0].strip("\"'"))
+                    excess = excess or nest.count(names[0].strip("\"'"))
             case "chain":
-                tail = re.compile(long).search(text, found.start(), found.end())
-                said = _deep(re.findall(_PART, token), nest.limits) or (_too_long(text, tail) if tail else "")
+                tail = re.compile(long).search(text, matched.start(), matched.end())
+                excess = _deep(re.findall(_PART, token), nest.limits) or (_too_long(text, tail) if tail else "")
             case "long":
-                said = _too_long(text, found)
+                excess = _too_long(text, matched)
             case "bracket" if token in "[{":
                 if not nest.open:
-                    nest.within = _key_before(text, found.start())
-                said = nest.push(token, 0)
+                    nest.within = _key_before(text, matched.start())
+                excess = nest.push(token, 0)
             case "bracket":
                 del nest.open[-1:]
-        if said:
-            yield _line(text, found.start()), said
+        if excess:
+            yield _line(text, matched.start()), excess
             return
 
 

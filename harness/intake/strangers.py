@@ -59,23 +59,23 @@ def _trouble(name: str, value: str, group: str) -> str:
     seen = _place(f"{sys.version} {group} {name} {value}", value)
     if seen is not None and seen.exists():
         return ""
-    said = _tried(name, value, group)
-    if not said and seen is not None:
+    failure = _tried(name, value, group)
+    if not failure and seen is not None:
         with suppress(OSError):
             seen.parent.mkdir(parents=True, exist_ok=True)
             seen.touch()
-    return said
+    return failure
 
 
 def _place(what: str, value: str) -> Path | None:
     """The file that says that a plug-in has loaded, by all that it depends on; None where its files are not found."""
     import platformdirs  # late: only third parties' plug-ins need it
 
-    found = PathFinder.find_spec(value.partition(":")[0].partition(".")[0])
-    if found is None:
+    spec = PathFinder.find_spec(value.partition(":")[0].partition(".")[0])
+    if spec is None:
         return None
-    folders = [Path(folder) for folder in found.submodule_search_locations or ()]
-    files = sorted(file for folder in folders for file in folder.rglob("*.py")) or [Path(found.origin or "")]
+    folders = [Path(folder) for folder in spec.submodule_search_locations or ()]
+    files = sorted(file for folder in folders for file in folder.rglob("*.py")) or [Path(spec.origin or "")]
     digest = hashlib.sha256(what.encode())
     try:
         for file in files:
@@ -105,10 +105,10 @@ def _tried(name: str, value: str, group: str) -> str:
         os.killpg(child.pid, signal.SIGKILL)
     child.wait()
     os.set_blocking(ours, False)
-    said = b""
+    answer = b""
     with suppress(BlockingIOError):
-        said = os.read(ours, _LONGEST)
+        answer = os.read(ours, _LONGEST)
     os.close(ours)
-    if said == _FINE:
+    if answer == _FINE:
         return ""
-    return f"{value}: {said.decode('utf-8', 'replace') or ended}"
+    return f"{value}: {answer.decode('utf-8', 'replace') or ended}"

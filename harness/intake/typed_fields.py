@@ -22,70 +22,70 @@ class FieldError(ValueError):
     """A document that does not fit; each line of the message names source, element, field, value and expectation."""
 
 
-def filled(form: TypeAdapter[T], told: Any, source: str) -> T:
+def filled(form: TypeAdapter[T], document: Any, source: str) -> T:
     """The value that a document tells; a text or a truth value is no number, and nothing is turned into another kind.
 
     Raises: FieldError.
     """
     try:
-        text = json.dumps(told)
+        text = json.dumps(document)
     except (TypeError, ValueError, RecursionError):
-        raise _strange(told, source) from None
+        raise _strange(document, source) from None
     try:
         return form.validate_json(text, strict=True)
     except ValidationError as error:
         if any(problem["type"] == "json_invalid" for problem in error.errors(include_url=False)):
-            raise _strange(told, source) from None
-        raise FieldError("\n".join(_lines(told, source, error))) from None
+            raise _strange(document, source) from None
+        raise FieldError("\n".join(_lines(document, source, error))) from None
 
 
-def _lines(told: Any, source: str, error: ValidationError) -> Iterator[str]:
+def _lines(document: Any, source: str, error: ValidationError) -> Iterator[str]:
     problems = error.errors(include_url=False)
     for problem in problems[:MOST]:
-        place = _place(told, problem["loc"])
+        location = _place(document, problem["loc"])
         message = readable(problem["msg"].removeprefix("Value error, "), 600)
         got = problem["input"]
         fits = problem["type"] not in ("missing", "value_error") or not isinstance(got, dict)
-        yield f"{source}: {place + ': ' if place else ''}{message}{f', got {quoted(got)}' if fits else ''}"
+        yield f"{source}: {location + ': ' if location else ''}{message}{f', got {quoted(got)}' if fits else ''}"
     if len(problems) > MOST:
         yield f"{source}: and {len(problems) - MOST} more of this kind"
 
 
-def _place(told: Any, path: Path) -> str:
+def _place(document: Any, path: Path) -> str:
     """A path into the document in words: indices become the names of the elements where they have one."""
     words: list[str] = []
-    here = told
-    for depth, part in enumerate(path):
-        tag = part not in here and depth < len(path) - 1 if isinstance(here, dict) else isinstance(part, str)
+    here = document
+    for depth, key in enumerate(path):
+        tag = key not in here and depth < len(path) - 1 if isinstance(here, dict) else isinstance(key, str)
         if tag:
             continue  # of a union, which pydantic puts between a field and what stands in it
         try:
-            here = here[part]
+            here = here[key]
         except (KeyError, IndexError, TypeError):
             here = None
-        if isinstance(part, int) and words:
+        if isinstance(key, int) and words:
             name = here.get("name") if isinstance(here, dict) else None
-            words[-1] += f"[{part}]" + (f" {quoted(name, 80)}" if isinstance(name, str) else "")
+            words[-1] += f"[{key}]" + (f" {quoted(name, 80)}" if isinstance(name, str) else "")
         else:
-            words.append(readable(str(part).replace("\n", "\\n"), 80))
+            words.append(readable(str(key).replace("\n", "\\n"), 80))
     return readable(" > ".join(words), 400)
 
 
-def _strange(told: Any, source: str) -> FieldError:
-    for path, value, said in _strangers(told, ()):
-        return FieldError(f"{source}: {_place(told, path)}: {said}, got {quoted(value)}")
+def _strange(document: Any, source: str) -> FieldError:
+    for path, value, reason in _strangers(document, ()):
+        return FieldError(f"{source}: {_place(document, path)}: {reason}, got {quoted(value)}")
     return FieldError(f"{source}: not readable: no values of JSON")
 
 
 def _strangers(value: Any, path: Path) -> Iterator[tuple[Path, Any, str]]:
     """What JSON has no word for: dates and times of TOML, halves of characters, whole numbers without end."""
     if isinstance(value, dict):
-        for name, part in value.items():
+        for name, element in value.items():
             yield from _strangers(name, (*path, name))
-            yield from _strangers(part, (*path, name))
+            yield from _strangers(element, (*path, name))
     elif isinstance(value, list):
-        for place, part in enumerate(value):
-            yield from _strangers(part, (*path, place))
+        for index, element in enumerate(value):
+            yield from _strangers(element, (*path, index))
     elif isinstance(value, datetime.date | datetime.time):
         yield path, value.isoformat(), "a date or time fits nowhere"
     elif isinstance(value, str) and any("\ud800" <= sign <= "\udfff" for sign in value):

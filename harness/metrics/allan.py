@@ -77,7 +77,7 @@ def octaves(count: int) -> tuple[int, ...]:
 
 def _noise(scene: Scene, actual: Trajectory, channel: Channel) -> list[tuple[AxisNoise, Floats, float]]:
     """Law, noise (n, 3) and interval [s] of each inertial sensor that has a law."""
-    found = []
+    noises = []
     for sensor in scene.sensors:
         if isinstance(sensor, Imu) and sensor.noise is not None:
             law: AxisNoise = getattr(sensor.noise, channel)
@@ -86,10 +86,10 @@ def _noise(scene: Scene, actual: Trajectory, channel: Channel) -> list[tuple[Axi
             noise = inertial_residual(sensor, channel, actual)
             if len(noise) < 96:
                 raise NotMeasurable(f"stream '{sensor.name}/{channel}' has {len(noise)} samples, at least 96 are needed")
-            found.append((law, noise, 1.0 / sensor.rate))
-    if not found:
+            noises.append((law, noise, 1.0 / sensor.rate))
+    if not noises:
         raise NotMeasurable(f"no sensor of the scene has a noisy {channel}")
-    return found
+    return noises
 
 
 def _score(channel: Channel) -> Metric:
@@ -110,15 +110,15 @@ def _score(channel: Channel) -> Metric:
 
 def windows(law: AxisNoise, count: int, interval: float) -> dict[Regime, tuple[int, int]]:
     """The two numbers of averaged samples between which a slope is taken, for each process that the law has."""
-    found: dict[Regime, tuple[int, int]] = {}
+    spans: dict[Regime, tuple[int, int]] = {}
     if law.density > 0:
-        found["white"] = (1, 4)
+        spans["white"] = (1, 4)
     top = PEAK * law.instability_time / interval
     if law.instability > 0 and 2 <= top <= count / 18:
-        found["floor"] = (round(top / np.sqrt(2)), round(top * np.sqrt(2)))
+        spans["floor"] = (round(top / np.sqrt(2)), round(top * np.sqrt(2)))
     if law.random_walk > 0:
-        found["random_walk"] = (count // 96, count // 24)
-    return found
+        spans["random_walk"] = (count // 96, count // 24)
+    return spans
 
 
 def slope_bound(law: AxisNoise, regime: Regime, count: int, interval: float, score: float = 5.0) -> float:

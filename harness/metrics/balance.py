@@ -31,11 +31,11 @@ def _pairs(scene: Scene) -> list[tuple[int, int]]:
     if not fixed or len(fixed) == len(balls) or not any(scene.gravity):
         raise NotMeasurable("balls, balls that stand still beneath them, and gravity are needed")
     centres = np.array([scene.bodies[place].p_WB for place in fixed])
-    found = []
+    pairs = []
     for place, body in balls:
         if body.movable:
-            found.append((place, fixed[int(np.argmin(np.linalg.norm(centres - np.array(body.p_WB), axis=1)))]))
-    return found
+            pairs.append((place, fixed[int(np.argmin(np.linalg.norm(centres - np.array(body.p_WB), axis=1)))]))
+    return pairs
 
 
 def _tilts(scene: Scene, run: Trajectory) -> tuple[Floats, Floats]:
@@ -52,26 +52,26 @@ def _tilts(scene: Scene, run: Trajectory) -> tuple[Floats, Floats]:
 
 def _exits(time: Floats, tilts: Floats) -> Floats:
     """When each tilt passes GROWN, (n,) s, by interpolation of its logarithm; inf where it never does."""
-    found = np.full(tilts.shape[1], np.inf)
+    exits = np.full(tilts.shape[1], np.inf)
     for k, tilt in enumerate(tilts.T):
         out = np.flatnonzero(tilt >= GROWN)
         if len(out) and out[0] > 0:
             a, b = np.log(tilt[out[0] - 1 : out[0] + 1])
             share = (np.log(GROWN) - a) / (b - a) if np.isfinite(a) and b > a else 1.0
-            found[k] = time[out[0] - 1] + share * (time[out[0]] - time[out[0] - 1])
-    return found
+            exits[k] = time[out[0] - 1] + share * (time[out[0]] - time[out[0] - 1])
+    return exits
 
 
 def _exponents(time: Floats, tilts: Floats) -> Floats:
     """Slope of the logarithm of each tilt between LINEAR times its start and GROWN, (n,) 1/s; NaN with less than 3 samples."""
-    found = np.full(tilts.shape[1], np.nan)
+    exponents = np.full(tilts.shape[1], np.nan)
     for k, tilt in enumerate(tilts.T):
         out = np.flatnonzero(tilt >= GROWN)
         end = int(out[0]) if len(out) else len(tilt)
-        part = np.flatnonzero(tilt[:end] > LINEAR * tilt[0])
-        if len(part) >= 3:
-            found[k] = np.polyfit(time[part], np.log(tilt[part]), 1)[0]
-    return found
+        linear = np.flatnonzero(tilt[:end] > LINEAR * tilt[0])
+        if len(linear) >= 3:
+            exponents[k] = np.polyfit(time[linear], np.log(tilt[linear]), 1)[0]
+    return exponents
 
 
 def _growth(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

@@ -125,8 +125,8 @@ def first_break(scene: Scene, actual: Trajectory, signs: Collection[str] = SIGNS
     if len(actual) == 0 or len(movable(scene)) == 0:
         raise NotMeasurable("no movable body or no samples")
     shown = ((name, shows) for name, shows in _signs(scene, actual) if name in signs)
-    found = [(float(actual.time[np.argmax(shows)]), name) for name, shows in shown if shows.any()]
-    return min(found, default=(float(actual.time[-1]), ""))
+    breaks = [(float(actual.time[np.argmax(shows)]), name) for name, shows in shown if shows.any()]
+    return min(breaks, default=(float(actual.time[-1]), ""))
 
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

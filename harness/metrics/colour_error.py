@@ -16,14 +16,14 @@ SOURCE = (
 
 
 def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> list[Floats]:
-    found = []
+    errors = []
     for camera in cameras(scene):
         if isinstance(camera, Camera):
             colour, truth = beside_truth(actual, expected, camera.name, "colour")
-            found.append(np.abs(colour.astype(np.float64) - truth).ravel())
-    if not found:
+            errors.append(np.abs(colour.astype(np.float64) - truth).ravel())
+    if not errors:
         raise NotMeasurable("the scene has no colour camera")
-    return found
+    return errors
 
 
 COLOUR_ERROR_MAX = Metric(

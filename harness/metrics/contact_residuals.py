@@ -68,14 +68,14 @@ def _friction(scene: Scene, contacts: Contacts) -> Floats:
     pairs, which = np.unique(contacts.body_A * count + contacts.body_B, return_inverse=True)
     laws = [scene.surface(scene.bodies[pair // count], scene.bodies[pair % count]) for pair in pairs]
     rubs = Effect.FRICTION in scene.effects
-    found = [(law.static_friction, law.kinetic_friction) if rubs else (0.0, 0.0) for law in laws]
-    return np.array(found, dtype=np.float64).reshape(-1, 2)[which]
+    coefficients = [(law.static_friction, law.kinetic_friction) if rubs else (0.0, 0.0) for law in laws]
+    return np.array(coefficients, dtype=np.float64).reshape(-1, 2)[which]
 
 
 def _joined(contacts: Sequence[Contacts]) -> tuple[Integers, Contacts]:
     """The contacts of all samples as one, and of which sample each is (k,)."""
-    sample = np.repeat(np.arange(len(contacts)), [len(one) for one in contacts])
-    return sample, Contacts(*(np.concatenate([getattr(one, f.name) for one in contacts]) for f in fields(Contacts)))
+    sample = np.repeat(np.arange(len(contacts)), [len(sampled) for sampled in contacts])
+    return sample, Contacts(*(np.concatenate([getattr(sampled, f.name) for sampled in contacts]) for f in fields(Contacts)))
 
 
 def _recorded(scene: Scene, actual: Trajectory, sample: Integers, contacts: Contacts) -> _Recorded:
@@ -129,13 +129,13 @@ def _worst(law: Callable[[_Recorded, float], Floats]) -> Callable[[Scene, Trajec
 
 
 def _signorini(at: _Recorded, slow: float) -> Floats:
-    found: Floats = np.maximum(-at.normal, 0.0) + np.where(at.open > 0.0, np.maximum(at.normal, 0.0), 0.0)
-    return found
+    residual: Floats = np.maximum(-at.normal, 0.0) + np.where(at.open > 0.0, np.maximum(at.normal, 0.0), 0.0)
+    return residual
 
 
 def _cone(at: _Recorded, slow: float) -> Floats:
-    found: Floats = np.maximum(np.linalg.norm(at.tangent, axis=1) - at.static * np.maximum(at.normal, 0.0), 0.0)
-    return found
+    residual: Floats = np.maximum(np.linalg.norm(at.tangent, axis=1) - at.static * np.maximum(at.normal, 0.0), 0.0)
+    return residual
 
 
 def _dissipation(at: _Recorded, slow: float) -> Floats:

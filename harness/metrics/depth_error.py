@@ -19,7 +19,7 @@ SOURCE = "closed-form intersection of a pixel's ray with the shapes; z-depth = r
 
 def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> list[Floats]:
     """|depth - true depth| [m] of each body of each camera, (n,) each."""
-    found = []
+    errors = []
     for camera in cameras(scene):
         channel = "depth_ideal" if isinstance(camera, DepthCamera) else "depth"
         depth, truth = beside_truth(actual, expected, camera.name, channel)
@@ -28,10 +28,10 @@ def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> li
         both = (body == owner) & (owner >= 0) & ~np.isinf(depth) & ~np.isinf(truth)
         for place in np.unique(owner[both]):
             shown = both & (owner == place)
-            found.append(np.abs(depth[shown] - truth[shown]))
-    if not found:
+            errors.append(np.abs(depth[shown] - truth[shown]))
+    if not errors:
         raise NotMeasurable("no pixel shows the body that the truth shows")
-    return found
+    return errors
 
 
 def _median(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

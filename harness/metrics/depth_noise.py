@@ -36,8 +36,8 @@ def _by_range(camera: DepthCamera, law: TimeOfFlightNoise, ideal: Floats, depth:
     error, turn = (depth - ideal) * slant, law.unambiguous_range
     if turn is not None:
         error = error - turn * np.rint(error / turn)
-    found: Floats = error / (law.range_sigma + law.range_sigma_slope * ideal * slant)
-    return found
+    deviation: Floats = error / (law.range_sigma + law.range_sigma_slope * ideal * slant)
+    return deviation
 
 
 def _slant(camera: DepthCamera) -> Floats:
@@ -54,7 +54,7 @@ def deviations(scene: Scene, actual: Trajectory) -> list[tuple[DepthCamera, Floa
     Raises:
         NotMeasurable: no camera has a law with a spread, or one's is not of this kind.
     """
-    found = []
+    measured = []
     for camera in noisy_cameras(scene):
         depth, ideal = frames(actual, camera.name, "depth"), frames(actual, camera.name, "depth_ideal")
         valid = ~np.isinf(ideal) & (~np.isnan(depth) | np.isnan(ideal))
@@ -67,23 +67,23 @@ def deviations(scene: Scene, actual: Trajectory) -> list[tuple[DepthCamera, Floa
                 deviation[valid] = _by_range(camera, law, ideal[valid], depth[valid], slant)
             case _:
                 continue
-        found.append((camera, ideal, deviation))
-    if not found:
+        measured.append((camera, ideal, deviation))
+    if not measured:
         raise NotMeasurable("no depth camera of the scene has a noise of depth")
-    return found
+    return measured
 
 
 def _bands(scene: Scene, actual: Trajectory) -> list[Floats]:
     """The deviations of each band of each camera, from near to far."""
-    found = []
+    bands = []
     for camera, depths, all_deviations in deviations(scene, actual):
         valid = ~np.isinf(all_deviations)
         ideal, deviation = depths[valid], all_deviations[valid]
         if len(ideal) < BANDS * LEAST:
             raise NotMeasurable(f"{len(ideal)} pixels of sensor '{camera.name}' are valid, expected at least {BANDS * LEAST}")
         # Pixels of one wall stay in the order of the picture: which band they fall into is not for an engine's rounding to say.
-        found += np.array_split(deviation[np.argsort(np.round(ideal, 9), kind="stable")], BANDS)
-    return found
+        bands += np.array_split(deviation[np.argsort(np.round(ideal, 9), kind="stable")], BANDS)
+    return bands
 
 
 def _mean(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:

@@ -19,12 +19,12 @@ __all__ = ["ENSEMBLE_ENERGY_ERROR", "ENSEMBLE_SPREAD", "METRIC", "kinetic_energi
 
 def _members(scene: Scene) -> list[list[int]]:
     """The places of each member's movable bodies, member by member."""
-    found: dict[int, list[int]] = {}
+    by_number: dict[int, list[int]] = {}
     for place, body in enumerate(scene.bodies):
         number = re.fullmatch(r".*_(\d+)", body.name)
         if body.movable and number is not None:
-            found.setdefault(int(number[1]), []).append(place)
-    members = [found[number] for number in sorted(found)]
+            by_number.setdefault(int(number[1]), []).append(place)
+    members = [by_number[number] for number in sorted(by_number)]
     if len(members) < 2 or len({len(member) for member in members}) > 1:
         raise NotMeasurable("an ensemble needs two members or more with the same number of bodies each")
     return members

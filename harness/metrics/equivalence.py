@@ -29,14 +29,14 @@ def _both(actual: Trajectory, name: str) -> tuple[State, State]:
     count = min(len(time), len(actual) - first)
     if not np.allclose(actual.time[first : first + count], time[:count], rtol=0.0, atol=1e-9):
         raise NotMeasurable(f"the motion '{name}' stands at other times")
-    here = (getattr(actual, part)[first : first + count] for part in ("p_WB", "q_WB", "v_WB", "w_WB"))
-    there = (actual.streams[f"{name}/{part}"][:count] for part in ("p_WB", "q_WB", "v_WB", "w_WB"))
+    here = (getattr(actual, field)[first : first + count] for field in ("p_WB", "q_WB", "v_WB", "w_WB"))
+    there = (actual.streams[f"{name}/{field}"][:count] for field in ("p_WB", "q_WB", "v_WB", "w_WB"))
     return State(*here), State(*there)
 
 
 def _numbers(state: State) -> Floats:
     """All numbers of a state side by side, (k, m)."""
-    return np.concatenate([part.reshape(len(part), -1) for part in (state.p_WB, state.q_WB, state.v_WB, state.w_WB)], axis=1)
+    return np.concatenate([array.reshape(len(array), -1) for array in (state.p_WB, state.q_WB, state.v_WB, state.w_WB)], axis=1)
 
 
 def _difference(scene: Scene, actual: Trajectory, name: str) -> float:
@@ -67,7 +67,7 @@ def _of_each(
 ) -> dict[str, Metric]:
     """The metric '<name>_<kind>' for each retelling."""
 
-    def one(name: str) -> Metric:
+    def metric(name: str) -> Metric:
         return Metric(
             name=f"{name}_{kind}",
             unit=unit,
@@ -76,7 +76,7 @@ def _of_each(
             better="higher" if better else "lower",
         )
 
-    return {name: one(name) for name in NAMES}
+    return {name: metric(name) for name in NAMES}
 
 
 DIFFERENCE = _of_each("difference", "1", "definition: largest difference of any number of any state, in SI units", _difference)

@@ -15,8 +15,8 @@ __all__ = ["FOOT_SLIP", "METRIC"]
 def _carried(actual: Trajectory, place: int, point_W: Floats) -> Floats:
     """Where a point of a body that is at point_W (3,) in the first sample is at each time, (t, 3) m."""
     arm_B = rotate_back(actual.q_WB[:1, place], (point_W - actual.p_WB[0, place])[None])
-    found: Floats = actual.p_WB[:, place] + rotate(actual.q_WB[:, place], np.broadcast_to(arm_B, (len(actual), 3)))
-    return found
+    carried: Floats = actual.p_WB[:, place] + rotate(actual.q_WB[:, place], np.broadcast_to(arm_B, (len(actual), 3)))
+    return carried
 
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

@@ -49,7 +49,7 @@ def _frames(scene: Scene, actual: Trajectory) -> list[_Frame]:
     cards = [place for place, body in enumerate(scene.bodies) if body.movable]
     if len(cards) < 2 or len(cards) % 2 or len(actual) == 0:
         raise NotMeasurable(f"{len(cards)} cards and {len(actual)} samples, expected pairs and at least one")
-    found = []
+    frames = []
     for pair in zip(cards[::2], cards[1::2], strict=True):
         card = scene.bodies[pair[0]]
         shape = card.collision[0].shape if len(card.collision) == 1 else None
@@ -60,8 +60,8 @@ def _frames(scene: Scene, actual: Trajectory) -> list[_Frame]:
         start = np.array([scene.bodies[i].p_WB[2] for i in pair])
         sunk = np.any(actual.p_WB[:, pair, 2] < start / 2, axis=1)
         stood = float(actual.time[np.argmax(sunk)] if sunk.any() else math.inf)
-        found.append(_Frame(_friction(scene, card) / critical, stood))
-    return found
+        frames.append(_Frame(_friction(scene, card) / critical, stood))
+    return frames
 
 
 def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

@@ -25,11 +25,11 @@ def _integrated(rates_B: Floats, interval: float, q_WB: Floats) -> Floats:
     early, late = rates_B[:-1], rates_B[1:]
     turns = Rotation.from_rotvec(interval / 2 * (early + late) + interval**2 / 12 * np.cross(early, late))
     here = Rotation.from_quat(q_WB, scalar_first=True)
-    found = [q_WB]
+    attitudes = [q_WB]
     for turn in turns:
         here = here * turn
-        found.append(here.as_quat(scalar_first=True))
-    return np.array(found)
+        attitudes.append(here.as_quat(scalar_first=True))
+    return np.array(attitudes)
 
 
 def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:

@@ -26,11 +26,11 @@ def _wrong_by(law: AxisNoise, reading: Floats, ideal: Floats) -> Floats:
     steps = (1.0 + law.scale_error) * Rotation.from_rotvec(law.misalignment).inv().apply(ideal) / law.quantisation
     level = np.floor(steps + 0.5)
     highest = np.inf if law.saturation is None else np.floor(law.saturation / law.quantisation + TIE)
-    due, other = (np.clip(one, -highest, highest) for one in (level, 2.0 * steps - level))
+    due, other = (np.clip(unclipped, -highest, highest) for unclipped in (level, 2.0 * steps - level))
     wrong = np.abs(reading / law.quantisation - due)
     tied = np.abs(np.abs(steps - np.floor(steps)) - 0.5) < TIE
-    found: Floats = np.where(tied, np.minimum(wrong, np.abs(reading / law.quantisation - np.rint(other))), wrong)
-    return found
+    error: Floats = np.where(tied, np.minimum(wrong, np.abs(reading / law.quantisation - np.rint(other))), wrong)
+    return error
 
 
 def _error(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:

@@ -31,23 +31,23 @@ def delay(time: Floats, reading: Floats, signal: Floats, reach: float) -> float:
     inside = (time >= time[0] + reach) & (time <= time[-1] - reach)
     if inside.sum() < 8:
         raise NotMeasurable(f"{int(inside.sum())} readings lie within the search for their lag, at least 8 are needed")
-    told = reading[inside]
-    if not (np.isfinite(told).all() and np.isfinite(signal).all()):
+    judged = reading[inside]
+    if not (np.isfinite(judged).all() and np.isfinite(signal).all()):
         return float("nan")
     if not np.any(np.ptp(signal, axis=0) > 0):
         raise NotMeasurable("the signal does not change, so that no lag shows")
 
     def unlike(shift: float) -> float:
         there = curve(time[inside] - shift)
-        a, b = told - told.mean(axis=0), there - there.mean(axis=0)
+        a, b = judged - judged.mean(axis=0), there - there.mean(axis=0)
         return -float(np.sum(a * b) / np.sqrt(np.sum(a * a) * np.sum(b * b)))
 
     # The coarse search keeps a periodic signal's other maxima out of the fine one.
     shifts = np.linspace(-reach, reach, 49)
     best = shifts[int(np.argmin([unlike(shift) for shift in shifts]))]
     step = shifts[1] - shifts[0]
-    found = minimize_scalar(unlike, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-9 * reach})
-    return float(found.x)
+    minimum = minimize_scalar(unlike, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-9 * reach})
+    return float(minimum.x)
 
 
 def _lag(channel: str) -> Metric:

@@ -26,8 +26,8 @@ def _worst(law: Callable[[Trajectory, list[int]], Floats], samples: int) -> Call
 
 def _root_mean_square(vectors: Floats) -> Floats:
     """Over time: (t, n, 3) to (n,)."""
-    found: Floats = np.sqrt(np.mean(np.sum(vectors**2, axis=2), axis=0))
-    return found
+    rms: Floats = np.sqrt(np.mean(np.sum(vectors**2, axis=2), axis=0))
+    return rms
 
 
 def _speed(run: Trajectory, movable: list[int]) -> Floats:
@@ -46,13 +46,13 @@ def _second_difference(run: Trajectory, movable: list[int]) -> Floats:
 
 
 def _height(run: Trajectory, movable: list[int]) -> Floats:
-    found: Floats = np.ptp(np.percentile(run.p_WB[:, movable, 2], [1, 99], axis=0), axis=0)
-    return found
+    span: Floats = np.ptp(np.percentile(run.p_WB[:, movable, 2], [1, 99], axis=0), axis=0)
+    return span
 
 
 def _drift(run: Trajectory, movable: list[int]) -> Floats:
-    found: Floats = np.linalg.norm(run.p_WB[-1, movable] - run.p_WB[0, movable], axis=1)
-    return found
+    drift: Floats = np.linalg.norm(run.p_WB[-1, movable] - run.p_WB[0, movable], axis=1)
+    return drift
 
 
 RMS_SPEED = Metric(

@@ -13,17 +13,17 @@ __all__ = ["LIMIT_OVERSHOOT_FINAL", "LIMIT_OVERSHOOT_MAX", "LIMIT_OVERSHOOT_RMS"
 
 def _overshoot(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floats:
     """Excess of every joint with limits, (t, joints), rad or m."""
-    found: list[Floats] = []
+    overshoots: list[Floats] = []
     for joint in scene.joints:
         if isinstance(joint, Revolute | Prismatic | Distance) and joint.limits is not None:
             x = joint_coordinate(scene, joint, actual)
             lower = -np.inf if joint.limits.lower is None else joint.limits.lower
             upper = np.inf if joint.limits.upper is None else joint.limits.upper
             # Adding 0 x keeps what is not a number from hiding behind a maximum with 0.
-            found.append(np.maximum(np.maximum(lower - x, x - upper), 0.0) + 0.0 * x)
-    if not found:
+            overshoots.append(np.maximum(np.maximum(lower - x, x - upper), 0.0) + 0.0 * x)
+    if not overshoots:
         raise NotMeasurable("no joint of the scene has limits")
-    return np.stack(found, axis=1)
+    return np.stack(overshoots, axis=1)
 
 
 METRIC = LIMIT_OVERSHOOT_MAX, LIMIT_OVERSHOOT_RMS, LIMIT_OVERSHOOT_FINAL = three(

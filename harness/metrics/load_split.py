@@ -34,8 +34,8 @@ def load_shares(scene: Scene, actual: Trajectory) -> Floats:
         up = -(contacts.force_W @ weight) / (weight @ weight)
         np.add.at(borne, contacts.body_A[contacts.body_B == load], up[contacts.body_B == load])
         np.add.at(borne, contacts.body_B[contacts.body_A == load], -up[contacts.body_A == load])
-    found: Floats = borne[supports] / (len(actual) * scene.bodies[load].mass)
-    return found
+    shares: Floats = borne[supports] / (len(actual) * scene.bodies[load].mass)
+    return shares
 
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

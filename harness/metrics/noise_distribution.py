@@ -51,7 +51,7 @@ def histogram_score(deviations: Floats) -> float:
 
 def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
     """Of each noisy axis, (n,)."""
-    found: list[Floats] = []
+    deviations: list[Floats] = []
     for sensor in scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
@@ -67,15 +67,15 @@ def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
             change = np.diff(inertial_residual(sensor, channel, actual), axis=0)[::2]
             if len(change) < FEWEST:
                 raise NotMeasurable(f"stream '{sensor.name}/{channel}' has {len(change)} differences, {FEWEST} are needed")
-            found.extend((change / np.sqrt(variance)).T)
-    if not found:
+            deviations.extend((change / np.sqrt(variance)).T)
+    if not deviations:
         raise NotMeasurable("no inertial sensor of the scene has random noise")
-    return found
+    return deviations
 
 
 def _largest(judge: Callable[[Floats], float]) -> Callable[[Scene, Trajectory, Trajectory | None], float]:
     def measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-        return maximum(np.array([judge(one) for one in _deviations(scene, actual)]))
+        return maximum(np.array([judge(deviation) for deviation in _deviations(scene, actual)]))
 
     return measure
 

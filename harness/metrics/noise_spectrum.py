@@ -32,8 +32,8 @@ def difference_spectrum(law: AxisNoise, turn: Floats, interval: float) -> Floats
     """Two-sided spectrum [u^2 a sample] of the differences of consecutive samples, at the angles w T = `turn` [rad]."""
     memory = np.exp(-interval / law.instability_time)
     markov = (law.instability / MARKOV_PEAK) ** 2 * (1 - memory**2) / (1 - 2 * memory * np.cos(turn) + memory**2)
-    found: Floats = 2 * (1 - np.cos(turn)) * (law.density**2 / interval + markov) + law.random_walk**2 * interval
-    return found
+    spectrum: Floats = 2 * (1 - np.cos(turn)) * (law.density**2 / interval + markov) + law.random_walk**2 * interval
+    return spectrum
 
 
 def _scores(law: AxisNoise, noise: Floats, interval: float) -> Floats:
@@ -49,13 +49,13 @@ def _scores(law: AxisNoise, noise: Floats, interval: float) -> Floats:
     bins = np.arange(LOWEST, SEGMENT // 2)
     ratio = 0.5 * power[bins] / difference_spectrum(law, 2 * np.pi * cycles[bins], interval)[:, None]
     octave = np.floor(np.log2(bins)).astype(int)
-    found = []
-    for one in np.unique(octave):
-        inside = ratio[octave == one]
+    scores = []
+    for number in np.unique(octave):
+        inside = ratio[octave == number]
         # A mean of few exponential variables is chi-squared, which Wilson and Hilferty's cube root makes normal.
         spread = 2.0 / (9.0 * segments * len(inside) / CORRELATED * 2.0)
-        found.append(np.abs(inside.mean(axis=0) ** (1 / 3) - (1 - spread)) / np.sqrt(spread))
-    return np.concatenate(found)
+        scores.append(np.abs(inside.mean(axis=0) ** (1 / 3) - (1 - spread)) / np.sqrt(spread))
+    return np.concatenate(scores)
 
 
 def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:

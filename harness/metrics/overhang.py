@@ -34,7 +34,7 @@ def _half_extents(body: Body) -> tuple[float, float, float]:
 def _stacks(scene: Scene) -> list[tuple[float, list[int]]]:
     """Overhang over the limit [1] and the places of the bricks of each stack."""
     starts = [place for place, body in enumerate(scene.bodies) if not body.movable]
-    found = []
+    stacks = []
     for table, end in zip(starts, [*starts[1:], len(scene.bodies)], strict=True):
         bricks = list(range(table + 1, end))
         if not bricks:
@@ -42,10 +42,10 @@ def _stacks(scene: Scene) -> list[tuple[float, list[int]]]:
         edge = scene.bodies[table].p_WB[0] + _half_extents(scene.bodies[table])[0]
         reach = max(scene.bodies[i].p_WB[0] + _half_extents(scene.bodies[i])[0] for i in bricks) - edge
         length = 2 * _half_extents(scene.bodies[bricks[0]])[0]
-        found.append((reach / length / harmonic_overhang(len(bricks)), bricks))
-    if not found:
+        stacks.append((reach / length / harmonic_overhang(len(bricks)), bricks))
+    if not stacks:
         raise NotMeasurable("no bricks on a table")
-    return found
+    return stacks
 
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

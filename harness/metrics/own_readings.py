@@ -19,15 +19,15 @@ OTHER_SURFACE = 0.1
 
 def _pairs(scene: Scene, actual: Trajectory, channel: str) -> list[tuple[Floats, Floats]]:
     """The readings of a channel and what was due, of every sensor that has both. Raises: NotMeasurable."""
-    found = []
+    pairs = []
     for sensor in scene.sensors:
         due, reading = (actual.streams.get(f"{sensor.name}/{channel}_{word}") for word in ("due", "ideal"))
         if due is not None and reading is not None:
-            told = ~np.isnan(due).reshape(len(due), -1).all(axis=1)
-            found.append((reading[told], due[told]))
-    if not found:
+            known = ~np.isnan(due).reshape(len(due), -1).all(axis=1)
+            pairs.append((reading[known], due[known]))
+    if not pairs:
         raise NotMeasurable(f"nothing is known of what a {channel} has to read")
-    return found
+    return pairs
 
 
 def _gyroscope(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
@@ -43,10 +43,10 @@ def _range(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
         with np.errstate(invalid="ignore"):
             same = both & ~(np.abs(reading - due) > OTHER_SURFACE * due)
         off.append(np.abs(reading[same] - due[same]))
-    told = np.concatenate(off)
-    if len(told) == 0:
+    errors = np.concatenate(off)
+    if len(errors) == 0:
         raise NotMeasurable("no beam meets the surface that it has to meet")
-    return maximum(told)
+    return maximum(errors)
 
 
 GYROSCOPE_OFF = Metric(

@@ -19,15 +19,15 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
     if len(bodies) != 1 or len(actual) == 0:
         raise NotMeasurable("one movable body, and a sample of it, is needed")
     rod = scene.bodies[bodies[0]]
-    feet = [part for part in rod.collision if isinstance(part.shape, Sphere)]
+    feet = [placed for placed in rod.collision if isinstance(placed.shape, Sphere)]
     grounds = [body for body in scene.bodies if scene.collides(rod, body)]
     if len(feet) != 2 or len(feet) != len(rod.collision) or len(grounds) != 1:
         raise NotMeasurable(f"body '{rod.name}' is no rod with two round ends on one ground")
     friction = scene.surface(rod, grounds[0]).kinetic_friction
     smallest = np.inf
-    for part in feet:
-        arm = -rotate(actual.q_WB[:, bodies[0]], np.broadcast_to(part.p_BS, (len(actual), 3)))
-        along, above = np.hypot(arm[:, 0], arm[:, 1]), arm[:, 2] + getattr(part.shape, "radius", 0.0)
+    for foot in feet:
+        arm = -rotate(actual.q_WB[:, bodies[0]], np.broadcast_to(foot.p_BS, (len(actual), 3)))
+        along, above = np.hypot(arm[:, 0], arm[:, 1]), arm[:, 2] + getattr(foot.shape, "radius", 0.0)
         inertia = float(np.linalg.eigvalsh(np.array(rod.inertia))[-1])
         coefficient = 1 + rod.mass / inertia * along * (along - friction * above)
         # The end that is up has its arm downwards, and a coefficient that is never small.

@@ -85,11 +85,11 @@ def _beyond(scene: Scene, actual: Trajectory, truth: Trajectory, place: int, way
 def _shots(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> list[_Shot]:
     """Each body that the truth stops; of a spin, on the way that its stops are off its axis."""
     truth, ways = _stopped_ways(scene, actual, expected)
-    found = []
+    shots = []
     for k, way in ways:
         sunk = float((actual.p_WB[-1, k] - truth.p_WB[-1, k]) @ way) / _half_width(scene.bodies[k])
-        found.append(_Shot(_beyond(scene, actual, truth, k, ways), sunk))
-    stops = [] if found else [body for body in scene.bodies if not body.movable and body.collision]
+        shots.append(_Shot(_beyond(scene, actual, truth, k, ways), sunk))
+    stops = [] if shots else [body for body in scene.bodies if not body.movable and body.collision]
     for place in movable(scene) if stops else ():
         body = scene.bodies[place]
         spin = np.array(body.w_WB)
@@ -97,14 +97,14 @@ def _shots(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> lis
             continue
         axis = spin / np.linalg.norm(spin)
         levers = [float(np.linalg.norm(np.cross(axis, np.array(stop.p_WB) - np.array(body.p_WB)))) for stop in stops]
-        lever, stop = min(zip(levers, stops, strict=True), key=lambda one: one[0])
+        lever, stop = min(zip(levers, stops, strict=True), key=lambda pair: pair[0])
         turned = _turned(actual, place, axis) - _turned(truth, place, axis)
         # Where the truth leaves it, its middle is off the stop's by both half widths.
         between = math.asin(min(1.0, (_half_width(body) + _half_width(stop)) / lever))
-        found.append(_Shot(turned > between, lever * turned / _half_width(body)))
-    if not found:
+        shots.append(_Shot(turned > between, lever * turned / _half_width(body)))
+    if not shots:
         raise NotMeasurable("the truth stops no body")
-    return found
+    return shots
 
 
 def _turned(trajectory: Trajectory, place: int, axis_W: Floats) -> float:
@@ -148,13 +148,13 @@ def _speeds(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> li
     truth, ways = _stopped_ways(scene, actual, expected)
     if not actual.finite:
         return [(np.full(3, np.nan), np.full(3, np.nan))]
-    found = []
+    errors = []
     for place, way in ways:
         if not _beyond(scene, actual, truth, place, ways):
-            found.append((way, actual.v_WB[-1, place] - truth.v_WB[-1, place]))
-    if not found:
+            errors.append((way, actual.v_WB[-1, place] - truth.v_WB[-1, place]))
+    if not errors:
         raise NotMeasurable("no body is stopped")
-    return found
+    return errors
 
 
 def _kick(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

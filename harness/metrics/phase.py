@@ -19,7 +19,7 @@ SOURCE = "definition: instants of upward passage through the middle of the path"
 
 def _passages(time: Floats, x: Floats) -> Floats:
     """The instants [s] at which x passes zero upwards, each from the cubic through the two samples on either side."""
-    found = []
+    instants = []
     for k in np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0)):
         first = min(max(int(k) - 1, 0), len(x) - 4)
         nodes = time[first : first + 4] - time[k]
@@ -27,8 +27,8 @@ def _passages(time: Floats, x: Floats) -> Floats:
         roots = np.asarray(cubic.roots())
         real = roots[np.abs(roots.imag) < 1e-6 * (nodes[-1] - nodes[0])].real
         middle = (time[k + 1] - time[k]) / 2
-        found.append(time[k] + real[np.argmin(np.abs(real - middle))])
-    return np.array(found)
+        instants.append(time[k] + real[np.argmin(np.abs(real - middle))])
+    return np.array(instants)
 
 
 def _both(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Floats, Floats]:

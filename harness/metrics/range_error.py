@@ -22,7 +22,7 @@ RAYS = "rays"
 
 def _pairs(scene: Scene, actual: Trajectory, expected: Trajectory | None, channel: str) -> tuple[Floats, Floats]:
     """The stream of all range finders, and of the case's own rays, and its truth, as two flat arrays."""
-    found: list[Floats] = []
+    readings: list[Floats] = []
     truths: list[Floats] = []
     finders = [sensor.name for sensor in scene.sensors if isinstance(sensor, Lidar)]
     if expected is not None and f"{RAYS}/time" in expected.streams:
@@ -36,44 +36,44 @@ def _pairs(scene: Scene, actual: Trajectory, expected: Trajectory | None, channe
         here, there = actual.streams[stamps], expected.streams[stamps]
         if here.shape != there.shape or not np.all(np.abs(here - there) < 1e-9):
             raise NotMeasurable(f"the truth of '{name}' stands at other times than the scans")
-        found.append(actual.streams[name].ravel())
+        readings.append(actual.streams[name].ravel())
         truths.append(expected.streams[name].ravel())
-    if not found or sum(map(len, found)) == 0:
+    if not readings or sum(map(len, readings)) == 0:
         raise NotMeasurable("the scene has no range finder, or it made no scan")
-    return np.concatenate(found), np.concatenate(truths)
+    return np.concatenate(readings), np.concatenate(truths)
 
 
-def _same_surface(found: Floats, truth: Floats) -> NDArray[np.bool_]:
+def _same_surface(readings: Floats, truth: Floats) -> NDArray[np.bool_]:
     """Mask of beams that hit what the truth hits; NaN counts as a hit, so that it shows in the error."""
-    hit = ~np.isinf(found) & ~np.isinf(truth)
+    hit = ~np.isinf(readings) & ~np.isinf(truth)
     with np.errstate(invalid="ignore"):
-        mask: NDArray[np.bool_] = hit & ~(np.abs(found - truth) > OTHER_SURFACE * truth)
+        mask: NDArray[np.bool_] = hit & ~(np.abs(readings - truth) > OTHER_SURFACE * truth)
     return mask
 
 
 def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    found, truth = _pairs(scene, actual, expected, "range_ideal")
-    same = _same_surface(found, truth)
+    readings, truth = _pairs(scene, actual, expected, "range_ideal")
+    same = _same_surface(readings, truth)
     if not same.any():
         raise NotMeasurable("no beam meets the surface that the truth meets")
-    error: Floats = np.abs(found[same] - truth[same])
+    error: Floats = np.abs(readings[same] - truth[same])
     return error
 
 
 def _false(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    found, truth = _pairs(scene, actual, expected, "range_ideal")
-    if np.isnan(found).any():
+    readings, truth = _pairs(scene, actual, expected, "range_ideal")
+    if np.isnan(readings).any():
         return float("nan")
-    return float(np.mean(~_same_surface(found, truth) & ~(np.isinf(found) & np.isinf(truth))))
+    return float(np.mean(~_same_surface(readings, truth) & ~(np.isinf(readings) & np.isinf(truth))))
 
 
 def _intensity(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    found, truth = _pairs(scene, actual, expected, "intensity_ideal")
+    readings, truth = _pairs(scene, actual, expected, "intensity_ideal")
     ranges, true_ranges = _pairs(scene, actual, expected, "range_ideal")
     same = _same_surface(ranges, true_ranges)
-    if not same.any() or np.isnan(found[same]).all():
+    if not same.any() or np.isnan(readings[same]).all():
         raise NotMeasurable("the engine gives no normals where its rays hit")
-    return maximum(np.abs(found[same] - truth[same]))
+    return maximum(np.abs(readings[same] - truth[same]))
 
 
 RANGE_ERROR_MAX = Metric(name="range_error_max", unit="m", source=SOURCE, measure=lambda s, a, e: maximum(_errors(s, a, e)))

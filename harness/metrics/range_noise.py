@@ -16,7 +16,7 @@ __all__ = ["METRIC", "RANGE_CORRELATION", "RANGE_DISTRIBUTION", "RANGE_MEAN", "R
 
 def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
     """Of each noisy range finder, (scans, channels, columns); infinite for beams without a return."""
-    found = []
+    deviations = []
     for sensor in scene.sensors:
         if not isinstance(sensor, Lidar) or sensor.noise is None:
             continue
@@ -29,41 +29,41 @@ def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
         heard = ~np.isinf(noisy) & ~np.isinf(ideal)
         deviation = np.full(noisy.shape, np.inf)
         deviation[heard] = (noisy[heard] - ideal[heard]) / sigma[heard]
-        found.append(deviation)
-    if not found:
+        deviations.append(deviation)
+    if not deviations:
         raise NotMeasurable("no range finder of the scene has range noise")
-    return found
+    return deviations
 
 
 def _flat(scene: Scene, actual: Trajectory) -> Floats:
     """The deviations of all beams that returned, (n,)."""
-    found = np.concatenate([d[~np.isinf(d)] for d in _deviations(scene, actual)])
-    if len(found) < 100:
-        raise NotMeasurable(f"{len(found)} beams returned, at least 100 are needed for statistics")
-    return found
+    deviations = np.concatenate([d[~np.isinf(d)] for d in _deviations(scene, actual)])
+    if len(deviations) < 100:
+        raise NotMeasurable(f"{len(deviations)} beams returned, at least 100 are needed for statistics")
+    return deviations
 
 
 def _mean(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-    found = _flat(scene, actual)
-    return float(abs(found.mean()) * np.sqrt(len(found)))
+    deviations = _flat(scene, actual)
+    return float(abs(deviations.mean()) * np.sqrt(len(deviations)))
 
 
 def _spread(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
     """Wilson and Hilferty's cube root makes the chi-squared sum of squares normal to one part in n."""
-    found = _flat(scene, actual)
-    n = len(found)
+    deviations = _flat(scene, actual)
+    n = len(deviations)
     third = 2.0 / (9.0 * n)
-    return float(abs((np.sum(np.square(found)) / n) ** (1 / 3) - (1 - third)) / np.sqrt(third))
+    return float(abs((np.sum(np.square(deviations)) / n) ** (1 / 3) - (1 - third)) / np.sqrt(third))
 
 
 def _distribution(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
     """Kolmogorov's distance from the standard normal distribution times sqrt(n)."""
     from scipy import stats  # late: a listing must not pay for it
 
-    found = _flat(scene, actual)
-    if np.isnan(found).any():
+    deviations = _flat(scene, actual)
+    if np.isnan(deviations).any():
         return float("nan")
-    return float(stats.kstest(found, "norm").statistic * np.sqrt(len(found)))
+    return float(stats.kstest(deviations, "norm").statistic * np.sqrt(len(deviations)))
 
 
 def _correlation(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:

@@ -112,8 +112,8 @@ def _later(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> flo
         asked = [
             n for n in (1, 2) if e**n >= FAST and len(true_flights) > n + 1 and true_flights[n + 1][1] <= expected.time[-1]
         ]
-        found = _bounces(flights, 3)
-        errors += [abs(found[n] - e) for n in asked]
+        bounces = _bounces(flights, 3)
+        errors += [abs(bounces[n] - e) for n in asked]
     if not errors:
         raise NotMeasurable("no second or third bounce comes in with half the speed of the first")
     return float(np.max(errors))
@@ -151,7 +151,7 @@ def _total(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> flo
         return math.nan
     pairs = zip(_last_hop(scene, actual), _last_hop(scene, expected), strict=True)
     # What still hops at the end of the truth has no end to compare with.
-    errors = [abs(found - true) for found, true in pairs if true < expected.time[-2]]
+    errors = [abs(measured - true) for measured, true in pairs if true < expected.time[-2]]
     if not errors:
         raise NotMeasurable("no ball comes to rest within the run")
     return float(np.max(errors))

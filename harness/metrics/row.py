@@ -24,7 +24,7 @@ def _rows(scene: Scene) -> list[tuple[list[int], Floats, float]]:
     for place, body in enumerate(scene.bodies):
         if body.movable and len(body.collision) == 1 and isinstance(body.collision[0].shape, Sphere):
             kinds.setdefault(body.material, []).append(place)
-    found = []
+    rows = []
     for places in kinds.values():
         moving = [place for place in places if any(scene.bodies[place].v_WB)]
         if len(places) < 2 or len(moving) != 1:
@@ -37,10 +37,10 @@ def _rows(scene: Scene) -> list[tuple[list[int], Floats, float]]:
             placed.shape.radius for k in ordered for placed in scene.bodies[k].collision if isinstance(placed.shape, Sphere)
         ]
         gaps = np.diff(along) - np.array(radii[1:]) - np.array(radii[:-1])
-        found.append((ordered, way, float(gaps[1:].min()) if len(gaps) > 1 else float(gaps[0])))
-    if not found:
+        rows.append((ordered, way, float(gaps[1:].min()) if len(gaps) > 1 else float(gaps[0])))
+    if not rows:
         raise NotMeasurable("no row of balls of which one moves")
-    return found
+    return rows
 
 
 def _share(scene: Scene, actual: Trajectory, places: list[int], way: Floats) -> float:

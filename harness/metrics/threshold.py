@@ -28,7 +28,7 @@ def _slopes(scene: Scene, actual: Trajectory) -> list[Slope]:
     g = float(np.linalg.norm(scene.gravity))
     if g == 0 or len(actual) == 0 or actual.time[-1] <= 0:
         raise NotMeasurable("no gravity or no time to slide")
-    found = []
+    slopes = []
     for place, body in enumerate(scene.bodies):
         if body.movable:
             normal = np.array(rotate(body.q_WB, (0.0, 0.0, 1.0)))
@@ -37,10 +37,10 @@ def _slopes(scene: Scene, actual: Trajectory) -> list[Slope]:
             angle = math.atan2(float(np.linalg.norm(along)), float(-pull @ normal))
             mu = _friction(scene, body)
             way = float((actual.p_WB[-1, place] - np.array(body.p_WB)) @ along / np.linalg.norm(along))
-            found.append((angle, mu, g * (math.sin(angle) - mu * math.cos(angle)), 2 * way / float(actual.time[-1]) ** 2))
-    if not found:
+            slopes.append((angle, mu, g * (math.sin(angle) - mu * math.cos(angle)), 2 * way / float(actual.time[-1]) ** 2))
+    if not slopes:
         raise NotMeasurable("no box stands on an incline")
-    return found
+    return slopes
 
 
 def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -52,9 +52,9 @@ def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) ->
     # A box slides when it covers half the way that the incline nearest to the threshold makes: more than creep, and still less
     # than what any incline beyond a wrong threshold would show.
     least = min(abs(true) for _, _, true, _ in slopes) / 2
-    sliding = min([math.pi / 2, *(angle for angle, _, _, found in slopes if found > least)])
+    sliding = min([math.pi / 2, *(angle for angle, _, _, acceleration in slopes if acceleration > least)])
     # What holds on a steeper incline than one that slides is no threshold: wrong fates would make up for each other.
-    sticking = max([0.0, *(angle for angle, _, _, found in slopes if found <= least and angle < sliding)])
+    sticking = max([0.0, *(angle for angle, _, _, acceleration in slopes if acceleration <= least and angle < sliding)])
     true_angle = math.atan(slopes[0][1])
     return abs((sticking + sliding) / 2 - true_angle) / true_angle
 
@@ -63,7 +63,7 @@ def _acceleration(scene: Scene, actual: Trajectory, expected: Trajectory | None)
     if not actual.finite:
         return math.nan
     slopes = _slopes(scene, actual)
-    errors = [abs(found - true) for _, _, true, found in slopes if true > 0]
+    errors = [abs(acceleration - true) for _, _, true, acceleration in slopes if true > 0]
     if not errors:
         raise NotMeasurable("no incline is steep enough to slide")
     return float(np.max(errors)) / float(np.linalg.norm(scene.gravity))

@@ -38,7 +38,7 @@ def _fates(scene: Scene, actual: Trajectory) -> list[_Fate]:
     g = np.array(scene.gravity)
     if not g.any() or len(actual) == 0 or actual.time[-1] <= 0:
         raise NotMeasurable("no gravity or no time to move")
-    found = []
+    fates = []
     for place, body in enumerate(scene.bodies):
         if not body.movable:
             continue
@@ -59,10 +59,10 @@ def _fates(scene: Scene, actual: Trajectory) -> list[_Fate]:
         # Half of the way that it would make in truth, and a tenth of its length where it should not slide at all.
         least = (pull - mu * load) * float(actual.time[-1]) ** 2 / 4 if true == "slides" else shape.half_extents[0] / 5
         became: Literal["holds", "slides", "tips"] = "tips" if turned > TIPPED else "slides" if way > least else "holds"
-        found.append(_Fate(became, true, slope, tips_at))
-    if not found:
+        fates.append(_Fate(became, true, slope, tips_at))
+    if not fates:
         raise NotMeasurable("no box stands on an incline")
-    return found
+    return fates
 
 
 def _wrong(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

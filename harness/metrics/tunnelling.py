@@ -33,7 +33,7 @@ def _ends(scene: Scene, actual: Trajectory) -> list[tuple[float, float]]:
     The wall's extent along the shot is that of its box, which lies across the shot.
     """
     wall, box = _wall(scene)
-    found = []
+    ends = []
     if len(actual) == 0:
         raise NotMeasurable("no samples")
     axes = [np.array(rotate(wall.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
@@ -42,16 +42,16 @@ def _ends(scene: Scene, actual: Trajectory) -> list[tuple[float, float]]:
         if body.movable and any(body.v_WB) and len(shapes) == 1 and isinstance(shapes[0], Sphere):
             way = np.array(body.v_WB) / np.linalg.norm(body.v_WB)
             half = float(sum(abs(way @ axis) * extent for axis, extent in zip(axes, box.half_extents, strict=True)))
-            found.append((float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way), -half - shapes[0].radius))
-    if not found:
+            ends.append((float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way), -half - shapes[0].radius))
+    if not ends:
         raise NotMeasurable("no sphere is shot")
-    return found
+    return ends
 
 
 def _count(scene: Scene, actual: Trajectory) -> tuple[int, int]:
     """How many passed, of how many."""
     ends = _ends(scene, actual)
-    return sum(place > 0 for place, _ in ends), len(ends)
+    return sum(distance > 0 for distance, _ in ends), len(ends)
 
 
 def _probability(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -73,7 +73,7 @@ def _stop_gap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> 
     ends = _ends(scene, actual)
     if not actual.finite:
         return math.nan
-    stopped = [max(0.0, face - place) for place, face in ends if place <= 0]
+    stopped = [max(0.0, face - distance) for distance, face in ends if distance <= 0]
     if not stopped:
         raise NotMeasurable("no sphere is stopped")
     return max(stopped)

@@ -41,8 +41,8 @@ def _spectrum(scene: Scene, actual: Trajectory) -> tuple[Floats, Floats]:
     if not whole:
         return np.full(1, math.nan), np.full((1, len(hinges)), math.nan)
     rates = np.stack([joint_rate(scene, hinge, actual) for hinge in hinges], axis=1)
-    found = welch(rates, fs=1 / dt, window="hann", nperseg=len(rates) // 2, detrend="linear", axis=0)
-    return np.asarray(found[0]), np.asarray(found[1])
+    spectrum = welch(rates, fs=1 / dt, window="hann", nperseg=len(rates) // 2, detrend="linear", axis=0)
+    return np.asarray(spectrum[0]), np.asarray(spectrum[1])
 
 
 def _rms(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

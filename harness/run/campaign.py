@@ -45,13 +45,13 @@ _TIMED = ("passed", "failed")
 
 
 def _plain_study(study: Study) -> dict[str, Any]:
-    def told(value: Any) -> Any:
+    def without_none(value: Any) -> Any:
         """Without what is left open: TOML has no word for nothing."""
         if isinstance(value, dict):
-            return {name: told(part) for name, part in value.items() if part is not None}
-        return [told(part) for part in value] if isinstance(value, list | tuple) else value
+            return {name: without_none(element) for name, element in value.items() if element is not None}
+        return [without_none(element) for element in value] if isinstance(value, list | tuple) else value
 
-    plain: dict[str, Any] = told(asdict(study))
+    plain: dict[str, Any] = without_none(asdict(study))
     return plain
 
 
@@ -76,8 +76,8 @@ def _accuracy(
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     lost: list[str] = []
     with Progress(what, len(waiting)) as progress:
-        for part, side in ((beside, workers), (alone, 1)):
-            for record in run_isolated(part, folder, side):
+        for group, side in ((beside, workers), (alone, 1)):
+            for record in run_isolated(group, folder, side):
                 if record.status == "interrupted":
                     lost.append(record.reason)
                 else:
@@ -129,10 +129,10 @@ def _together(trial: Trial) -> tuple[object, ...]:
 
 def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     """One of n parts: every n-th trial, but in a sweep every n-th case, since its engines are clocked side by side."""
-    part, parts = shard
+    number, parts = shard
     cases = list(dict.fromkeys(trial.case for trial in trials))
-    plain = [trial for trial in trials if not trial.experiment.sweep][part - 1 :: parts]
-    return plain + [trial for trial in trials if trial.experiment.sweep and cases.index(trial.case) % parts == part - 1]
+    plain = [trial for trial in trials if not trial.experiment.sweep][number - 1 :: parts]
+    return plain + [trial for trial in trials if trial.experiment.sweep and cases.index(trial.case) % parts == number - 1]
 
 
 def _searched(
@@ -146,7 +146,7 @@ def _searched(
     machine: str,
 ) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
-    found, number = list(trials), 0
+    extended, number = list(trials), 0
     searches = [
         go_on
         for go_on, wanted in (
@@ -159,13 +159,13 @@ def _searched(
     ]
     while searches:
         records = read_journal(journal.path)
-        more = [trial for go_on in searches for trial in go_on(found, records, cases, adapters)]
+        more = [trial for go_on in searches for trial in go_on(extended, records, cases, adapters)]
         if not more:
             break
         number += 1
         _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine)
-        found += more
-    return found
+        extended += more
+    return extended
 
 
 def carry_out(

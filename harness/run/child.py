@@ -137,8 +137,8 @@ def answers(trial: Trial, folder: Path) -> Iterator[Record]:
         record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
     except StoreError as error:  # the machine's, unless the engine took from its process what writing needs
         changed = [name for name, limit in _limits().items() if limit != allowed[name]]
-        said = f"no answer could be written after the engine changed {', '.join(changed)}: {error.__cause__ or error}"
-        record = outcome(trial, "crashed", said) if changed else outcome(trial, "interrupted", str(error))
+        reason = f"no answer could be written after the engine changed {', '.join(changed)}: {error.__cause__ or error}"
+        record = outcome(trial, "crashed", reason) if changed else outcome(trial, "interrupted", str(error))
     except Exception as error:
         status: Status = "oom" if isinstance(error, MemoryError) else "crashed"
         record = outcome(trial, status, _in_words(error), traceback.format_exc()[-4000:])
@@ -169,13 +169,13 @@ def roughly_clocked(trial: Trial, record: Record) -> bool:
 
 def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:
     """The record with its rough cost, and with that over the cost of the first track that runs at the case's own step."""
-    said: list[str] = []
+    failures: list[str] = []
     for track, settings in adapter.tracks.items():
         yardstick = trial.probing(case, track=track, settings=settings.with_dt(case.dt))
-        own, beside = (Bench(case, adapter, one, settled=False) for one in (trial, yardstick))
+        own, beside = (Bench(case, adapter, side, settled=False) for side in (trial, yardstick))
         try:
             cost, ratio = rough_cost_beside(own, beside)
             return replace(record, rough_cost=cost, rough_ratio=ratio)
         except Exception as error:
-            said.append(f"{track}: {type(error).__name__}: {error}")
-    return replace(record, warnings=(*record.warnings, StoredNotice(f"rough cost: none, beside {'; '.join(said)}")))
+            failures.append(f"{track}: {type(error).__name__}: {error}")
+    return replace(record, warnings=(*record.warnings, StoredNotice(f"rough cost: none, beside {'; '.join(failures)}")))

@@ -21,10 +21,10 @@ def main(name: str, file: str, out: str, way: str, root: Root, *packages: str) -
     folders = {package: Path(folder) for package, _, folder in (text.partition("=") for text in packages)}
     request = Request(way=way, root=root, packages=folders)
     try:
-        told = stored(plugins.adapter(name).load_robot(Path(file), request))
+        answer = stored(plugins.adapter(name).load_robot(Path(file), request))
     except (Unavailable, Unsupported) as error:
-        told = {"why": str(error)}
-    Path(out).write_text(json.dumps(told), encoding="utf-8")
+        answer = {"why": str(error)}
+    Path(out).write_text(json.dumps(answer), encoding="utf-8")
 
 
 if __name__ == "__main__":

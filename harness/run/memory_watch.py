@@ -30,12 +30,12 @@ def be_killed_first() -> None:
 
 def kills_for_memory() -> int:
     """How often the system has killed for want of memory, by its own counts; 0 where it keeps none."""
-    found = 0
+    kills = 0
     for path in _COUNTS:
         with suppress(OSError, ValueError):
             lines = Path(path).read_text(encoding="ascii").splitlines()
-            found += sum(int(line.split()[1]) for line in lines if line.startswith("oom_kill "))
-    return found
+            kills += sum(int(line.split()[1]) for line in lines if line.startswith("oom_kill "))
+    return kills
 
 
 class MemoryWatch:
@@ -76,9 +76,9 @@ class MemoryWatch:
 
     def _of_others(self) -> float:
         """What the processes hold that were started in this one [MB]."""
-        found = 0.0
+        occupied = 0.0
         for other in self._process.children(recursive=True):
             with suppress(psutil.Error):
                 info = other.memory_info()
-                found += (info.rss - getattr(info, "shared", 0)) / _MB
-        return found
+                occupied += (info.rss - getattr(info, "shared", 0)) / _MB
+        return occupied

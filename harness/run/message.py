@@ -43,8 +43,8 @@ def _cleaned(value: Any) -> Any:
     if isinstance(value, str):
         return readable(value)
     if isinstance(value, dict):
-        return {readable(name): _cleaned(part) for name, part in value.items()}
-    return [_cleaned(part) for part in value] if isinstance(value, list) else value
+        return {readable(name): _cleaned(element) for name, element in value.items()}
+    return [_cleaned(element) for element in value] if isinstance(value, list) else value
 
 
 def send(pipe: Connection, kind: str, value: Any) -> None:
@@ -64,11 +64,11 @@ def _plain(value: Any, where: str) -> Any:
     if value is None or type(value) in (bool, int, str) or isinstance(value, float):
         return value
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {one.name: _plain(getattr(value, one.name), f"{where}.{one.name}") for one in dataclasses.fields(value)}
+        return {field.name: _plain(getattr(value, field.name), f"{where}.{field.name}") for field in dataclasses.fields(value)}
     if isinstance(value, Mapping) and all(type(name) is str for name in value):
-        return {name: _plain(part, f"{where}.{name}") for name, part in value.items()}
+        return {name: _plain(element, f"{where}.{name}") for name, element in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(part, f"{where}[{place}]") for place, part in enumerate(value)]
+        return [_plain(element, f"{where}[{index}]") for index, element in enumerate(value)]
     what = f"{type(value).__module__}.{type(value).__name__}"
     raise TypeError(f"{where}: got {readable(repr(value), 80)} of {what}, expected a JSON value")
 
@@ -88,17 +88,17 @@ class Inbox:
 
     def lines(self) -> list[tuple[str, Any]]:
         """What has come, each with its kind, as much as one message may hold; never waits. Raises: BrokenMessage."""
-        found: list[tuple[str, Any]] = []
+        messages: list[tuple[str, Any]] = []
         for _ in range(LONGEST // _PART):
             if self.ended or not self.pipe.poll():
                 break
-            part = self._part()
-            self.ended = not part
-            *whole, self.rest = (self.rest + part).split(b"\n")
+            chunk = self._part()
+            self.ended = not chunk
+            *whole, self.rest = (self.rest + chunk).split(b"\n")
             if max(map(len, (*whole, self.rest))) > LONGEST:
                 raise BrokenMessage(f"a message of more than {LONGEST} bytes")
-            found += [_parsed(line) for line in whole]
-        return found
+            messages += [_parsed(line) for line in whole]
+        return messages
 
     def next(self, seconds: float) -> tuple[str, Any] | None:
         """The next message, waited for; None after so many seconds. Raises: EOFError, BrokenMessage."""
@@ -121,12 +121,12 @@ class Inbox:
 
 def _parsed(line: bytes) -> tuple[str, Any]:
     try:
-        told = json.loads(line)
+        message = json.loads(line)
     except (ValueError, RecursionError) as error:
         raise BrokenMessage(f"no JSON ({type(error).__name__}): {readable(repr(line[:80]))}") from None
-    if not isinstance(told, dict) or len(told) != 1:
-        raise BrokenMessage(f"expected one kind of message, got {readable(repr(told), 80)}")
-    ((kind, value),) = told.items()
+    if not isinstance(message, dict) or len(message) != 1:
+        raise BrokenMessage(f"expected one kind of message, got {readable(repr(message), 80)}")
+    ((kind, value),) = message.items()
     return kind, value
 
 
@@ -147,8 +147,8 @@ def _checked(of: type, value: Any) -> Any:
 
 def read_record(trial: Trial, value: Any) -> Record:
     """The record that a child told of a trial. Raises: BrokenMessage."""
-    told: Record = _checked(Record, value)
-    return replace(outcome(trial, told.status, told.reason), **{name: getattr(told, name) for name in _ANSWERED})
+    answer: Record = _checked(Record, value)
+    return replace(outcome(trial, answer.status, answer.reason), **{name: getattr(answer, name) for name in _ANSWERED})
 
 
 def read_sample(value: Any) -> Sample:

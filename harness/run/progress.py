@@ -52,8 +52,8 @@ class Progress:
             self._said = now
             left = (now - self._started) / self.done * (self.total - self.done)
             # The first pieces pay for what all share: engines that are loaded, and one that compiles itself.
-            told = f", about {left:.0f} s left" if self.done >= self.total / 10 else ""
-            print(f"{self.title}: {self.done}/{self.total}{told} ({last})", file=sys.stderr, flush=True)
+            remaining = f", about {left:.0f} s left" if self.done >= self.total / 10 else ""
+            print(f"{self.title}: {self.done}/{self.total}{remaining} ({last})", file=sys.stderr, flush=True)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self._bar is not None:

@@ -48,14 +48,14 @@ def damage(folder: Path, record: Record) -> str:
     return ""
 
 
-def _differences(one: Any, other: Any, where: str) -> list[str]:
+def _differences(value: Any, other: Any, where: str) -> list[str]:
     """The places at which two studies differ."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        names = sorted({*one, *other})
-        return [d for name in names for d in _differences(one.get(name), other.get(name), f"{where}.{name}".strip("."))]
-    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        return [d for k, (a, b) in enumerate(zip(one, other, strict=True)) for d in _differences(a, b, f"{where}[{k}]")]
-    return [] if one == other else [where]
+    if isinstance(value, dict) and isinstance(other, dict):
+        names = sorted({*value, *other})
+        return [d for name in names for d in _differences(value.get(name), other.get(name), f"{where}.{name}".strip("."))]
+    if isinstance(value, list) and isinstance(other, list) and len(value) == len(other):
+        return [d for k, (a, b) in enumerate(zip(value, other, strict=True)) for d in _differences(a, b, f"{where}[{k}]")]
+    return [] if value == other else [where]
 
 
 def another_study(folder: Path, journal: Journal, study: Mapping[str, Any]) -> str:
@@ -64,30 +64,30 @@ def another_study(folder: Path, journal: Journal, study: Mapping[str, Any]) -> s
     if not known and journal.written.checksums:
         known = [kept] if (kept := read_plain(folder / "study.toml")) else []
     today = json.loads(json.dumps(study))
-    found = [_differences(one, today, "") for one in known]
-    if not found or [] in found:
+    differences = [_differences(other, today, "") for other in known]
+    if not differences or [] in differences:
         return ""
-    least = min(found, key=len)
-    return f"a run of study '{known[found.index(least)].get('name')}', which differs in {', '.join(least[:5])}"
+    least = min(differences, key=len)
+    return f"a run of study '{known[differences.index(least)].get('name')}', which differs in {', '.join(least[:5])}"
 
 
 def merged(studies: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """The last study with the experiments and variants of the others that it has not."""
     *others, last = studies
     experiments, variants = [*last["experiments"]], dict(last.get("variants", {}))
-    for one in others:
-        experiments += [experiment for experiment in one["experiments"] if experiment not in experiments]
-        variants = {**one.get("variants", {}), **variants}
+    for other in others:
+        experiments += [experiment for experiment in other["experiments"] if experiment not in experiments]
+        variants = {**other.get("variants", {}), **variants}
     return {**last, "experiments": experiments, "variants": variants}
 
 
 def clocked_elsewhere(journal: Journal, trials: Collection[str], machine: Mapping[str, Any]) -> list[str]:
     """In sentences, how many of these trials are clocked anew since another machine clocked them, and how that one differs."""
-    said: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for name in trials:
         if journal.timings.get(name, digest := machine_digest(machine)) != digest:
-            said[_other_machine(journal, journal.timings[name], machine)] += 1
-    return [f"clocks anew {count}: clocked on another machine ({how})" for how, count in said.items()]
+            counts[_other_machine(journal, journal.timings[name], machine)] += 1
+    return [f"clocks anew {count}: clocked on another machine ({how})" for how, count in counts.items()]
 
 
 def _other_machine(journal: Journal, digest: str, machine: Mapping[str, Any]) -> str:
@@ -101,8 +101,8 @@ def _other_machine(journal: Journal, digest: str, machine: Mapping[str, Any]) ->
 
 def clear_drafts(folder: Path) -> None:
     """Take away what a kill left half written. Raises: OSError."""
-    for place in (folder, folder / "trajectories", folder / "truths", folder / "recordings"):
-        for path in place.glob(".*"):
+    for directory in (folder, folder / "trajectories", folder / "truths", folder / "recordings"):
+        for path in directory.glob(".*"):
             if _DRAFT.fullmatch(path.name) and path.is_dir():
                 shutil.rmtree(path)
             elif _DRAFT.fullmatch(path.name):
@@ -113,14 +113,14 @@ def _reason(record: Record, cells: Mapping[str, Trial], versions: Mapping[str, s
     """Why a record does not hold today; '' where it does."""
     number = journal.written.made_in[record.trial]
     files = journal.written.sessions[number].get("files", {}) if number >= 0 else {}
-    said = what_changed(record.case, record.engine, record.sources, files)
+    reason = what_changed(record.case, record.engine, record.sources, files)
     if record.engine_version != versions[record.engine]:
         change = f"{record.engine}: version {record.engine_version} -> {versions[record.engine]}"
-        said = f"{change}; {said}" if said else change
+        reason = f"{change}; {reason}" if reason else change
     today = cells.get(_cell(record))
-    if not said and today is not None and today.trial != record.trial:
-        said = f"{record.case} asks something else, or {record.engine}'s settings of track '{record.track}' are others"
-    return said
+    if not reason and today is not None and today.trial != record.trial:
+        reason = f"{record.case} asks something else, or {record.engine}'s settings of track '{record.track}' are others"
+    return reason
 
 
 def review(
@@ -172,12 +172,12 @@ def _ended(journal: Journal, folder: Path) -> list[str]:
 
 def _mended_truths(folder: Path) -> list[str]:
     """Take damaged truths away: each is made again when it is wanted."""
-    said = []
+    notices = []
     for path in sorted((folder / "truths").glob("[!.]*")):
         try:
             if not check_seal(path, disk.read(path)):
                 raise Damaged("it has no checksum")
         except (Damaged, KeyError) as error:
             disk.remove(path)
-            said.append(f"{path} was damaged ({error}): removed, and made again when it is wanted")
-    return said
+            notices.append(f"{path} was damaged ({error}): removed, and made again when it is wanted")
+    return notices

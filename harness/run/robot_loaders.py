@@ -28,9 +28,9 @@ def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
         except subprocess.TimeoutExpired:
             raise Unsupported("the file", f"the loader did not end within {DEADLINE:g} s") from None
         if done.returncode != 0 or not out.is_file():
-            said = one_line(done.stderr.decode("utf-8", "replace").strip()[-300:], 300)
-            raise Unsupported("the file", f"the loader died with code {done.returncode}: {said}")
-        told = json.loads(out.read_text(encoding="utf-8"))
-    if "why" in told:
-        raise Unsupported("the file", one_line(told["why"], 400))
-    return restored(told)
+            message = one_line(done.stderr.decode("utf-8", "replace").strip()[-300:], 300)
+            raise Unsupported("the file", f"the loader died with code {done.returncode}: {message}")
+        answer = json.loads(out.read_text(encoding="utf-8"))
+    if "why" in answer:
+        raise Unsupported("the file", one_line(answer["why"], 400))
+    return restored(answer)

@@ -134,8 +134,8 @@ class Clocked:
         `trouble` is set after death or the deadline.
         """
         try:
-            if (told := self.inbox.next(seconds)) is not None:
-                return _read(*told)
+            if (message := self.inbox.next(seconds)) is not None:
+                return _read(*message)
             self.trouble = f"no answer within {seconds:g} s"
             self.process.kill()
         except EOFError:

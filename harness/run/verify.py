@@ -68,7 +68,7 @@ def problems(folder: Path) -> Iterator[Problem]:
 
 
 def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
-    found: dict[str, Mapping[str, Any]] = {}
+    documents: dict[str, Mapping[str, Any]] = {}
     for name in _KEPT:
         path = folder / name
         if not path.is_file():
@@ -77,21 +77,21 @@ def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
         try:
             if not check_seal(path, disk.read(path)) and written.sessions:
                 raise Damaged("it has no checksum")
-            found[name] = read_plain(path)
+            documents[name] = read_plain(path)
         except Damaged as error:
             yield Problem(path, str(error), _ANEW)
         except DamagedFile as error:
             yield Problem(path, error.what, _ANEW)
-    if early := ends_early(written, found.get("machine.json", {})):
+    if early := ends_early(written, documents.get("machine.json", {})):
         yield Problem(written.path, early, "restore it, or --resume runs their trials anew")
     if not written.sessions:
         return
     last = written.sessions[-1]
-    if "study.toml" in found and found["study.toml"] != merged([session["study"] for session in written.sessions]):
+    if "study.toml" in documents and documents["study.toml"] != merged([session["study"] for session in written.sessions]):
         yield Problem(folder / "study.toml", "is not the study of this run", _ANEW)
-    if "catalogue.json" in found and hashlib.sha256(disk.read(folder / "catalogue.json")).hexdigest() != last["catalogue"]:
+    if "catalogue.json" in documents and hashlib.sha256(disk.read(folder / "catalogue.json")).hexdigest() != last["catalogue"]:
         yield Problem(folder / "catalogue.json", "is not the catalogue of this run", _ANEW)
-    machine = found.get("machine.json")
+    machine = documents.get("machine.json")
     if machine is not None:
         if circumstances(machine) != last["machine"]:
             yield Problem(folder / "machine.json", "is not the machine of this run", _ANEW)
@@ -132,13 +132,13 @@ def _equal(content: bytes, frame: pd.DataFrame) -> bool:
 
 
 def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
-    place = folder / "trajectories"
+    directory = folder / "trajectories"
     named = {record.trajectory_hash for record in written.records.values()} - {None}
     idle = {record.trajectory_hash for record in written.lost.values()}
-    for name in sorted(str(one) for one in named):
-        if not (place / f"{name}.npz").is_file():
-            yield Problem(place / f"{name}.npz", "missing", _ANEW)
-    for path in sorted(place.glob("*")):
+    for name in sorted(str(entry) for entry in named):
+        if not (directory / f"{name}.npz").is_file():
+            yield Problem(directory / f"{name}.npz", "missing", _ANEW)
+    for path in sorted(directory.glob("*")):
         if path.suffix != ".npz" or path.stem not in named | idle or not path.is_file():
             yield Problem(path, "belongs to no trial", _DELETE)
             continue

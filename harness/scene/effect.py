@@ -26,4 +26,4 @@ class Effect(Flag):
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the bits that are set, in lower case, in the order of definition."""
-        return tuple(one.name.lower() for one in Effect if one in self and one.name is not None)
+        return tuple(effect.name.lower() for effect in Effect if effect in self and effect.name is not None)

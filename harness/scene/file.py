@@ -40,31 +40,31 @@ def schema() -> dict[str, Any]:
 
 def _listed(table: Any, key: str) -> list[Any]:
     """The list under a key of what should be a table; nothing where either is something else."""
-    found = table.get(key) if isinstance(table, dict) else None
-    return found if isinstance(found, list) else []
+    entries = table.get(key) if isinstance(table, dict) else None
+    return entries if isinstance(entries, list) else []
 
 
-def _beyond(told: Any) -> str:
+def _beyond(table: Any) -> str:
     """What of a scene goes beyond a limit, in words; '' where nothing does."""
     for kind in ("bodies", "joints", "sensors"):
-        if said := beyond(kind, len(_listed(told, kind))):
-            return f"{kind}: {said}"
+        if excess := beyond(kind, len(_listed(table, kind))):
+            return f"{kind}: {excess}"
     counts = {"vertices": 0, "faces": 0}
-    for place, body in enumerate(_listed(told, "bodies")):
+    for place, body in enumerate(_listed(table, "bodies")):
         for placed in (*_listed(body, "collision"), *_listed(body, "visual")):
             shape = placed.get("shape") if isinstance(placed, dict) else None
             for kind in counts:
                 counts[kind] += len(_listed(shape, kind))
-                if said := beyond("vertices", counts[kind], kind):
-                    return f"bodies[{place}] {quoted(body.get('name'), 80)}: with it the scene has {said}"
+                if excess := beyond("vertices", counts[kind], kind):
+                    return f"bodies[{place}] {quoted(body.get('name'), 80)}: with it the scene has {excess}"
     return ""
 
 
-def _scene(told: Any, source: str) -> Scene:
-    if said := _beyond(told):
-        raise SceneError(f"{source}: {said}")
+def _scene(table: Any, source: str) -> Scene:
+    if excess := _beyond(table):
+        raise SceneError(f"{source}: {excess}")
     try:
-        return filled(_ADAPTER, told, source)
+        return filled(_ADAPTER, table, source)
     except FieldError as error:
         raise SceneError(str(error)) from None
 
@@ -76,16 +76,16 @@ def parse(text: str, source: str = "scene.json") -> Scene:
         SceneError: naming source, element, field, value and expectation.
     """
     try:
-        told = parsed(text, source, ".toml" if source.endswith(".toml") else ".json")
+        table = parsed(text, source, ".toml" if source.endswith(".toml") else ".json")
     except InputError as error:
         raise SceneError(str(error)) from None
-    return _scene(told, source)
+    return _scene(table, source)
 
 
 def load(path: Path) -> Scene:
     """Read a scene file ending in .toml or .json. Raises: SceneError, where it cannot be read or is no scene."""
     try:
-        told = document(path)
+        table = document(path)
     except InputError as error:
         raise SceneError(str(error)) from None
-    return _scene(told, named(path))
+    return _scene(table, named(path))

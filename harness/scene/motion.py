@@ -49,11 +49,9 @@ class Samples:
     def __post_init__(self) -> None:
         if len(self.time) != len(self.target):
             raise ValueError(f"samples: {len(self.time)} times and {len(self.target)} targets, expected as many")
-        for place in range(1, len(self.time)):
-            if self.time[place] <= self.time[place - 1]:
-                raise ValueError(
-                    f"samples: time[{place}] is {self.time[place]:g} s after {self.time[place - 1]:g} s, expected later times"
-                )
+        for k in range(1, len(self.time)):
+            if self.time[k] <= self.time[k - 1]:
+                raise ValueError(f"samples: time[{k}] is {self.time[k]:g} s after {self.time[k - 1]:g} s, expected later times")
 
     def at(self, time: float, target: float) -> float:  # noqa: ARG002  both kinds of motion are asked alike
         """The target [rad or m] at a time [s]."""

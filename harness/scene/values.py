@@ -24,8 +24,8 @@ FROZEN = ConfigDict(extra="forbid", allow_inf_nan=False, ser_json_inf_nan="strin
 
 def _as_tuple(value: Any) -> Any:
     """Let NumPy arrays, and the lists of files, stand where a tuple is expected."""
-    found = value.tolist() if hasattr(value, "tolist") else value
-    return tuple(_as_tuple(part) for part in found) if isinstance(found, list) else found
+    listed = value.tolist() if hasattr(value, "tolist") else value
+    return tuple(_as_tuple(element) for element in listed) if isinstance(listed, list) else listed
 
 
 def _unit(q: tuple[float, float, float, float]) -> tuple[float, float, float, float]:

@@ -29,17 +29,17 @@ def beams(lidar: Lidar) -> Floats:
     azimuth = 2.0 * np.pi * np.arange(lidar.columns)[None, :] / lidar.columns
     across = np.cos(elevation)
     up = np.broadcast_to(np.sin(elevation), (lidar.channels, lidar.columns))
-    found = np.stack([across * np.cos(azimuth), across * np.sin(azimuth), up], axis=-1)
-    found.flags.writeable = False
-    return found
+    directions = np.stack([across * np.cos(azimuth), across * np.sin(azimuth), up], axis=-1)
+    directions.flags.writeable = False
+    return directions
 
 
 @lru_cache(maxsize=16)
 def by_axis(lidar: Lidar) -> Floats:
     """The same axis by axis, (3, channels, columns), read-only: a product over a last axis of three takes twice as long."""
-    found = np.ascontiguousarray(np.moveaxis(beams(lidar), -1, 0))
-    found.flags.writeable = False
-    return found
+    components = np.ascontiguousarray(np.moveaxis(beams(lidar), -1, 0))
+    components.flags.writeable = False
+    return components
 
 
 def spread(directions: Floats, divergence: float) -> Floats:

@@ -93,15 +93,15 @@ class DepthReader:
         """Take a frame. Raises: Unsupported."""
         noise = self._camera.noise
         sight, shape = self._sight(state), (self._camera.height, self._camera.width)
-        found = sight.depth
+        depth = sight.depth
         if noise is not None:
-            normal, uniform = self._normal.standard_normal(len(found)), self._uniform.random(len(found))
+            normal, uniform = self._normal.standard_normal(len(depth)), self._uniform.random(len(depth))
             invalid = lost(noise, sight) | (sight.measurable & (uniform < noise.missing))
-            found = np.where(invalid, np.nan, answer(noise, sight, normal))
+            depth = np.where(invalid, np.nan, answer(noise, sight, normal))
         self._pictures.keep(
             time,
             depth_ideal=sight.depth.reshape(shape),
-            depth=found.reshape(shape),
+            depth=depth.reshape(shape),
             body=sight.body.astype(np.int32).reshape(shape),
         )
 

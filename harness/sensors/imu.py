@@ -92,13 +92,13 @@ class ImuReader:
         """Both channels, ideal and with all errors."""
         imu, name, count = self._imu, self._imu.name, max(len(self._times) - 1, 0)
         signals = dict(zip(("accelerometer", "gyroscope"), self._ideal(), strict=True))
-        found: dict[str, Floats] = {f"{name}/time": np.array(self._times[1:]) + imu.latency}
-        found[f"{name}/native"] = np.full(count, float(self._own is not None))
+        streams: dict[str, Floats] = {f"{name}/time": np.array(self._times[1:]) + imu.latency}
+        streams[f"{name}/native"] = np.full(count, float(self._own is not None))
         for channel, signal in signals.items():
-            found[f"{name}/{channel}_ideal"] = signal
-            found[f"{name}/{channel}"] = signal.copy()
+            streams[f"{name}/{channel}_ideal"] = signal
+            streams[f"{name}/{channel}"] = signal.copy()
             if imu.noise is not None:
                 law = getattr(imu.noise, channel)
                 noise = three_axes(law, count, 1.0 / imu.rate, self._setting.seed, name, channel)
-                found[f"{name}/{channel}"] = read_out(law, sensed(law, signal) + noise)
-        return found
+                streams[f"{name}/{channel}"] = read_out(law, sensed(law, signal) + noise)
+        return streams

@@ -53,20 +53,20 @@ def undistort(lens: Distortion, points: Floats) -> Floats:
         ValueError: no ray that this lens lets through comes to one of the points.
     """
     wanted = np.asarray(points, dtype=np.float64)
-    found = wanted.copy()
+    undistorted = wanted.copy()
     allowed = RESIDUAL + 16.0 * np.finfo(np.float64).eps * np.linalg.norm(wanted, axis=-1)
     with np.errstate(all="ignore"):
         for _ in range(STEPS):
-            missed = distort(lens, found) - wanted
+            missed = distort(lens, undistorted) - wanted
             if (np.linalg.norm(missed, axis=-1) <= allowed).all():
                 break
-            xx, xy, yy = _slopes(lens, found)
+            xx, xy, yy = _slopes(lens, undistorted)
             step = np.stack([yy * missed[..., 0] - xy * missed[..., 1], xx * missed[..., 1] - xy * missed[..., 0]], axis=-1)
-            found = found - step / (xx * yy - xy * xy)[..., None]
-        missed = distort(lens, found) - wanted
-        xx, xy, yy = _slopes(lens, found)
+            undistorted = undistorted - step / (xx * yy - xy * xy)[..., None]
+        missed = distort(lens, undistorted) - wanted
+        xx, xy, yy = _slopes(lens, undistorted)
         good = (np.linalg.norm(missed, axis=-1) <= allowed) & (xx * yy - xy * xy > 0.0) & (xx + yy > 0.0)
     if not good.all():
         first = wanted.reshape(-1, 2)[int(np.flatnonzero(~good.ravel())[0])]
         raise ValueError(f"distortion {lens}: no ray comes to the normalised point ({first[0]:g}, {first[1]:g}), expected one")
-    return found
+    return undistorted

@@ -87,13 +87,13 @@ def _strongest(ranges: Floats, intensity: Floats, body: np.ndarray[tuple[int], n
     path = weight * np.where(heard, r, 0.0)
     best_range = np.full(r.shape[1], np.inf)
     best_power = np.zeros(r.shape[1])
-    for place in range(SUB_RAYS):
-        same = heard & (owner == owner[place])
+    for ray in range(SUB_RAYS):
+        same = heard & (owner == owner[ray])
         total = np.sum(weight, axis=0, where=same)
         with np.errstate(invalid="ignore", divide="ignore"):
             mean = np.sum(path, axis=0, where=same) / total
         better = (total > best_power) | (total == best_power) & (mean < best_range)
-        better &= heard[place]
+        better &= heard[ray]
         best_range, best_power = np.where(better, mean, best_range), np.where(better, total, best_power)
     return np.where(np.isnan(r).any(axis=0), np.nan, best_range), np.where(blind, np.nan, best_power / SUB_RAYS)
 

@@ -17,10 +17,10 @@ __all__ = ["Scans", "points"]
 
 def points(lidar: Lidar, ranges: Floats) -> Floats:
     """Ranges (k, channels, columns) [m] along the beams, (k, channels, columns, 3), NaN where nothing returned."""
-    found = np.empty((*ranges.shape, 3))
-    for scan, out in zip(ranges, found, strict=True):
+    positions = np.empty((*ranges.shape, 3))
+    for scan, out in zip(ranges, positions, strict=True):
         write_points(by_axis(lidar), scan, out)
-    return found
+    return positions
 
 
 def write_points(along: Floats, scan: Floats, out: Floats) -> None:

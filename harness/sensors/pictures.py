@@ -44,8 +44,8 @@ class Pictures:
 
     def streams(self) -> dict[str, Floats]:
         """'<sensor>/time' (k,) and '<sensor>/<channel>' (k, ...) of all frames."""
-        found = {f"{self._sensor}/time": np.array(self._times)}
+        streams = {f"{self._sensor}/time": np.array(self._times)}
         for channel, frames in self._frames.items():
             # Streams are typed as doubles, which most are; whatever reads these two channels lets NumPy promote them.
-            found[f"{self._sensor}/{channel}"] = cast(Floats, np.array(frames))
-        return found
+            streams[f"{self._sensor}/{channel}"] = cast(Floats, np.array(frames))
+        return streams

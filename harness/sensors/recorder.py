@@ -105,9 +105,9 @@ class SensorRecorder:
 
     def streams(self) -> dict[str, Floats]:
         """All signals so far, with noise and without; what is late enough to be stamped after the last call is left out."""
-        found = {name: signal for due in self._due for name, signal in due.reader.streams().items()}
+        signals = {name: signal for due in self._due for name, signal in due.reader.streams().items()}
         kept: dict[str, Floats] = {}
-        for name, signal in found.items():
-            stamps = found[name.rsplit("/", 1)[0] + "/time"]
+        for name, signal in signals.items():
+            stamps = signals[name.rsplit("/", 1)[0] + "/time"]
             kept[name] = signal if not len(stamps) or stamps[-1] <= self._until else signal[stamps <= self._until + 1e-9]
         return kept

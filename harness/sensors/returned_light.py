@@ -31,8 +31,8 @@ def _sent_back(sight: Sight) -> Floats:
 def signal(sight: Sight) -> Floats:
     """The camera's own light that comes back, (r,) [1]; 0 where a pixel is not measurable. Raises: Unsupported."""
     reach = np.where(sight.measurable, sight.range, 1.0)
-    found: Floats = np.where(sight.measurable, _sent_back(sight) * sight.cosine / np.square(reach), 0.0)
-    return found
+    received: Floats = np.where(sight.measurable, _sent_back(sight) * sight.cosine / np.square(reach), 0.0)
+    return received
 
 
 def sunlight(sight: Sight) -> Floats:

@@ -83,8 +83,8 @@ class Sight:
     def property_of_bodies(self, values: list[float]) -> Floats:
         """One value a body, (r,), for the body that each pixel sees; 0 for nothing."""
         # The last place stands for nothing, which body -1 names.
-        found: Floats = np.array([*values, 0.0])[self.body]
-        return found
+        per_ray: Floats = np.array([*values, 0.0])[self.body]
+        return per_ray
 
 
 def bounded(camera: DepthCamera, depth: Floats) -> Floats:

@@ -87,9 +87,9 @@ class SpinningReader:
         # Sub-rays first, then channels, then columns, as `returns` and the scan have them.
         order = np.moveaxis(np.arange(len(directions)).reshape(rays.shape[:3]), 0, 2).ravel()
         hits = Hits(hits.distance[order], hits.body[order], hits.normal_W[order])
-        found = returns(lidar, setting.scene, directions[order], hits)
-        for kept, one in zip(self._open, found, strict=True):
-            kept[:, columns] = one.reshape(lidar.channels, len(columns))
+        measured = returns(lidar, setting.scene, directions[order], hits)
+        for kept, values in zip(self._open, measured, strict=True):
+            kept[:, columns] = values.reshape(lidar.channels, len(columns))
 
     def streams(self) -> dict[str, Floats]:
         """All whole scans, ideal and with noise."""

@@ -20,10 +20,10 @@ __all__ = ["answer", "lost"]
 def lost(noise: StereoNoise, sight: Sight) -> Mask:
     """Which measurable pixels are invalid by geometry and optics, (r,). Raises: Unsupported."""
     texture = scattered(sight)
-    found: Mask = sight.measurable & ((texture <= 0.0) | (texture < noise.least_texture))
+    invalid: Mask = sight.measurable & ((texture <= 0.0) | (texture < noise.least_texture))
     if noise.occlusion:
-        found |= sight.measurable & ~in_view_of(sight, noise.baseline)
-    return found | too_steep(sight, noise.steepest)
+        invalid |= sight.measurable & ~in_view_of(sight, noise.baseline)
+    return invalid | too_steep(sight, noise.steepest)
 
 
 def answer(noise: StereoNoise, sight: Sight, normal: Floats) -> Floats:

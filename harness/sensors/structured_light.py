@@ -19,10 +19,10 @@ __all__ = ["answer", "lost"]
 
 def lost(noise: StructuredLightNoise, sight: Sight) -> Mask:
     """Which measurable pixels are invalid by geometry and optics, (r,). Raises: Unsupported."""
-    found = too_faint(sight, noise.least_signal, noise.least_contrast)
+    invalid = too_faint(sight, noise.least_signal, noise.least_contrast)
     if noise.shadow:
-        found |= sight.measurable & ~in_view_of(sight, noise.baseline)
-    return found | too_steep(sight, noise.steepest)
+        invalid |= sight.measurable & ~in_view_of(sight, noise.baseline)
+    return invalid | too_steep(sight, noise.steepest)
 
 
 def answer(noise: StructuredLightNoise, sight: Sight, normal: Floats) -> Floats:

@@ -77,11 +77,11 @@ def answer(noise: TimeOfFlightNoise, sight: Sight, normal: Floats) -> Floats:
     """
     measurable, unambiguous = sight.measurable, noise.unambiguous_range
     spread = sigma(noise, sight)
-    found = np.where(measurable, sight.range, 0.0)
+    measured = np.where(measurable, sight.range, 0.0)
     if unambiguous is not None and noise.multipath > 0.0:
-        found = _with_detour(noise, sight, found, unambiguous)
+        measured = _with_detour(noise, sight, measured, unambiguous)
     # A pixel without any light is invalid; its infinite deviation must not become NaN on the way there.
-    found = found + np.where(np.isinf(spread), 0.0, spread) * normal
+    measured = measured + np.where(np.isinf(spread), 0.0, spread) * normal
     if unambiguous is not None:
-        found = np.mod(found, unambiguous)
-    return np.where(measurable, found * sight.ahead, sight.depth)
+        measured = np.mod(measured, unambiguous)
+    return np.where(measurable, measured * sight.ahead, sight.depth)

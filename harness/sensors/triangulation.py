@@ -38,5 +38,5 @@ def too_steep(sight: Sight, steepest: float) -> Mask:
     """Which measurable pixels see their surface at an angle of incidence above `steepest` [rad], (r,). Raises: Unsupported."""
     if steepest >= np.pi / 2:
         return np.zeros(len(sight.depth), dtype=np.bool_)
-    found: Mask = sight.measurable & (sight.cosine < np.cos(steepest))
-    return found
+    steep: Mask = sight.measurable & (sight.cosine < np.cos(steepest))
+    return steep

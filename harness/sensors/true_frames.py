@@ -60,12 +60,12 @@ def true_frames(
 
     if state_at is None:
         still = frame(State.initial(scene))
-        found = [still] * len(stamps)
+        views = [still] * len(stamps)
     else:
-        found = [frame(state_at(float(time))) for time in stamps]
+        views = [frame(state_at(float(time))) for time in stamps]
     depth = "depth_ideal" if isinstance(camera, DepthCamera) else "depth"
     streams: dict[str, Floats] = {f"{camera.name}/time": stamps}
     for k, channel in enumerate((depth, "body", "lost")[: 2 if noise is None else 3]):
         shape = (len(stamps), camera.height, camera.width)
-        streams[f"{camera.name}/{channel}"] = np.array([one[k] for one in found], dtype=np.float64).reshape(shape)
+        streams[f"{camera.name}/{channel}"] = np.array([view[k] for view in views], dtype=np.float64).reshape(shape)
     return streams

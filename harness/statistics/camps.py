@@ -25,12 +25,12 @@ def camps(agree: Flags, widths: Sequence[float]) -> list[tuple[int, ...]]:
     """
     founded: list[list[int]] = []
     belongs: dict[int, tuple[int, ...]] = {}
-    for one in sorted(range(len(widths)), key=lambda place: (widths[place], place)):
-        fits = tuple(k for k, members in enumerate(founded) if all(agree[one, other] for other in members))
+    for bar in sorted(range(len(widths)), key=lambda bar: (widths[bar], bar)):
+        fits = tuple(k for k, members in enumerate(founded) if all(agree[bar, other] for other in members))
         if not fits:
             fits = (len(founded),)
             founded.append([])
         if len(fits) == 1:
-            founded[fits[0]].append(one)
-        belongs[one] = fits
-    return [belongs[place] for place in range(len(widths))]
+            founded[fits[0]].append(bar)
+        belongs[bar] = fits
+    return [belongs[bar] for bar in range(len(widths))]

@@ -113,8 +113,8 @@ def _candidates(y: Floats) -> list[int]:
     from ruptures import KernelCPD  # late: a listing must not pay for it
 
     clipped, spread = _clipped(y)
-    found: list[int] = KernelCPD(kernel="linear", min_size=FEWEST).fit(clipped[:, None] / spread).predict(pen=PENALTY)[:-1]
-    return found
+    changes: list[int] = KernelCPD(kernel="linear", min_size=FEWEST).fit(clipped[:, None] / spread).predict(pen=PENALTY)[:-1]
+    return changes
 
 
 def _clipped(y: Floats) -> tuple[Floats, float]:

@@ -68,8 +68,8 @@ def slopes(steps: Sequence[float], moved: Floats) -> Floats:
     """
     x = np.log(np.array(steps, float))
     x = x - x.mean()
-    found: Floats = x @ np.log(moved) / float(x @ x)
-    return found
+    slope: Floats = x @ np.log(moved) / float(x @ x)
+    return slope
 
 
 def convergence(time: Floats, steps: Sequence[float], apart: Floats, bar: Floats, tolerance: float) -> Convergence:

@@ -135,8 +135,8 @@ def fit_slope(time: Sequence[float], value: Sequence[float]) -> Slope | None:
     t, y = np.asarray(time, dtype=np.float64), np.asarray(value, dtype=np.float64)
     if len(t) < 2 * BLOCKS:
         return None
-    x = np.array([part.mean() for part in np.array_split(t, BLOCKS)])
-    means = np.array([part.mean() for part in np.array_split(y, BLOCKS)])
+    x = np.array([block.mean() for block in np.array_split(t, BLOCKS)])
+    means = np.array([block.mean() for block in np.array_split(y, BLOCKS)])
     fit = stats.linregress(x, means)
     half = float(fit.stderr) * float(stats.t.ppf(0.975, BLOCKS - 2)) if np.ptp(means) > 0 else 0.0
     slope = float(fit.slope)

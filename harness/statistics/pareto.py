@@ -32,12 +32,12 @@ def on_front(error: Sequence[float], cost: Sequence[float]) -> Flags:
     Args: error, cost: shape (n,), positive and finite.
     Returns: shape (n,).
     """
-    found = np.zeros(len(error), dtype=np.bool_)
+    front = np.zeros(len(error), dtype=np.bool_)
     least = np.inf
     for k in sorted(range(len(error)), key=lambda k: (cost[k], error[k])):
         if error[k] < least:
-            found[k], least = True, error[k]
-    return found
+            front[k], least = True, error[k]
+    return front
 
 
 def price(error: Floats, cost: Floats, target: Floats) -> Floats:
@@ -53,8 +53,8 @@ def price(error: Floats, cost: Floats, target: Floats) -> Floats:
     up = np.argsort(error, kind="stable")
     # Where the more accurate is the cheaper, it serves the coarser target as well.
     errors, costs, targets = np.log(error[up]), np.log(np.minimum.accumulate(cost[up])), np.log(target)
-    found = np.interp(targets, errors, costs, left=np.nan)
+    interpolated = np.interp(targets, errors, costs, left=np.nan)
     jumps = np.append(np.diff(errors) > STEEPEST * -np.diff(costs), False)
     finer = np.searchsorted(errors, targets, side="right") - 1
-    known: Floats = np.exp(np.where((finer >= 0) & jumps[finer], costs[finer], found))
+    known: Floats = np.exp(np.where((finer >= 0) & jumps[finer], costs[finer], interpolated))
     return known

@@ -74,8 +74,8 @@ class _Route:
 
 def _largest(values: Floats) -> Floats:
     """The largest component at each sample."""
-    found: Floats = np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0)
-    return found
+    largest: Floats = np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0)
+    return largest
 
 
 def _routes(

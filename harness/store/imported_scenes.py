@@ -45,17 +45,17 @@ def keep(folder: Path, imported: Imported) -> Path:
         wishes["look_at"] = list(imported.look_at)
     scene = dump_toml(imported.scene)
     digest = hashlib.sha256(json.dumps([scene, table, wishes]).encode()).hexdigest()[:12]
-    place = folder / FOLDER / digest
-    disk.make_folder(place)
+    directory = folder / FOLDER / digest
+    disk.make_folder(directory)
     files = {f"{name}.toml": sealed_toml(f"{name}.toml", scene), _TABLE: sealed_json(_TABLE, table)}
     if imported.looks:
         files[_LOOKS] = sealed_json(_LOOKS, _SHAPES.dump_python(dict(imported.looks), mode="json"))
     if wishes:
         files[f"{name}.plumb.toml"] = sealed_toml(f"{name}.plumb.toml", tomli_w.dumps(wishes))
     for file, content in files.items():
-        if not (place / file).exists() or disk.read(place / file) != content:
-            disk.write_atomically(place / file, content)
-    return place / f"{name}.toml"
+        if not (directory / file).exists() or disk.read(directory / file) != content:
+            disk.write_atomically(directory / file, content)
+    return directory / f"{name}.toml"
 
 
 def kept(folder: Path) -> Iterator[dict[str, Any]]:

@@ -72,9 +72,9 @@ def read(folder: Path) -> ParityRecord:
     content = path.read_bytes()
     if not check_seal(path, content):
         raise Damaged("it has no seal, expected one at its end")
-    told = json.loads(content)
-    if told.pop("schema") != SCHEMA:
+    table = json.loads(content)
+    if table.pop("schema") != SCHEMA:
         raise Damaged(f"its schema is not {SCHEMA}")
-    del told["checksum"]
-    sides = (Side(**{**side, "rows": tuple(side["rows"]), "notes": tuple(side["notes"])}) for side in told.pop("sides"))
-    return ParityRecord(**told, sides=tuple(sides))
+    del table["checksum"]
+    sides = (Side(**{**side, "rows": tuple(side["rows"]), "notes": tuple(side["notes"])}) for side in table.pop("sides"))
+    return ParityRecord(**table, sides=tuple(sides))

@@ -31,9 +31,9 @@ def _worded(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
     if isinstance(value, Mapping):
-        return {str(key): _worded(part) for key, part in value.items()}
+        return {str(key): _worded(element) for key, element in value.items()}
     if isinstance(value, list | tuple):
-        return [_worded(part) for part in value]
+        return [_worded(element) for element in value]
     return value
 
 
@@ -194,8 +194,8 @@ class Record:
         """Read back what `plain` wrote. Args: schema: of the program that wrote it."""
         known = {f.name for f in dataclasses.fields(cls)}
         fields = {name: value for name, value in plain.items() if name in known}
-        said = fields.get("warnings", ())
-        fields["warnings"] = tuple(StoredNotice(**each) for each in said) if schema > 2 else notices_in_sentences(said)
+        stored = fields.get("warnings", ())
+        fields["warnings"] = tuple(StoredNotice(**each) for each in stored) if schema > 2 else notices_in_sentences(stored)
         if schema < 3:
             fields["base"] = base_of_track(fields["track"])
         fields["measurements"] = tuple(

@@ -159,8 +159,8 @@ class Store:
             return {trial: record.warnings for trial, record in self._written.records.items()}
         table = self.trials
         return {
-            str(trial): notices_in_sentences(json.loads(said))
-            for trial, said in zip(table["trial"], table["warnings"], strict=True)
+            str(trial): notices_in_sentences(json.loads(text))
+            for trial, text in zip(table["trial"], table["warnings"], strict=True)
         }
 
     @cached_property

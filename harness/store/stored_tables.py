@@ -21,17 +21,17 @@ def read_tables(folder: Path, needed: Mapping[str, Sequence[str]], texts: Sequen
 
     Raises: StoreError.
     """
-    found = {name: _table(folder / f"{name}.parquet", columns) for name, columns in needed.items()}
-    first, trials = next(iter(found.items()))
+    tables = {name: _table(folder / f"{name}.parquet", columns) for name, columns in needed.items()}
+    first, trials = next(iter(tables.items()))
     for column in (column for column in texts if column in trials):
-        for told in dict.fromkeys(trials[column]):
+        for text in dict.fromkeys(trials[column]):
             try:
-                whole = isinstance(json.loads(told), dict | list)
+                whole = isinstance(json.loads(text), dict | list)
             except (TypeError, ValueError, RecursionError):
                 whole = False
             if not whole:
-                raise StoreError(f"{folder / f'{first}.parquet'}: column {column}: got {str(told)[:80]!r}, expected JSON")
-    return found
+                raise StoreError(f"{folder / f'{first}.parquet'}: column {column}: got {str(text)[:80]!r}, expected JSON")
+    return tables
 
 
 def _table(path: Path, columns: Sequence[str]) -> pd.DataFrame:

@@ -42,8 +42,8 @@ def trajectory_hash(scene: Scene, trajectory: Trajectory) -> str:
 
 def kept_hash(arrays: Mapping[str, NDArray[Any]]) -> str:
     """The same of the arrays of a file. Raises: KeyError, where it has no scene."""
-    said = {name: array for name, array in arrays.items() if name not in ("scene", "dt") and not name.startswith("truth_")}
-    return _hash(str(arrays["scene"]), said)
+    hashed = {name: array for name, array in arrays.items() if name not in ("scene", "dt") and not name.startswith("truth_")}
+    return _hash(str(arrays["scene"]), hashed)
 
 
 def _hash(scene: str, arrays: Mapping[str, NDArray[Any]]) -> str:

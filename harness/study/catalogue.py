@@ -76,10 +76,15 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
         "trade_offs": dict(engine.trade_offs),
         "deviations": list(engine.deviations),
         "emulated": [
-            {"feature": one.feature.names[0], "how": one.how, "where": one.where, "tracks": list(one.tracks)}
-            for one in engine.emulated
+            {
+                "feature": emulation.feature.names[0],
+                "how": emulation.how,
+                "where": emulation.where,
+                "tracks": list(emulation.tracks),
+            }
+            for emulation in engine.emulated
         ],
-        "advantages": {name: {"by": one.by, "why": one.why} for name, one in engine.advantages.items()},
+        "advantages": {name: {"by": advantage.by, "why": advantage.why} for name, advantage in engine.advantages.items()},
         "batch": type(engine).build_batch is not Adapter.build_batch,
         "orders": dict(engine.orders),
     }

@@ -51,8 +51,8 @@ def trials_of(
                 question = question_of(case, parameters, scene)
                 clocked = list(_clocked(experiment, case, parameters))
                 for dt, (track, engine, settings, parts) in product(steps_of(experiment, case), sides):
-                    if said := too_much(case, scene, dt / (parts or 1), every_step=experiment.determinism):
-                        raise StudyError(f"experiment '{experiment.name}': case '{case.name}': {said}")
+                    if excess := too_much(case, scene, dt / (parts or 1), every_step=experiment.determinism):
+                        raise StudyError(f"experiment '{experiment.name}': case '{case.name}': {excess}")
                     for clocks, workers in clocked:
                         trial = Trial(
                             study=study.name,
@@ -88,8 +88,8 @@ def _check_count(study: "Study", cases: Mapping[str, Case], adapters: Mapping[st
         each = math.prod(map(len, experiment.parameters.values())) * len(experiment.clocks) * len(experiment.workers)
         asked = [case for case in cases.values() if experiment.asks(case.name)]
         total += sides * each * sum(case.ensemble * len(steps_of(experiment, case)) for case in asked)
-        if said := beyond("trials", total):
-            raise StudyError(f"study '{study.name}': with experiment '{experiment.name}' up to {said}")
+        if excess := beyond("trials", total):
+            raise StudyError(f"study '{study.name}': with experiment '{experiment.name}' up to {excess}")
 
 
 def _sides(study: "Study", experiment: Experiment, engines: Sequence[Adapter]) -> Iterator[tuple[str, Adapter, Settings]]:
@@ -136,8 +136,8 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
             raise StudyError(f"experiment '{experiment.name}': case '{case.name}' has no parameter '{name}', expected: {known}")
     for name, values in experiment.parameters.items():
         for value in values:
-            if said := misfit(case.parameters[name], value):
-                raise StudyError(f"experiment '{experiment.name}': case '{case.name}': parameter '{name}': {said}")
+            if reason := misfit(case.parameters[name], value):
+                raise StudyError(f"experiment '{experiment.name}': case '{case.name}': parameter '{name}': {reason}")
     for values in product(*experiment.parameters.values()):
         chosen = dict(case.parameters) | dict(zip(experiment.parameters, values, strict=True))
         for seed in range(case.ensemble):

@@ -78,8 +78,10 @@ class Variant:
         """The settings of this variant of an engine with these tracks."""
         base = tracks[self.on]
         names = ("substeps", "iterations", "integrator", "solver", "tolerance")
-        said = {name: value for name in names if (value := getattr(self, name)) is not None}
-        return replace(base, **said, options={**base.options, **self.options}, source=self.source or f"a variant of {self.on}")
+        overrides = {name: value for name in names if (value := getattr(self, name)) is not None}
+        return replace(
+            base, **overrides, options={**base.options, **self.options}, source=self.source or f"a variant of {self.on}"
+        )
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -37,10 +37,10 @@ def scene_at(case: Case, parameters: Mapping[str, Any]) -> Scene:
         return case.scene(**parameters)
     except Exception as error:
         given = {name: value for name, value in parameters.items() if case.parameters.get(name) != value}
-        said = " ".join(str(error).split())
+        message = " ".join(str(error).split())
         raise NoScene(
             f"case '{readable(case.name, 300)}' has no scene at {quoted(given) if given else 'its parameters'}: "
-            f"{type(error).__name__}: {readable(said, 300)}"
+            f"{type(error).__name__}: {readable(message, 300)}"
         ) from error
 
 
@@ -60,12 +60,12 @@ def _rays(sensor: Sensor) -> int:
 def too_much(case: Case, scene: Scene, dt: float, *, every_step: bool = False) -> str:
     """What a run of a scene asks for beyond a limit, at steps of dt [s], in words; '' where it does not."""
     steps = case.duration / dt
-    if said := beyond("steps", math.ceil(steps)):
-        return f"at dt {dt:g} s over {case.duration:g} s: {said}"
+    if excess := beyond("steps", math.ceil(steps)):
+        return f"at dt {dt:g} s over {case.duration:g} s: {excess}"
     interval = dt if every_step or not case.sample_interval else case.sample_interval
-    if said := beyond("samples", math.ceil(case.duration / interval * len(scene.bodies))):
-        return f"{len(scene.bodies)} bodies every {interval:g} s over {case.duration:g} s: {said}"
+    if excess := beyond("samples", math.ceil(case.duration / interval * len(scene.bodies))):
+        return f"{len(scene.bodies)} bodies every {interval:g} s over {case.duration:g} s: {excess}"
     costs = {sensor.name: _rays(sensor) * sensor.rate * case.duration for sensor in scene.sensors}
-    if said := beyond("rays", math.ceil(min(math.fsum(costs.values()), 1e300)), "rays, pixels and readings"):
-        return f"sensor '{max(costs, key=lambda name: costs[name])}' at most of them, over {case.duration:g} s: {said}"
+    if excess := beyond("rays", math.ceil(min(math.fsum(costs.values()), 1e300)), "rays, pixels and readings"):
+        return f"sensor '{max(costs, key=lambda name: costs[name])}' at most of them, over {case.duration:g} s: {excess}"
     return ""

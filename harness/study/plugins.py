@@ -84,8 +84,8 @@ def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | typ
         point = points(f"plumbline.{kind}").get(name)
         if point is None:
             raise PluginError(f"{kind[:-1]} '{name}': not found, expected one of {', '.join(names(kind))}")
-        if said := trouble(point):
-            raise PluginError(f"{kind[:-1]} '{name}': {said}")
+        if reason := trouble(point):
+            raise PluginError(f"{kind[:-1]} '{name}': {reason}")
         constructed, where = point.load(), point.value
     if not isinstance(constructed, expected):
         raise PluginError(f"{where}: {constant} is {type(constructed).__name__}, expected {expected.__name__}")
@@ -113,17 +113,17 @@ def adapter(name: str) -> Adapter:
     if point is None:
         built_in: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
         return built_in
-    said = trouble(point)
-    if not said:
+    reason = trouble(point)
+    if not reason:
         try:
             engine: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
-            said = _wrong(engine)
+            reason = _wrong(engine)
         except PluginError as error:
-            said = str(error)
-    if not said:
+            reason = str(error)
+    if not reason:
         return engine
     tracks = {"default": Settings(), "tuned": Settings()}
-    return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=said)
+    return _Lost(name=name, title=name, distribution="", features=Feature.NONE, tracks=tracks, reason=reason)
 
 
 def _wrong(adapter: Adapter) -> str:
@@ -162,7 +162,7 @@ def cases(wanted: Callable[[str], bool] = lambda _name: True) -> dict[str, Case]
 
 def left_out(kind: str) -> dict[str, str]:
     """Third parties' plug-ins of a kind ('cases', 'metrics', 'pages') that cannot be loaded, each with the reason."""
-    return {name: said for name, point in points(f"plumbline.{kind}").items() if (said := trouble(point))}
+    return {name: reason for name, point in points(f"plumbline.{kind}").items() if (reason := trouble(point))}
 
 
 def metrics() -> dict[str, Metric]:

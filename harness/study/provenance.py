@@ -95,7 +95,7 @@ def what_changed(case: str, engine: str, was: Mapping[str, str], files: Mapping[
 
     Args: was: what `sources_of` gave then; files: what `files_of` gave then.
     """
-    now, said = sources_of(case, engine), []
+    now, changes = sources_of(case, engine), []
     if not was:
         return "an earlier version of plumbline, which did not say what an answer rests on"
     for origin in (*now, *(origin for origin in was if origin not in now)):
@@ -103,10 +103,10 @@ def what_changed(case: str, engine: str, was: Mapping[str, str], files: Mapping[
         if before == after:
             continue
         if origin == "libraries":
-            said.append(f"libraries: {before} -> {after}")
+            changes.append(f"libraries: {before} -> {after}")
             continue
         today = sources.file_digests(_files_of_origin(origin, case, engine))
         names = [name for name, digest in today.items() if files.get(name) != digest]
         shown = f"{', '.join(names[:3])}{f' and {len(names) - 3} more' if len(names) > 3 else ''}" or "what it imports"
-        said.append(f"{_WORDS.get(origin, origin)} changed: {shown}")
-    return "; ".join(said)
+        changes.append(f"{_WORDS.get(origin, origin)} changed: {shown}")
+    return "; ".join(changes)

@@ -33,7 +33,7 @@ def call_roll(study: Study, cases: Sequence[str], engines: Sequence[str]) -> Non
     for engine in study.variants:
         if engine not in engines:
             raise StudyError(f"{where}: variants: {quoted(engine)} is no engine, expected one of: {', '.join(engines)}")
-    variants = [f"{engine}/{name}" for engine, told in study.variants.items() for name in told]
+    variants = [f"{engine}/{name}" for engine, named in study.variants.items() for name in named]
     for experiment in study.experiments:
         here = f"{where}: experiment '{experiment.name}'"
         _check(here, "cases", experiment.cases, cases)

@@ -37,10 +37,10 @@ def _package(name: str) -> Path | None:
     """The folder or file of a top-level package; None for one that has none."""
     if name in _roots():
         return _roots()[name]
-    found = PathFinder.find_spec(name)
-    if found is None or found.origin is None:
+    spec = PathFinder.find_spec(name)
+    if spec is None or spec.origin is None:
         return None
-    return Path(found.origin).parent if found.submodule_search_locations else Path(found.origin)
+    return Path(spec.origin).parent if spec.submodule_search_locations else Path(spec.origin)
 
 
 @cache
@@ -88,13 +88,13 @@ def imported(module: str) -> frozenset[str]:
         return frozenset()
     package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
     top = module.partition(".")[0]
-    found = set[str]()
+    modules = set[str]()
     for statement in _STATEMENT.findall(_text(path).decode("utf-8", "replace")):
         for name, level in _named(statement):
             whole = [*package[: len(package) - level + 1], *name.split(".")] if level else name.split(".")
             if whole[0] == top or whole[0] in _OURS:
-                found.update(".".join(whole[:count]) for count in range(1, len(whole) + 1))
-    return frozenset(one for one in found if not keeps(one) and _file(one) is not None)
+                modules.update(".".join(whole[:count]) for count in range(1, len(whole) + 1))
+    return frozenset(dotted for dotted in modules if not keeps(dotted) and _file(dotted) is not None)
 
 
 def keeps(module: str) -> bool:
@@ -156,10 +156,10 @@ def _joined(modules: frozenset[str]) -> str:
 def libraries() -> str:
     """The versions of the numeric libraries that answers pass through."""
 
-    def said(name: str) -> str:
+    def name_and_version(name: str) -> str:
         try:
             return f"{name} {version(name)}"
         except PackageNotFoundError:
             return f"{name} none"
 
-    return ", ".join(map(said, _LIBRARIES))
+    return ", ".join(map(name_and_version, _LIBRARIES))

@@ -77,32 +77,32 @@ def _hull(vertices: Floats) -> Solid:
     from scipy.spatial import ConvexHull as Hull  # late: a listing must not pay for it
 
     hull = Hull(vertices)
-    corners, place = vertices[hull.vertices], {int(k): i for i, k in enumerate(hull.vertices)}
+    corners, corner_of = vertices[hull.vertices], {int(k): i for i, k in enumerate(hull.vertices)}
     normals = np.unique(np.round(hull.equations[:, :3], 12), axis=0)
     outward = hull.equations[:, :3]
     edges = set()
-    for one, (triangle, beside) in enumerate(zip(hull.simplices.tolist(), hull.neighbors.tolist(), strict=True)):
+    for face, (triangle, beside) in enumerate(zip(hull.simplices.tolist(), hull.neighbors.tolist(), strict=True)):
         for i, other in enumerate(beside):
             # Two triangles of one face have no edge between them.
-            if outward[one] @ outward[other] < 1.0 - FLAT:
-                a, b = place[triangle[i - 1]], place[triangle[i - 2]]
+            if outward[face] @ outward[other] < 1.0 - FLAT:
+                a, b = corner_of[triangle[i - 1]], corner_of[triangle[i - 2]]
                 edges.add((min(a, b), max(a, b)))
     return Solid(corners, normals / np.linalg.norm(normals, axis=1)[:, None], tuple(sorted(edges)), 0.0, 0.0, "convex hull")
 
 
-def reach(one: Solid) -> float:
+def reach(convex: Solid) -> float:
     """Radius [m] of the ball about the origin of S that holds the solid; infinite for a half space."""
-    if len(one.corners) == 0:
+    if len(convex.corners) == 0:
         return np.inf
-    return float(np.max(np.hypot(np.linalg.norm(one.corners, axis=1), one.rim))) + one.radius
+    return float(np.max(np.hypot(np.linalg.norm(convex.corners, axis=1), convex.rim))) + convex.radius
 
 
-def _along(one: Solid, corners: Floats, axis: Floats, d: Floats) -> Floats:
+def _along(convex: Solid, corners: Floats, axis: Floats, d: Floats) -> Floats:
     """The farthest that a solid goes along each direction, (t, n) m; corners (t, k, 3), axis (t, 3), d (t, n, 3) unit."""
-    farthest: Floats = np.max(np.einsum("tki,tni->tnk", corners, d), axis=2) + one.radius
-    if one.rim > 0:
+    farthest: Floats = np.max(np.einsum("tki,tni->tnk", corners, d), axis=2) + convex.radius
+    if convex.rim > 0:
         cosine = np.einsum("ti,tni->tn", axis, d)
-        farthest = farthest + one.rim * np.sqrt(np.maximum(0.0, 1.0 - cosine**2))
+        farthest = farthest + convex.rim * np.sqrt(np.maximum(0.0, 1.0 - cosine**2))
     return farthest
 
 
@@ -151,12 +151,12 @@ def depth(a: Solid, p_WA: Floats, q_WA: Floats, b: Solid, p_WB: Floats, q_WB: Fl
     return least
 
 
-def _sides(one: Solid, corners: Floats) -> Floats:
+def _sides(convex: Solid, corners: Floats) -> Floats:
     """The directions of a core's edges, each once, (t, m, 3) unit."""
-    if not one.edges:
+    if not convex.edges:
         return np.zeros((len(corners), 0, 3))
-    starts, ends = (list(places) for places in zip(*one.edges, strict=True))
-    own = one.corners[ends] - one.corners[starts]
+    starts, ends = (list(places) for places in zip(*convex.edges, strict=True))
+    own = convex.corners[ends] - convex.corners[starts]
     own = own / np.linalg.norm(own, axis=1)[:, None]
     first = [k for k in range(len(own)) if k == 0 or np.max(np.abs(own[:k] @ own[k])) < 1.0 - FLAT]
     ways = (corners[:, ends] - corners[:, starts])[:, first]

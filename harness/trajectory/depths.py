@@ -34,7 +34,7 @@ def pair_depths(scene: Scene, run: Trajectory) -> Iterator[tuple[int, int, Float
         return
     p, q = (np.stack(parts, axis=1) for parts in zip(*(_poses(run, place, placed) for place, placed in shapes), strict=True))
     solids = [_solid(placed) for _, placed in shapes]
-    reaches = np.array([math.inf if one is None else reach(one) for one in solids])
+    reaches = np.array([math.inf if hull is None else reach(hull) for hull in solids])
     for a, (place_a, _) in enumerate(shapes):
         near = np.sum((p[:, :a] - p[:, a : a + 1]) ** 2, axis=2) <= (reaches[:a] + reaches[a]) ** 2
         for b in np.flatnonzero(near.any(axis=0)).tolist():

@@ -41,13 +41,13 @@ def joint_states(scene: Scene, state: State, near: Floats | None = None) -> Join
 
     Args: near (j,): coordinates [rad] of which angles take the branch nearest to; None: that of half a turn about the start.
     """
-    found = JointStates.unknown(scene)
+    states = JointStates.unknown(scene)
     moment = Trajectory(np.zeros(1), state.p_WB[None], state.q_WB[None], state.v_WB[None], state.w_WB[None])
     for k, joint in enumerate(scene.joints):
         if isinstance(joint, Fixed | Ball):
             continue
-        found.coordinate[k] = joint_coordinate(scene, joint, moment)[0]
-        found.rate[k] = joint_rate(scene, joint, moment)[0]
+        states.coordinate[k] = joint_coordinate(scene, joint, moment)[0]
+        states.rate[k] = joint_rate(scene, joint, moment)[0]
         if near is not None and joint.type == "revolute" and np.isfinite(near[k]):
-            found.coordinate[k] += 2.0 * np.pi * np.round((near[k] - found.coordinate[k]) / (2.0 * np.pi))
-    return found
+            states.coordinate[k] += 2.0 * np.pi * np.round((near[k] - states.coordinate[k]) / (2.0 * np.pi))
+    return states

@@ -102,8 +102,8 @@ def offsets(run: Trajectory, base: Trajectory, scale: Extent) -> Floats:
 def length(offset: Floats) -> Floats:
     """The largest of all bodies at each sample, (t,): of the displacement and the turn, added up."""
     parts = np.linalg.norm(offset[..., :3], axis=-1) + np.linalg.norm(offset[..., 3:], axis=-1)
-    found: Floats = parts.max(axis=1, initial=0.0)
-    return found
+    largest: Floats = parts.max(axis=1, initial=0.0)
+    return largest
 
 
 def apart(run: Trajectory, base: Trajectory, scale: Extent) -> Floats:
@@ -127,8 +127,8 @@ def common(runs: Sequence[Trajectory]) -> list[Trajectory]:
     times = runs[0].time
     for run in runs[1:]:
         times = times[np.isin(np.round(times, 9), np.round(run.time, 9))]
-    found = []
+    cut = []
     for run in runs:
         keep = np.isin(np.round(run.time, 9), np.round(times, 9))
-        found.append(Trajectory(run.time[keep], run.p_WB[keep], run.q_WB[keep], run.v_WB[keep], run.w_WB[keep], dt=run.dt))
-    return found
+        cut.append(Trajectory(run.time[keep], run.p_WB[keep], run.q_WB[keep], run.v_WB[keep], run.w_WB[keep], dt=run.dt))
+    return cut

@@ -95,7 +95,7 @@ def reach(body: Body, way: Floats) -> float:
 
 def _met(a: _Solid, b: _Solid, close: float) -> Iterator[Floats]:
     """Normals from a to b along which the two touch; none where they are apart or overlap by more than `close` [m]."""
-    ways = [*a.normals, *b.normals, *(np.cross(one, other) for one, other in pairs_of(a.edges, b.edges)), b.centre - a.centre]
+    ways = [*a.normals, *b.normals, *(np.cross(edge, other) for edge, other in pairs_of(a.edges, b.edges)), b.centre - a.centre]
     lengths = [float(np.linalg.norm(way)) for way in ways]
     units = [side * way / length for way, length in zip(ways, lengths, strict=True) if length > CLOSE for side in (1.0, -1.0)]
     apart = np.array([-a.reach(unit) - b.reach(-unit) for unit in units])
@@ -131,7 +131,7 @@ def touches(scene: Scene) -> list[Touch]:
         for place, body in solid
     }
     thin = {place: min(width(placed.shape) for placed in body.collision) for place, body in solid}
-    found = []
+    touching = []
     for i, (first, a) in enumerate(solid):
         here = np.array(a.p_WB)
         for second, b in solid[i + 1 :]:
@@ -139,6 +139,6 @@ def touches(scene: Scene) -> list[Touch]:
             close = CLOSE * thinner
             near = float(np.linalg.norm(np.array(b.p_WB) - here)) <= reaches[first] + reaches[second] + close
             if near and (a.movable or b.movable) and scene.collides(a, b):
-                for one, other in pairs_of(solids[first], solids[second]):
-                    found += [Touch(first, second, normal, thinner) for normal in _met(one, other, close)]
-    return found
+                for piece, other in pairs_of(solids[first], solids[second]):
+                    touching += [Touch(first, second, normal, thinner) for normal in _met(piece, other, close)]
+    return touching

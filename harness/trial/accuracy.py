@@ -75,24 +75,24 @@ def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) 
     """
     expected = None if made is None else made.trajectory
     own = {} if made is None else {"m": made.position_error, "m/s": made.velocity_error}
-    found = []
+    measurements = []
     for check in case.checks:
         end = math.inf if check.end is None else check.end
-        part = actual.between(check.start, end) if check.start > 0 or check.end is not None else actual
-        truth = None if expected is None else (expected.between(check.start, end) if part is not actual else expected)
+        judged = actual.between(check.start, end) if check.start > 0 or check.end is not None else actual
+        truth = None if expected is None else (expected.between(check.start, end) if judged is not actual else expected)
         bound = check.bound(actual.dt)
         because = check.because if check.metric.better == "lower" else f"at least this: {check.because}"
         try:
-            value = check.metric(scene, part, truth)
+            value = check.metric(scene, judged, truth)
             passed: bool | None = check.passes(value, actual.dt)
-            off = _off(check.metric, own, scene, part)
+            off = _off(check.metric, own, scene, judged)
             if off > 0.0 and check.metric.better == "lower":
                 bound += off
                 passed = bool(np.isfinite(value)) and value <= bound
                 because = f"{because}; and {off:.2g} {check.metric.unit} that the truth itself may be off"
         except NotMeasurable as error:
             value, passed, because, off = math.nan, None, f"not measurable: {error}", 0.0
-        found.append(
+        measurements.append(
             Measurement(
                 metric=check.metric.name,
                 value=value,
@@ -110,8 +110,10 @@ def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) 
                 value, because, off = metric(scene, actual, expected), "", _off(metric, own, scene, actual)
             except NotMeasurable as error:
                 value, because, off = math.nan, f"not measurable: {error}", 0.0
-            found.append(Measurement(metric=metric.name, value=value, unit=metric.unit, because=because, truth_error=off))
-    return tuple(found)
+            measurements.append(
+                Measurement(metric=metric.name, value=value, unit=metric.unit, because=because, truth_error=off)
+            )
+    return tuple(measurements)
 
 
 def _off(metric: Metric, own: Mapping[str, float], scene: Scene, actual: Trajectory) -> float:

@@ -142,11 +142,11 @@ class Bench:
                 self.start()
             if self._call is not None:
                 return clock_calls(self._call, count)
-            part = min(count, self.whole - self._here)
-            one_cpu, one_wall = self._step(part)
+            steps = min(count, self.whole - self._here)
+            one_cpu, one_wall = self._step(steps)
             cpu, wall = cpu + one_cpu, wall + one_wall
-            self._here += part
-            count -= part
+            self._here += steps
+            count -= steps
         return cpu, wall
 
     def _step(self, count: int) -> tuple[float, float]:
@@ -163,9 +163,9 @@ class Bench:
         """Steps under forces from outside: the clock stands still while these are found and told."""
         cpu = wall = 0.0
         while count > 0:
-            part = self._simulation.renew(count)
-            one_cpu, one_wall = self._advance(part)
-            cpu, wall, count = cpu + one_cpu, wall + one_wall, count - part
+            steps = self._simulation.renew(count)
+            one_cpu, one_wall = self._advance(steps)
+            cpu, wall, count = cpu + one_cpu, wall + one_wall, count - steps
         return cpu, wall
 
 

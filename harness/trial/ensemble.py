@@ -77,13 +77,13 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
         return Fate("finite", end, "", start.scene, answer, False)
     # Height means nothing in a scene that may fall.
     shown, sign = first_break(start.scene, actual, SIGNS if _stands(case) else [sign for sign in SIGNS if sign != "height"])
-    told = start.back(actual)
+    taken_back = start.back(actual)
     truth = truth_of(case, scene, actual.time, plain.parameters, folder, trial.sources)
     asked = bounded(case, trial.settings.dt, answer.substep(trial.settings), plain.parameters, folder, trial.sources)
-    measured = judge(asked, scene, told, truth) if number == 0 or not (_stands(case) or _limited(case)) else ()
-    failed = [one.metric for one in measured if one.passed is False]
+    measured = judge(asked, scene, taken_back, truth) if number == 0 or not (_stands(case) or _limited(case)) else ()
+    failed = [measurement.metric for measurement in measured if measurement.passed is False]
     by, time = "", end
-    if _limited(case) and _lost(asked, scene, told, None if truth is None else truth.trajectory):
+    if _limited(case) and _lost(asked, scene, taken_back, None if truth is None else truth.trajectory):
         by = case.headline
     elif _stands(case):
         by, time = sign, shown

@@ -35,8 +35,8 @@ def equivalent_streams(
     time = run.time
     if broke is not None:
         time = np.append(time, time[-1:] + max(sample_interval, settings.dt))
-        states = {name: np.concatenate([part, np.full((1, *part.shape[1:]), np.nan)]) for name, part in states.items()}
-    streams = {f"{retelling.name}/{name}": part for name, part in (("time", time), *states.items())}
+        states = {name: np.concatenate([array, np.full((1, *array.shape[1:]), np.nan)]) for name, array in states.items()}
+    streams = {f"{retelling.name}/{name}": array for name, array in (("time", time), *states.items())}
     return streams, () if broke is None else (f"{retelling.name}: diverged {broke}",)
 
 

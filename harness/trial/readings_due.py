@@ -26,16 +26,16 @@ def readings_due(scene: Scene, actual: Trajectory) -> dict[str, Floats]:
     """Streams '<sensor>/gyroscope_due' (k, 3) rad/s and '<sensor>/range_due' (k, channels, columns) m, as many as there are
     readings, NaN where a reading has no state beside it; none of a sensor with a latency, that spins, or meets shapes without
     a closed form."""
-    found: dict[str, Floats] = {}
+    due: dict[str, Floats] = {}
     for sensor in scene.sensors:
         try:
             if isinstance(sensor, Imu) and sensor.latency == 0:
-                found |= _stream(scene, sensor, actual, "gyroscope", _turning)
+                due |= _stream(scene, sensor, actual, "gyroscope", _turning)
             elif isinstance(sensor, Lidar) and not sensor.spinning:
-                found |= _stream(scene, sensor, actual, "range", _ranges)
+                due |= _stream(scene, sensor, actual, "range", _ranges)
         except TypeError:  # of `first_hits`: a shape without a closed form
             continue
-    return found
+    return due
 
 
 def _stream(
@@ -53,9 +53,9 @@ def _stream(
 def _instants(sensor: Sensor, actual: Trajectory) -> Iterator[tuple[int, State]]:
     """The places of readings that have a state, with it."""
     stamps = actual.streams.get(f"{sensor.name}/time", np.zeros(0))
-    for k, place in enumerate(np.searchsorted(actual.time, stamps - SAME)):
-        if stamps[k] > 0 and place < len(actual) and abs(actual.time[place] - stamps[k]) <= SAME:
-            yield k, actual.state(int(place))
+    for k, sample in enumerate(np.searchsorted(actual.time, stamps - SAME)):
+        if stamps[k] > 0 and sample < len(actual) and abs(actual.time[sample] - stamps[k]) <= SAME:
+            yield k, actual.state(int(sample))
 
 
 def _turning(scene: Scene, sensor: Imu, state: State) -> Floats:

@@ -28,7 +28,7 @@ def bare_rays(scene: Scene) -> Rays:
     start = State.initial(scene)
     rows = [row_of(scene, finder.body, start) for finder in finders]
     cast = [in_world(finder, row[:3], row[3:7]) for finder, row in zip(finders, rows, strict=True)]
-    origins, directions = (np.concatenate(part) for part in zip(*cast, strict=True))
+    origins, directions = (np.concatenate(arrays) for arrays in zip(*cast, strict=True))
     return Rays(origins=origins, directions=directions, max_range=max(finder.max_range for finder in finders))
 
 

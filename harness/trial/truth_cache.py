@@ -48,15 +48,15 @@ def truth_of(
         reference = adapter("reference")
         asked = {"scene": dump_json(scene), "time": time.tolist(), "step": case.coarsest, "engine": reference.version()}
         kept = _place(folder, asked | {"laws": laws})
-        if (found := _read(kept)) is not None:
-            return found
+        if (cached := _read(kept)) is not None:
+            return cached
         made = converged(scene, time, reference, case.coarsest)
         if kept is not None:
             _write(kept, made)
         return made
     kept = _place(folder, {"case": case.name, "parameters": dict(parameters), "time": time.tolist(), "laws": laws})
-    if (found := _read(kept)) is not None:
-        return found
+    if (cached := _read(kept)) is not None:
+        return cached
     start = clock.monotonic()
     truth = case.truth_at(time, parameters)
     if isinstance(truth, Trajectory):
@@ -97,7 +97,7 @@ def _place(folder: Path | None, depends: Mapping[str, Any], kind: str = "npz") -
 
 def _laws(sources: Mapping[str, str] | None) -> list[str]:
     """The texts that closed forms, bounds and references are made by: of the case, the harness, the reference engine."""
-    return [] if sources is None else [sources.get(part, "") for part in ("case", "truth", "harness", "libraries")]
+    return [] if sources is None else [sources.get(origin, "") for origin in ("case", "truth", "harness", "libraries")]
 
 
 def _damaged(kept: Path, error: Damaged) -> None:

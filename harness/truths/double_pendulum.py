@@ -39,8 +39,8 @@ def acceleration(theta: Floats, rate: Floats) -> Floats:
     turn = coupling * np.sin(difference)
     first = -turn * rate[1] ** 2 - MASS * (D + LENGTH) * G * np.sin(theta[0])
     second = turn * rate[0] ** 2 - MASS * D * G * np.sin(theta[1])
-    found: Floats = np.array([c * first - b * second, a * second - b * first]) / (a * c - b * b)
-    return found
+    accelerations: Floats = np.array([c * first - b * second, a * second - b * first]) / (a * c - b * b)
+    return accelerations
 
 
 def placed(time: Floats, y: Floats) -> Trajectory:

@@ -58,7 +58,7 @@ def _solve(
     if len(times) == 0:
         return np.zeros((0, 2 * len(q)))
     n = len(q)
-    found = solve_ivp(
+    solution = solve_ivp(
         lambda _t, y: np.concatenate(change(y[:n], y[n:])),
         (0.0, max(float(times[-1]), 1e-9)),
         [*q, *rate],
@@ -67,7 +67,7 @@ def _solve(
         rtol=rtol,
         atol=rtol * 1e-1,
     )
-    if not found.success:
-        raise RuntimeError(f"the reference integration stopped: {found.message}")
-    y: Floats = found.y.T
+    if not solution.success:
+        raise RuntimeError(f"the reference integration stopped: {solution.message}")
+    y: Floats = solution.y.T
     return y

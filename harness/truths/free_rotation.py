@@ -139,8 +139,8 @@ def first_order_errors(moments: Vector3, spin: Vector3, duration: float) -> tupl
                 carried = angle[after] * w[before] - angle[before] * w[after]
                 return np.concatenate([a, change(w, dw) + torque * change(w, a), carried + dw + turning * a])
 
-            found = solve_ivp(rates, (0, duration), [*spin] + [0.0] * 6, "DOP853", t_eval=times, rtol=1e-9, atol=1e-11).y.T
-            w, dw, angle = found[:, :3], found[:, 3:6], found[:, 6:]
+            states = solve_ivp(rates, (0, duration), [*spin] + [0.0] * 6, "DOP853", t_eval=times, rtol=1e-9, atol=1e-11).y.T
+            w, dw, angle = states[:, :3], states[:, 3:6], states[:, 6:]
             l_B = inertia * w
             moved = np.linalg.norm(np.cross(angle, l_B) + inertia * dw, axis=1) / np.linalg.norm(l_B[0])
             energy = np.abs(np.sum(dw * l_B, axis=1)) / (0.5 * np.sum(w[0] * l_B[0]))

@@ -63,8 +63,8 @@ class HalfForce(Wrapped):
 
 def _along(got: Contacts) -> Floats:
     """The normal parts (k, 3) N of the forces."""
-    part: Floats = np.sum(got.force_W * got.normal_W, axis=1)[:, None] * got.normal_W
-    return part
+    along: Floats = np.sum(got.force_W * got.normal_W, axis=1)[:, None] * got.normal_W
+    return along
 
 
 class LateForce(Wrapped):

@@ -25,16 +25,16 @@ def misread_joints(change: Callable[[JointStates], JointStates]) -> Callable[[Ad
     return wrapped(Misread)
 
 
-def reversed_rates(said: JointStates) -> JointStates:
+def reversed_rates(states: JointStates) -> JointStates:
     """Rates of the parent over the child."""
-    return replace(said, rate=-said.rate)
+    return replace(states, rate=-states.rate)
 
 
-def within_a_turn(said: JointStates) -> JointStates:
+def within_a_turn(states: JointStates) -> JointStates:
     """Angles lose their full turns."""
-    return replace(said, coordinate=(said.coordinate + np.pi) % (2.0 * np.pi) - np.pi)
+    return replace(states, coordinate=(states.coordinate + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def on_the_parent(said: JointStates) -> JointStates:
+def on_the_parent(states: JointStates) -> JointStates:
     """Reactions on the parent instead of the child."""
-    return replace(said, reaction=-said.reaction)
+    return replace(states, reaction=-states.reaction)

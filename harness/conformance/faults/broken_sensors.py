@@ -117,7 +117,7 @@ def late_pictures(adapter: Adapter) -> Adapter:
     """Pictures are one step late."""
     return plant(
         adapter,
-        simulation=lambda inner, one, scene, settings: LatePicture(inner, scene, settings, one.build(scene, settings)),
+        simulation=lambda inner, engine, scene, settings: LatePicture(inner, scene, settings, engine.build(scene, settings)),
     )
 
 
@@ -133,7 +133,7 @@ class LateInertial(Wrapped):
         if count > 1:
             self.inner.step(count - 1)
         own: Any = self.inner
-        self._said = {one.name: own.inertial(one.name) for one in self.scene.sensors if isinstance(one, Imu)}
+        self._said = {sensor.name: own.inertial(sensor.name) for sensor in self.scene.sensors if isinstance(sensor, Imu)}
         if count > 0:
             self.inner.step()
 
@@ -144,7 +144,7 @@ class LateInertial(Wrapped):
 
 def _mounted(change: Callable[[Imu], Imu]) -> Callable[[Adapter], Adapter]:
     def changed_scene(scene: Scene) -> Scene:
-        return replace(scene, sensors=tuple(change(one) if isinstance(one, Imu) else one for one in scene.sensors))
+        return replace(scene, sensors=tuple(change(sensor) if isinstance(sensor, Imu) else sensor for sensor in scene.sensors))
 
     return lambda adapter: plant(adapter, scene=changed_scene)
 
@@ -159,7 +159,7 @@ def laws(change: Callable[[AxisNoise], AxisNoise]) -> Callable[[Scene], Scene]:
     """The readers of inertial sensors follow another law than the scene's."""
 
     def changed_scene(scene: Scene) -> Scene:
-        return replace(scene, sensors=tuple(_other(one) if isinstance(one, Imu) else one for one in scene.sensors))
+        return replace(scene, sensors=tuple(_other(sensor) if isinstance(sensor, Imu) else sensor for sensor in scene.sensors))
 
     def _other(imu: Imu) -> Imu:
         if imu.noise is None:

@@ -121,7 +121,7 @@ def braked(rate: float) -> Callable[[Adapter], Adapter]:
     def apply(adapter: Adapter) -> Adapter:
         if Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING in adapter.features:
             return plant(adapter, scene=slowed)
-        return plant(adapter, simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, edit))
+        return plant(adapter, simulation=lambda inner, engine, scene, settings: Rewritten(inner, engine, scene, settings, edit))
 
     return apply
 
@@ -189,7 +189,7 @@ class ReshapesWrench(Wrapped):
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """As inside, of whatever was handed in."""
         n = len(self.scene.bodies)
-        made = (np.nan_to_num(np.resize(np.asarray(one, dtype=np.float64), (n, 3))) for one in (f_B_W, tau_B_W))
+        made = (np.nan_to_num(np.resize(np.asarray(loads, dtype=np.float64), (n, 3))) for loads in (f_B_W, tau_B_W))
         self.inner.wrench(*made)
 
 

@@ -18,12 +18,12 @@ _TOLD = Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS
 _D = Feature.PRISMATIC | Feature.DRIVES
 
 
-def _without(part: str, **changed: float | None) -> Callable[[Any], Joint]:
+def _without(attribute: str, **changed: float | None) -> Callable[[Any], Joint]:
     """A change of joints: the named fields of their drive or spring are replaced."""
 
     def change(joint: Any) -> Joint:
-        law = getattr(joint, part, None)
-        changed_joint: Joint = joint if law is None else replace(joint, **{part: replace(law, **changed)})
+        law = getattr(joint, attribute, None)
+        changed_joint: Joint = joint if law is None else replace(joint, **{attribute: replace(law, **changed)})
         return changed_joint
 
     return change

@@ -104,7 +104,7 @@ SENSING_CONTROLS: tuple[Control, ...] = (
     Control(
         name="rays_one_step_late",
         fault="rays meet bodies where they were one step ago",
-        plant=simulated(lambda inner, one, scene, settings: LateRays(inner, scene, settings, one.build(scene, settings))),
+        plant=simulated(lambda inner, engine, scene, settings: LateRays(inner, scene, settings, engine.build(scene, settings))),
         caught_by=("rays_see_the_present_state",),
         needs=Feature.RAYS | Feature.SPHERE,
     ),

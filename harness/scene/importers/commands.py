@@ -33,8 +33,8 @@ def load_commands(path: Path) -> dict[str, Samples]:
     names = _header(rows[0][1], f"{where}: line {rows[0][0]}")
     if len(rows) - 1 > MOST_SAMPLES or len(rows) == 1:
         raise RobotError(f"{where}: {len(rows) - 1} lines of numbers, expected 1 to {MOST_SAMPLES}")
-    if said := beyond("parts", (len(rows) - 1) * len(names), "numbers"):
-        raise RobotError(f"{where}: {said}")
+    if excess := beyond("parts", (len(rows) - 1) * len(names), "numbers"):
+        raise RobotError(f"{where}: {excess}")
     columns: list[list[float]] = [[] for _ in names]
     for number, cells in rows[1:]:
         if len(cells) != len(names):

@@ -154,11 +154,11 @@ def beside(path: Path) -> Path:
     return path.with_name(path.name.removesuffix(path.suffix) + ENDING)
 
 
-def _misspelt(told: Any, form: Any, within: str) -> str:
+def _misspelt(table: Any, form: Any, within: str) -> str:
     """The first key that a table does not have, with those that it has; '' where there is none."""
     assert is_dataclass(form)
     valid = [field.name for field in fields(form)]
-    for key in told:
+    for key in table:
         if key not in valid:
             near = difflib.get_close_matches(str(key), valid, 1)
             hint = f"; did you mean {near[0]}?" if near else ""
@@ -166,10 +166,10 @@ def _misspelt(told: Any, form: Any, within: str) -> str:
     return ""
 
 
-def _misspelt_kind(told: Any, forms: dict[str, Any], within: str) -> str:
+def _misspelt_kind(table: Any, forms: dict[str, Any], within: str) -> str:
     """The same of a table whose form its `type` says."""
-    form = forms.get(str(told.get("type"))) if isinstance(told, dict) else None
-    return "" if form is None else _misspelt(told, form, within)
+    form = forms.get(str(table.get("type"))) if isinstance(table, dict) else None
+    return "" if form is None else _misspelt(table, form, within)
 
 
 def load_companion(path: Path) -> Companion:
@@ -182,24 +182,26 @@ def load_companion(path: Path) -> Companion:
         return Companion()
     where = named(path)
     try:
-        told = document(path)
+        table = document(path)
     except InputError as error:
         raise RobotError(str(error)) from None
-    said = _misspelt(told, Companion, "")
+    misspelling = _misspelt(table, Companion, "")
     for key, form in _TABLES.items():
-        if not said and isinstance(told.get(key), dict):
-            said = _misspelt(told[key], form, f"{key} > ")
-    joints = told.get("joints")
+        if not misspelling and isinstance(table.get(key), dict):
+            misspelling = _misspelt(table[key], form, f"{key} > ")
+    joints = table.get("joints")
     for name, wish in joints.items() if isinstance(joints, dict) else ():
-        if not said and isinstance(wish, dict):
-            said = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
-            said = said or _misspelt_kind(wish.get("motion"), _MOTIONS, f"joints > {quoted(name, 80)} > motion > ")
-    sensors = told.get("sensors")
-    for place, sensor in enumerate(sensors if isinstance(sensors, list) else ()):
-        said = said or _misspelt_kind(sensor, _SENSORS, f"sensors[{place}] > ")
-    if said:
-        raise RobotError(f"{where}: {said}")
+        if not misspelling and isinstance(wish, dict):
+            misspelling = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
+            misspelling = misspelling or _misspelt_kind(
+                wish.get("motion"), _MOTIONS, f"joints > {quoted(name, 80)} > motion > "
+            )
+    sensors = table.get("sensors")
+    for number, sensor in enumerate(sensors if isinstance(sensors, list) else ()):
+        misspelling = misspelling or _misspelt_kind(sensor, _SENSORS, f"sensors[{number}] > ")
+    if misspelling:
+        raise RobotError(f"{where}: {misspelling}")
     try:
-        return filled(_ADAPTER, told, where)
+        return filled(_ADAPTER, table, where)
     except FieldError as error:
         raise RobotError(str(error)) from None

@@ -36,16 +36,16 @@ class Massive:
 
 def _columns(lines: Sequence[Line]) -> dict[str, list[tuple[Array, Array]]]:
     """Per coordinate its unit motions (w, v at W's origin): one, three of a ball, six of a free one."""
-    found = {}
+    columns = {}
     for line in lines:
         c = line.coordinate
         if c.kind in ("ball", "free"):
             turns = [(axis, np.cross(line.anchor_W, axis)) for axis in np.eye(3)]
             ways = [(np.zeros(3), axis) for axis in np.eye(3)] if c.kind == "free" else []
-            found[c.name] = [*turns, *ways]
+            columns[c.name] = [*turns, *ways]
         else:
-            found[c.name] = [(line.unit.w, line.unit.v)]
-    return found
+            columns[c.name] = [(line.unit.w, line.unit.v)]
+    return columns
 
 
 def inertias(bodies: Sequence[Massive]) -> tuple[list[Coordinate], Array, Array]:

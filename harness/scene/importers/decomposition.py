@@ -32,11 +32,11 @@ def pieces_of(mesh: Mesh, most: int, where: str) -> tuple[list[ConvexHull], floa
     coacd.set_log_level("error")
     whole = coacd.Mesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int32))
     try:
-        found = coacd.run_coacd(whole, threshold=CONCAVITY, max_convex_hull=most, seed=0, **SEARCH)
+        pieces = coacd.run_coacd(whole, threshold=CONCAVITY, max_convex_hull=most, seed=0, **SEARCH)
     except Exception as error:  # a broken mesh may break it anywhere
-        said = readable(f"{type(error).__name__}: {error}", 160)
-        raise RobotError(f"{where}: CoACD cannot take the mesh apart ({said}); without --convex its hull is taken") from None
-    made = [hull_of(np.asarray(points, np.float64), where) for points, _ in found]
+        message = readable(f"{type(error).__name__}: {error}", 160)
+        raise RobotError(f"{where}: CoACD cannot take the mesh apart ({message}); without --convex its hull is taken") from None
+    made = [hull_of(np.asarray(points, np.float64), where) for points, _ in pieces]
     if not made:
         raise RobotError(f"{where}: CoACD finds no pieces; without --convex the mesh's hull is taken")
     return [shape for shape, _ in made], sum(volume for _, volume in made)

@@ -66,8 +66,8 @@ def content(path: Path, where: str) -> bytes:
     try:
         regular(path)
         size = path.stat().st_size
-        if said := beyond("bytes", size):
-            raise RobotError(f"{where}: {named(path)}: {said}")
+        if excess := beyond("bytes", size):
+            raise RobotError(f"{where}: {named(path)}: {excess}")
         return path.read_bytes()
     except InputError as error:
         raise RobotError(f"{where}: {error}") from None

@@ -100,7 +100,7 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
             called[lines[-1].coordinate.name] = joints[-1].name
     owner = {link: lead for lead, group in groups.items() for link in group.members}
     joints = coupled(joints, robot, called)
-    joints += [_closure(one, robot, at, owner, held, joint_names) for one in robot.closures]
+    joints += [_closure(closure, robot, at, owner, held, joint_names) for closure in robot.closures]
     if companion.ground is not None:
         bodies.append(_ground(companion, body_names))
     return Tree(tuple(bodies), tuple(joints), tuple(massive), held)
@@ -250,49 +250,51 @@ def _drive(c: Coordinate) -> Drive | None:
     )
 
 
-def _closure(one: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], held: Mapping[str, str], names: _Names) -> Joint:
-    a, b = held[owner[one.link_A]], held[owner[one.link_B]]
-    p_A, p_B = at.pose[one.link_A].of(one.anchor_A), at.pose[one.link_B].of(one.anchor_B)
-    if one.kind == "spring":
-        return _line_spring(one, robot, (a, b), (p_A, p_B), names)
+def _closure(
+    closure: Closure, robot: Robot, at: Posed, owner: Mapping[str, str], held: Mapping[str, str], names: _Names
+) -> Joint:
+    a, b = held[owner[closure.link_A]], held[owner[closure.link_B]]
+    p_A, p_B = at.pose[closure.link_A].of(closure.anchor_A), at.pose[closure.link_B].of(closure.anchor_B)
+    if closure.kind == "spring":
+        return _line_spring(closure, robot, (a, b), (p_A, p_B), names)
     gap = float(np.linalg.norm(p_A - p_B))
-    turned = np.eye(3) if one.R_AB is None else at.pose[one.link_A].R @ one.R_AB @ at.pose[one.link_B].R.T
+    turned = np.eye(3) if closure.R_AB is None else at.pose[closure.link_A].R @ closure.R_AB @ at.pose[closure.link_B].R.T
     askew = float(np.linalg.norm(turned - np.eye(3))) / np.sqrt(2)
     if gap > LOOSE or askew > LOOSE:
         raise RobotError(
-            f"{robot.source}: connection {quoted(one.name, 80)}: its two sides lie {gap:.3g} m and {askew:.3g} rad "
+            f"{robot.source}: connection {quoted(closure.name, 80)}: its two sides lie {gap:.3g} m and {askew:.3g} rad "
             "apart at the start, expected at most "
             f"{LOOSE:g} m; start in a pose where the loop is closed ([joints.NAME] position = ..., or keyframe = ...)"
         )
     if a == b:
         raise RobotError(
-            f"{robot.source}: connection {quoted(one.name, 80)} joins {quoted(a, 80)} to itself, expected two bodies"
+            f"{robot.source}: connection {quoted(closure.name, 80)} joins {quoted(a, 80)} to itself, expected two bodies"
         )
     if b == WORLD:
         a, b = b, a
-    name = names.fresh(one.name)
-    if one.kind == "fixed":
+    name = names.fresh(closure.name)
+    if closure.kind == "fixed":
         return Fixed(name=name, parent=a, child=b, collide=True)
     return Ball(name=name, parent=a, child=b, anchor_W=vector((p_A + p_B) / 2), collide=True)
 
 
-def _line_spring(one: Closure, robot: Robot, ends: tuple[str, str], points: tuple[Array, Array], names: _Names) -> Joint:
+def _line_spring(closure: Closure, robot: Robot, ends: tuple[str, str], points: tuple[Array, Array], names: _Names) -> Joint:
     """A spring between points of two bodies."""
     (a, b), (p_A, p_B) = ends, points
     if a == b or float(np.linalg.norm(p_A - p_B)) < LOOSE:
         raise RobotError(
-            f"{robot.source}: spring {quoted(one.name, 80)} begins and ends on {quoted(a, 80)} or at one point, expected two "
-            "bodies and a distance"
+            f"{robot.source}: spring {quoted(closure.name, 80)} begins and ends on {quoted(a, 80)} or at one point, "
+            "expected two bodies and a distance"
         )
     if b == WORLD:
         a, b, p_A, p_B = b, a, p_B, p_A
     return Distance(
-        name=names.fresh(one.name),
+        name=names.fresh(closure.name),
         parent=a,
         child=b,
         anchor_W=vector(p_A),
         child_anchor_W=vector(p_B),
-        spring=Spring(stiffness=one.stiffness, damping=one.damping, rest=one.rest),
+        spring=Spring(stiffness=closure.stiffness, damping=closure.damping, rest=closure.rest),
         collide=True,
     )
 

@@ -63,10 +63,10 @@ def posed(robot: Robot, base: Pose, base_twist: Twist = STILL) -> Posed:
 
     Args: base: the frame in W that the file calls the world; base_twist: of a free root.
     """
-    found = Posed({}, {}, {})
+    poses = Posed({}, {}, {})
     for link in robot.links:
-        above = base if link.parent is None else found.pose[link.parent]
-        twist = STILL if link.parent is None else found.twist[link.parent]
+        above = base if link.parent is None else poses.pose[link.parent]
+        twist = STILL if link.parent is None else poses.twist[link.parent]
         here, lines = above @ link.X_PL, []
         for c in link.coordinates:
             anchor, axis = here.of(c.anchor), here.R @ c.axis
@@ -74,8 +74,8 @@ def posed(robot: Robot, base: Pose, base_twist: Twist = STILL) -> Posed:
             if c.kind == "free":
                 twist = base_twist if link.parent is None else twist
             lines.append(Line(c, here.of(c.anchor), axis, here, twist))
-        found.pose[link.name], found.twist[link.name], found.lines[link.name] = here, twist, tuple(lines)
-    return found
+        poses.pose[link.name], poses.twist[link.name], poses.lines[link.name] = here, twist, tuple(lines)
+    return poses
 
 
 def _moved(c: Coordinate, here: Pose, twist: Twist, anchor: Array, axis: Array) -> tuple[Pose, Twist]:

@@ -54,16 +54,16 @@ def _found() -> tuple[dict[str, Importer], dict[str, str]]:
     known: dict[str, Importer] = {}
     for module in pkgutil.iter_modules(package.__path__):
         importer = importlib.import_module(f"{package.__name__}.{module.name}").IMPORTER
-        if said := _wrong(module.name, importer, known):
-            raise TypeError(f"{package.__name__}.{module.name}: {said}")
+        if reason := _wrong(module.name, importer, known):
+            raise TypeError(f"{package.__name__}.{module.name}: {reason}")
         known[module.name] = importer
     lost = {}
     for name, point in points(GROUP).items():
-        said = trouble(point)
-        importer = None if said else point.load()
-        said = said or _wrong(name, importer, known)
-        if said:
-            lost[name] = said
+        reason = trouble(point)
+        importer = None if reason else point.load()
+        reason = reason or _wrong(name, importer, known)
+        if reason:
+            lost[name] = reason
         else:
             known[name] = importer  # type: ignore[assignment]  # `_wrong` has looked
     return known, lost

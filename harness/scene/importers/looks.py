@@ -141,5 +141,5 @@ def _proper(vertices: Array, faces: npt.NDArray[np.int64], size: float) -> npt.N
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     kept = faces[area > FLAT * size * size]
     _, first = np.unique(np.sort(kept, axis=1), axis=0, return_index=True)
-    found: npt.NDArray[np.int64] = kept[np.sort(first)]
-    return found
+    distinct: npt.NDArray[np.int64] = kept[np.sort(first)]
+    return distinct

@@ -56,7 +56,7 @@ def laws_of(robot: Robot, groups: Mapping[str, Group], companion: Companion) -> 
         material[lead], keys[name] = name, of_group
     if companion.ground is not None:
         keys.setdefault(companion.ground.material, frozenset((companion.ground.material,)))
-    valid_name((one for law in companion.surfaces for one in law.between), keys, "surface between", robot.source)
+    valid_name((side for law in companion.surfaces for side in law.between), keys, "surface between", robot.source)
     holders = {name: lead for lead, name in material.items() if lead in alone}
     return _paired(robot, companion, keys, _Held(material, still, holders, excluded), mixed)
 
@@ -72,7 +72,7 @@ class _Held:
 
 
 def _paired(robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str]], held: _Held, mixed: list[str]) -> Laws:
-    told = {law.pair: law for law in companion.surfaces}
+    stated = {law.pair: law for law in companion.surfaces}
     given = {law.pair: law for law in (robot.contacts.laws if robot.contacts else ())}
     surfaces, apart, assumed = [], [], []
     spread = 0.0
@@ -81,12 +81,12 @@ def _paired(robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str
         if frozenset((held.holders.get(a, a), held.holders.get(b, b))) in held.excluded:
             apart.append((a, b))
             continue
-        found = [law for x in keys[a] for y in keys[b] if (law := given.get(frozenset((x, y)))) is not None]
-        if frozenset((a, b)) in told:
-            surfaces.append(told[frozenset((a, b))])
-        elif found:
-            most = max(found, key=lambda law: law.kinetic_friction)
-            spread = max(spread, most.kinetic_friction - min(law.kinetic_friction for law in found))
+        candidates = [law for x in keys[a] for y in keys[b] if (law := given.get(frozenset((x, y)))) is not None]
+        if frozenset((a, b)) in stated:
+            surfaces.append(stated[frozenset((a, b))])
+        elif candidates:
+            most = max(candidates, key=lambda law: law.kinetic_friction)
+            spread = max(spread, most.kinetic_friction - min(law.kinetic_friction for law in candidates))
             surfaces.append(replace(most, between=(a, b)))
         elif ground in (a, b) or (robot.contacts is None and companion.self_collision):
             if a == b == ground:

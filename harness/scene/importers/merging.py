@@ -52,12 +52,12 @@ def grouped(robot: Robot) -> dict[str, Group]:
     made: dict[str, Group] = {}
     for name, lead_link in leads.items():
         poses = members[name]
-        solids = [moved(solid, X) for one, X in poses.items() if (solid := links[one].solid) is not None]
+        solids = [moved(solid, X) for member, X in poses.items() if (solid := links[member].solid) is not None]
         shapes, drawn = (
             tuple(
                 Geometry(geometry.shape, X @ geometry.X_LG, geometry.contact)
-                for one, X in poses.items()
-                for geometry in getattr(links[one], kind)
+                for member, X in poses.items()
+                for geometry in getattr(links[member], kind)
             )
             for kind in ("geometries", "drawn")
         )

@@ -63,8 +63,8 @@ def load_mesh(path: Path, scale: Array, where: str) -> Mesh:
     if kind not in FORMATS:
         raise RobotError(f"{where}: {named(path)}: format {kind or 'without ending'}, expected one of {', '.join(FORMATS)}")
     raw = content(path, where)
-    if said := too_many_faces(kind, raw):
-        raise RobotError(f"{where}: {named(path)}: {said}")
+    if reason := too_many_faces(kind, raw):
+        raise RobotError(f"{where}: {named(path)}: {reason}")
     if kind == ".dae":
         elements(raw.decode("utf-8", "replace"), f"{where}: {named(path)}")
 
@@ -75,12 +75,12 @@ def load_mesh(path: Path, scale: Array, where: str) -> Mesh:
         vertices = np.array(loaded.vertices, dtype=np.float64)
         faces = np.array(loaded.faces, dtype=np.int64)
     except Exception as error:  # a broken file may break the reader anywhere
-        said = readable(f"{type(error).__name__}: {error}", 200)
-        raise RobotError(f"{where}: {named(path)}: no mesh that can be read ({said})") from None
+        reason = readable(f"{type(error).__name__}: {error}", 200)
+        raise RobotError(f"{where}: {named(path)}: no mesh that can be read ({reason})") from None
     if vertices.ndim != 2 or not len(vertices) or not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
         raise RobotError(f"{where}: {named(path)}: no triangles between vertices, expected a mesh")
-    if said := beyond("vertices", max(len(vertices), len(faces))):
-        raise RobotError(f"{where}: {named(path)}: {said}")
+    if reason := beyond("vertices", max(len(vertices), len(faces))):
+        raise RobotError(f"{where}: {named(path)}: {reason}")
     vertices = vertices * scale
     if not np.isfinite(vertices).all() or np.abs(vertices).max() > 1e6:
         raise RobotError(f"{where}: {named(path)}: vertices are not finite or beyond 1e6 m, expected a mesh of finite size")
@@ -102,5 +102,5 @@ def hull_of(vertices: Array, where: str) -> tuple[ConvexHull, float]:
         corners = vertices[np.sort(hull.vertices)]
         return ConvexHull(vertices=corners.tolist()), float(hull.volume)
     except (QhullError, ValueError) as error:
-        said = readable(str(error).strip().splitlines()[0], 160)
-        raise RobotError(f"{where}: the mesh spans no volume ({said}), expected a solid") from None
+        message = readable(str(error).strip().splitlines()[0], 160)
+        raise RobotError(f"{where}: the mesh spans no volume ({message}), expected a solid") from None

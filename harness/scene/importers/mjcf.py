@@ -119,14 +119,14 @@ def _check(model: Model, source: str) -> None:
     for array, element in (("jnt_stiffness", "joint"), ("geom_friction", "geom"), ("body_mass", "body")):
         bad = np.argwhere(model.arrays[array] < 0)
         if len(bad):
-            told = quoted(model.name(element, int(bad[0][0])), 80)
-            raise RobotError(f"{source}: <{element}> {told}: {array.partition('_')[2]} is negative, expected 0 or more")
+            label = quoted(model.name(element, int(bad[0][0])), 80)
+            raise RobotError(f"{source}: <{element}> {label}: {array.partition('_')[2]} is negative, expected 0 or more")
     for array in ("dof_damping", "dof_armature", "dof_frictionloss"):
         for dof in np.flatnonzero(model.arrays[array] < 0):
-            place = int(np.flatnonzero(model.jnt_dofadr <= dof)[-1])
+            index = int(np.flatnonzero(model.jnt_dofadr <= dof)[-1])
             value = float(model.arrays[array][dof])
             raise RobotError(
-                f"{source}: <joint> {quoted(model.name('joint', place), 80)}: {array.partition('_')[2]} is {value:g}, "
+                f"{source}: <joint> {quoted(model.name('joint', index), 80)}: {array.partition('_')[2]} is {value:g}, "
                 "expected 0 or more"
             )
 
@@ -212,9 +212,9 @@ def _displaced(model: Model, j: int, kind: Kind, qpos: Array) -> Pose:
 
 def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[Need]) -> list[Closure]:
     """Connections and welds as joints; the others are needs."""
-    found: list[Closure] = []
+    closures: list[Closure] = []
     if model.flag("equality"):
-        return found
+        return closures
     for k, raw in enumerate(model.eq_type):
         word, name = model.word("Eq", int(raw)), model.name("equality", k)
         if not model.eq_active0[k]:
@@ -234,7 +234,7 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
                 continue
         else:
             p_A, p_B = (data[:3], data[3:6]) if word == "connect" else (data[3:6], data[:3])
-        found.append(
+        closures.append(
             Closure(
                 name=name,
                 kind="ball" if word == "connect" else "fixed",
@@ -245,18 +245,18 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
                 R_AB=matrix(data[6:10]) if word == "weld" else None,
             )
         )
-    if found:
+    if closures:
         rows.append(
             Fidelity(
                 element="equality",
-                name=listed([one.name for one in found]),
-                count=len(found),
+                name=listed([closure.name for closure in closures]),
+                count=len(closures),
                 outcome="approximated",
                 becomes="joints as each engine makes them",
                 consequence="softness of the file's own solref and solimp is not carried over",
             )
         )
-    return found
+    return closures
 
 
 def _tied(model: Model, links: tuple[Link, ...], needs: list[Need]) -> tuple[Link, ...]:

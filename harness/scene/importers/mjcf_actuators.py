@@ -92,8 +92,8 @@ def _servo(model: Model, k: int, ctrl: Array) -> Servo | None:
 
 
 def _command(model: Model, k: int, ctrl: Array) -> float:
-    place = int(model.actuator_ctrladr[k])
-    command = float(ctrl[place]) if 0 <= place < len(ctrl) else 0.0
+    index = int(model.actuator_ctrladr[k])
+    command = float(ctrl[index]) if 0 <= index < len(ctrl) else 0.0
     if model.actuator_ctrllimited[k]:
         low, high = (float(x) for x in np.ravel(model.actuator_ctrlrange[k])[:2])
         command = min(max(command, low), high)

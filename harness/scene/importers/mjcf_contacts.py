@@ -49,7 +49,9 @@ def read(model: Model, names: list[str]) -> tuple[dict[int, str], Contacts, list
                 (float(model.geom_friction[k][0]), float(model.geom_friction[k][1]), float(model.geom_friction[k][2])),
                 k if k in paired else -1,
             )
-    keys = {sort: ("robot" if place == 0 else f"robot_{place + 1}") for place, sort in enumerate(dict.fromkeys(sorts.values()))}
+    keys = {
+        sort: ("robot" if number == 0 else f"robot_{number + 1}") for number, sort in enumerate(dict.fromkeys(sorts.values()))
+    }
     laws = {frozenset((keys[a], keys[b])): law for a, b in combinations_with_replacement(keys, 2) if (law := _law(a, b, keys))}
     laws |= _pairs(model, sorts, keys)
     rows = _rows(model, len(sorts), count)
@@ -90,13 +92,13 @@ def _surface(between: tuple[str, str], friction: tuple[float, float, float], dim
 
 def _pairs(model: Model, sorts: dict[int, _Sort], keys: dict[_Sort, str]) -> dict[frozenset[str], Surface]:
     """The laws of <pair>, which hold whatever the masks say."""
-    found = {}
+    surfaces = {}
     for k in range(len(model.pair_geom1)):
         a, b = keys[sorts[int(model.pair_geom1[k])]], keys[sorts[int(model.pair_geom2[k])]]
         mu = model.pair_friction[k]
         friction = (float(mu[0]), float(mu[2]), float(mu[3]))
-        found[frozenset((a, b))] = _surface((a, b), friction, int(model.pair_dim[k]))
-    return found
+        surfaces[frozenset((a, b))] = _surface((a, b), friction, int(model.pair_dim[k]))
+    return surfaces
 
 
 def _rows(model: Model, colliding: int, count: int) -> list[Fidelity]:

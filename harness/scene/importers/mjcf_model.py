@@ -92,11 +92,11 @@ def _death(code: int, stderr: bytes) -> str:
 
 def said_of(message: str, text: Prepared, file: str) -> str:
     """The compiler's words with the line of the original in the place of that of the text that it was given."""
-    place = _LINE.search(message)
+    match = _LINE.search(message)
     where = file
-    if place is not None and 1 <= int(place[1]) <= len(text.lines):
-        where = text.lines[int(place[1]) - 1]
-        message = message[: place.start()] + message[place.end() :]
+    if match is not None and 1 <= int(match[1]) <= len(text.lines):
+        where = text.lines[int(match[1]) - 1]
+        message = message[: match.start()] + message[match.end() :]
     words = readable(" ".join(message.split()), 400)
     if "No module named 'mujoco'" in words:
         return f"{file}: MJCF is read by MuJoCo's own compiler, which is not installed; pip install mujoco"

@@ -75,13 +75,13 @@ def _mount(
 
 def _rows(units: list[str], beams: list[str], others: dict[str, list[str]]) -> list[Fidelity]:
     rows = []
-    for found, becomes in ((units, "an inertial unit without noise"), (beams, "a range finder of one beam")):
-        if found:
+    for names, becomes in ((units, "an inertial unit without noise"), (beams, "a range finder of one beam")):
+        if names:
             rows.append(
                 Fidelity(
                     element="sensor",
-                    name=listed(found),
-                    count=len(found),
+                    name=listed(names),
+                    count=len(names),
                     outcome="approximated",
                     becomes=becomes,
                     consequence="MuJoCo reads it at every step; here it is read at a rate of",
@@ -89,12 +89,12 @@ def _rows(units: list[str], beams: list[str], others: dict[str, list[str]]) -> l
                     unit="Hz",
                 )
             )
-    for word, found in others.items():
+    for word, names in others.items():
         rows.append(
             Fidelity(
                 element=f"sensor {word}",
-                name=listed(found),
-                count=len(found),
+                name=listed(names),
+                count=len(names),
                 outcome="left_out",
                 consequence="it measures, and moves nothing",
             )

@@ -102,7 +102,7 @@ def looks(model: Model, colliding: Mapping[int, str]) -> dict[int, list[Look]]:
                 colour=colour,
             )
         )
-    return {body: found for body, found in made.items() if body in meshed}
+    return {body: visuals for body, visuals in made.items() if body in meshed}
 
 
 def _colour(model: Model, k: int) -> tuple[float, float, float]:

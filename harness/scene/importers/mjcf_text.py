@@ -67,8 +67,8 @@ def _included(element: Element, folders: Folders, seen: set[str], count: list[in
     children: list[Element] = []
     for child in element.children:
         count[0] += 1
-        if said := beyond("parts", count[0], "elements, those of included files with them"):
-            raise child.refuse(said)
+        if excess := beyond("parts", count[0], "elements, those of included files with them"):
+            raise child.refuse(excess)
         if child.tag != "include":
             children.append(_included(child, folders, seen, count))
             continue
@@ -88,10 +88,10 @@ def _included(element: Element, folders: Folders, seen: set[str], count: list[in
 
 
 def _directories(root: Element) -> Mapping[str, str]:
-    found = {"assetdir": "", "meshdir": "", "strippath": "false"}
+    directories = {"assetdir": "", "meshdir": "", "strippath": "false"}
     for compiler in root.all("compiler"):
-        found |= {name: compiler.attributes[name] for name in found if name in compiler.attributes}
-    return found
+        directories |= {name: compiler.attributes[name] for name in directories if name in compiler.attributes}
+    return directories
 
 
 def _write(
@@ -163,16 +163,16 @@ def _counted(element: Element, budget: _Budget, times: int) -> int:
             times *= max(1, int(element.attributes.get("count", "1")))
         except ValueError:
             raise element.refuse(f"count is {quoted(element.attributes['count'])}, expected a whole number") from None
-        if said := beyond("bodies", times, "copies"):
-            raise element.refuse(said)
+        if excess := beyond("bodies", times, "copies"):
+            raise element.refuse(excess)
     if element.tag in ("body", "geom", "site"):
         budget.bodies += times
-        if said := beyond("bodies", budget.bodies, "bodies, geoms and sites"):
-            raise element.refuse(said)
+        if excess := beyond("bodies", budget.bodies, "bodies, geoms and sites"):
+            raise element.refuse(excess)
     if element.tag in ("joint", "freejoint"):
         budget.joints += times
-        if said := beyond("joints", budget.joints):
-            raise element.refuse(said)
+        if excess := beyond("joints", budget.joints):
+            raise element.refuse(excess)
     if element.tag == "hfield":
         cells = 1.0
         for name in ("nrow", "ncol"):
@@ -180,8 +180,8 @@ def _counted(element: Element, budget: _Budget, times: int) -> int:
                 cells *= float(element.attributes.get(name, "1"))
             except ValueError:
                 raise element.refuse(f"{name} is {quoted(element.attributes[name])}, expected a whole number") from None
-        if said := beyond("vertices", cells, "heights"):
-            raise element.refuse(said)
+        if excess := beyond("vertices", cells, "heights"):
+            raise element.refuse(excess)
     return times
 
 
@@ -210,11 +210,11 @@ def _asset(
     if kind not in (MESHES if element.tag == "mesh" else (".bin", ".hf")):
         raise RobotError(f"{where} is {quoted(reference)}, expected an ending among {', '.join(MESHES)}")
     raw = content(path, where)
-    if said := too_many_faces(kind, raw):
-        raise RobotError(f"{where}: {named(path)}: {said}")
+    if excess := too_many_faces(kind, raw):
+        raise RobotError(f"{where}: {named(path)}: {excess}")
     budget.meshes += len(raw)
-    if said := beyond("bytes", budget.meshes, "bytes of all meshes"):
-        raise RobotError(f"{where}: {said}")
+    if excess := beyond("bytes", budget.meshes, "bytes of all meshes"):
+        raise RobotError(f"{where}: {excess}")
     name = f"asset{len(made.assets)}{kind}"
     made.assets[name] = raw
     attributes = {**attributes, "file": name}

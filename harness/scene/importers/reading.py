@@ -138,7 +138,9 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
         companion = scenarios.grounded(companion)
     if wishes.scenario in ("hold", "sweep"):
         idle = scenarios.unpowered(robot)
-        poses = [_made(one, companion).tree.massive for one in ([idle] if wishes.scenario == "hold" else poses_of(idle))]
+        poses = [
+            _made(variant, companion).tree.massive for variant in ([idle] if wishes.scenario == "hold" else poses_of(idle))
+        ]
         robot, more = (scenarios.held_by_drives if wishes.scenario == "hold" else swept)(robot, poses)
         rows += more
     made = _made(followed(robot), companion)
@@ -226,8 +228,8 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surf
             apart=_apart(made),
         )
     except ValueError as error:
-        said = error.errors()[0]["msg"].removeprefix("Value error, ") if isinstance(error, ValidationError) else str(error)
-        raise RobotError(f"{robot.source}: {readable(said, 600)}") from None
+        message = error.errors()[0]["msg"].removeprefix("Value error, ") if isinstance(error, ValidationError) else str(error)
+        raise RobotError(f"{robot.source}: {readable(message, 600)}") from None
 
 
 def _looks(

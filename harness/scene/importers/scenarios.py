@@ -44,12 +44,12 @@ def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wi
     """The wishes with the root as the scenario needs it, where nobody says otherwise. Raises: RobotError."""
     if scenario is None:
         return companion, wishes
-    wanted, told = _ROOTS[scenario], wishes.root or companion.root or robot.root
-    if told is None:
+    wanted, root = _ROOTS[scenario], wishes.root or companion.root or robot.root
+    if root is None:
         return replace(companion, root=wanted), wishes  # type: ignore[arg-type]
-    if told != wanted and scenario not in ("hold", "sweep"):
+    if root != wanted and scenario not in ("hold", "sweep"):
         raise RobotError(
-            f"{robot.source}: scenario {scenario} needs a {wanted} root, and it is {told}; expected another scenario"
+            f"{robot.source}: scenario {scenario} needs a {wanted} root, and it is {root}; expected another scenario"
         )
     return companion, wishes
 

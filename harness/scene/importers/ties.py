@@ -82,9 +82,9 @@ def _where(c: Coordinate, coordinates: Mapping[str, Coordinate]) -> tuple[float,
         chain.append(coordinates[tie.joint])
     last = chain.pop()
     position, velocity = last.reference if last.position is None else last.position, last.velocity
-    for one in reversed(chain):
-        assert one.tie is not None
-        position, velocity = one.tie.ratio * position + one.tie.offset, one.tie.ratio * velocity
+    for joint in reversed(chain):
+        assert joint.tie is not None
+        position, velocity = joint.tie.ratio * position + joint.tie.offset, joint.tie.ratio * velocity
     if not (abs(position) < FAR and abs(velocity) < FAR):
         raise RobotError(f"{c.where}: joint {quoted(c.name, 80)} follows to {position:g}, expected less than {FAR:g}")
     return position, velocity
@@ -93,13 +93,13 @@ def _where(c: Coordinate, coordinates: Mapping[str, Coordinate]) -> tuple[float,
 def coupled(joints: list[Joint], robot: Robot, names: Mapping[str, str]) -> list[Joint]:
     """The joints of a scene with the couplings that its coordinates have. Args: names: of each coordinate, its joint's."""
     ties = {names[c.name]: c.tie for c in _coordinates(robot) if c.tie is not None}
-    found: list[Joint] = []
+    with_couplings: list[Joint] = []
     for joint in joints:
         tie = ties.get(joint.name)
         if tie is not None and isinstance(joint, Revolute | Prismatic):
             joint = replace(joint, coupling=Coupling(joint=names[tie.joint], ratio=tie.ratio, offset=tie.offset))
-        found.append(joint)
-    return found
+        with_couplings.append(joint)
+    return with_couplings
 
 
 def _coordinates(robot: Robot) -> list[Coordinate]:

@@ -43,7 +43,7 @@ def scaled(robot: Robot, units: Units) -> Robot:
     return replace(
         robot,
         links=tuple(_link(link, units, slides) for link in robot.links),
-        closures=tuple(_closure(one, length, units.mass) for one in robot.closures),
+        closures=tuple(_closure(closure, length, units.mass) for closure in robot.closures),
         gravity=None
         if robot.gravity is None
         else (robot.gravity[0] * length, robot.gravity[1] * length, robot.gravity[2] * length),
@@ -67,14 +67,14 @@ def _pose(X: Pose, length: float) -> Pose:
     return Pose(X.R, X.p * length)
 
 
-def _closure(one: Closure, length: float, mass: float) -> Closure:
+def _closure(closure: Closure, length: float, mass: float) -> Closure:
     return replace(
-        one,
-        anchor_A=one.anchor_A * length,
-        anchor_B=one.anchor_B * length,
-        stiffness=one.stiffness * mass,
-        damping=one.damping * mass,
-        rest=one.rest * length,
+        closure,
+        anchor_A=closure.anchor_A * length,
+        anchor_B=closure.anchor_B * length,
+        stiffness=closure.stiffness * mass,
+        damping=closure.damping * mass,
+        rest=closure.rest * length,
     )
 
 

@@ -35,14 +35,14 @@ def read(path: Path, folders: Folders, density: float | None = None, convex: int
     root = elements(text_of(path, where), where)
     checked, foreign = urdf_grammar.check(root)
     for kind, tag in (("bodies", "link"), ("joints", "joint")):
-        if said := beyond(kind, len(checked.all(tag))):
-            raise checked.refuse(f"<{tag}>: {said}")
+        if excess := beyond(kind, len(checked.all(tag))):
+            raise checked.refuse(f"<{tag}>: {excess}")
     urdf_grammar.check_tree(checked)
     parsed = _parsed(checked)
     shapes = urdf_shapes.Shapes(folders, density, convex)
     links = {link.name: link for link in parsed.links}
     joints = {joint.child: joint for joint in parsed.joints}
-    lines = {(tag, one.attributes["name"]): one for tag in ("link", "joint") for one in checked.all(tag)}
+    lines = {(tag, element.attributes["name"]): element for tag in ("link", "joint") for element in checked.all(tag)}
     colours = {material.name: material.color for material in parsed.materials}
     made = {name: _link(links[name], joints.get(name), lines, shapes, colours) for name in _from_the_root(links, joints)}
     made, needs = _tied(made, parsed.joints, lines)
@@ -75,8 +75,8 @@ def _parsed(checked: Element) -> Any:
         text = BytesIO(written(checked).encode())
         return yourdfpy.URDF.load(text, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # the parser raises whatever comes
-        said = readable(f"{type(error).__name__}: {error}", 300)
-        raise RobotError(f"{checked.file}: the URDF parser gives up: {said}") from None
+        message = readable(f"{type(error).__name__}: {error}", 300)
+        raise RobotError(f"{checked.file}: the URDF parser gives up: {message}") from None
 
 
 def _from_the_root(links: dict[str, Any], joints: dict[str, Any]) -> list[str]:

@@ -45,9 +45,9 @@ class Element:
         name = self.attributes.get("name")
         return f"{self.file}: line {self.line}: <{quoted(self.tag, 60)[1:-1]}>{'' if name is None else ' ' + quoted(name, 80)}"
 
-    def refuse(self, said: str) -> RobotError:
+    def refuse(self, reason: str) -> RobotError:
         """The error that this element is."""
-        return RobotError(f"{self.where}: {said}")
+        return RobotError(f"{self.where}: {reason}")
 
 
 def elements(text: str, file: str) -> Element:
@@ -79,8 +79,10 @@ def elements(text: str, file: str) -> Element:
         def startElement(self, name: str, attrs: Any) -> None:
             element = Element(name, dict(attrs), file, self.locator.getLineNumber())
             self.count += 1
-            if said := beyond("parts", self.count, "elements") or beyond("depth", len(self.open) + 1, "elements in each other"):
-                raise element.refuse(said)
+            if excess := beyond("parts", self.count, "elements") or beyond(
+                "depth", len(self.open) + 1, "elements in each other"
+            ):
+                raise element.refuse(excess)
             if self.open:
                 self.open[-1].children.append(element)
             else:

@@ -230,7 +230,7 @@ def _mass(
 def _six(tensor: Array) -> tuple[float, ...]:
     """xx, yy, zz, xy, xz, yz."""
     places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    return tuple(float(tensor[place]) for place in places)
+    return tuple(float(tensor[index]) for index in places)
 
 
 def _with_worth(

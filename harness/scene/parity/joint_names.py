@@ -14,11 +14,11 @@ def joint_names(path: Path, a: RobotFacts, b: RobotFacts) -> dict[str, str]:
     """A's names by B's. Raises: RobotError, naming the file, the joint and those that there are."""
     where = named(path)
     try:
-        said = document(path)
+        content = document(path)
     except InputError as error:
         raise RobotError(str(error)) from None
-    table = said.get("joints") if isinstance(said, dict) else None
-    if not isinstance(table, dict) or len(said) != 1:
+    table = content.get("joints") if isinstance(content, dict) else None
+    if not isinstance(table, dict) or len(content) != 1:
         raise RobotError(f'{where}: expected one table, [joints], with a line "name in A" = "name in B" for each joint')
     names: dict[str, str] = {}
     for name_A, name_B in table.items():

@@ -17,20 +17,23 @@ def paired(a: Sequence[Law], b: Sequence[Law]) -> list[tuple[Law | None, Law | N
     left, pairs = list(b), []
     waiting: list[Law] = []
     for law in a:
-        other = next((one for one in left if (one.kind, one.name) == (law.kind, law.name)), None)
+        other = next((candidate for candidate in left if (candidate.kind, candidate.name) == (law.kind, law.name)), None)
         if other is None:
             waiting.append(law)
             continue
         left.remove(other)
         pairs.append((law, other))
-    found: list[tuple[Law | None, Law | None]] = list(pairs)
+    matched: list[tuple[Law | None, Law | None]] = list(pairs)
     for law in waiting:
         sides = set(law.partners)
-        other = next((one for one in left if law.kind == one.kind == "closure" and set(one.partners) == sides), None)
+        other = next(
+            (candidate for candidate in left if law.kind == candidate.kind == "closure" and set(candidate.partners) == sides),
+            None,
+        )
         if other is not None:
             left.remove(other)
-        found.append((law, other))
-    return found + [(None, law) for law in left]
+        matched.append((law, other))
+    return matched + [(None, law) for law in left]
 
 
 def rows_of(a: Sequence[Law], b: Sequence[Law], slides: frozenset[str], extent: float, tolerance: float) -> list[Difference]:

@@ -134,13 +134,13 @@ def stored(loaded: Loaded) -> dict[str, Any]:
             return [plain(each) for each in value]
         return sorted(value) if isinstance(value, frozenset) else value
 
-    told: dict[str, Any] = plain(asdict(loaded))
-    return told
+    table: dict[str, Any] = plain(asdict(loaded))
+    return table
 
 
-def restored(told: dict[str, Any]) -> Loaded:
+def restored(table: dict[str, Any]) -> Loaded:
     """What `stored` has made plain."""
-    facts = told["facts"]
+    facts = table["facts"]
     joints = (
         JointFacts(**{**joint, "axis": np.array(joint["axis"]), "anchor": np.array(joint["anchor"])})
         for joint in facts["joints"]
@@ -162,4 +162,4 @@ def restored(told: dict[str, Any]) -> Loaded:
     robot = RobotFacts(
         source=facts["source"], joints=tuple(joints), masses=masses, laws=laws, wordless=frozenset(facts["wordless"])
     )
-    return Loaded(facts=robot, matrix_gap=told["matrix_gap"], notes=tuple(told["notes"]))
+    return Loaded(facts=robot, matrix_gap=table["matrix_gap"], notes=tuple(table["notes"]))

@@ -92,8 +92,8 @@ def dynamics(robot: RobotFacts, at: Configuration, gravity: Array) -> Dynamics:
 
 def passive(robot: RobotFacts, at: Configuration, gravity: Array) -> tuple[Array, Array]:
     """Mass matrix with armature, and the forces that decelerate: bias, dampers and springs; M qdd = -forces."""
-    found, starts = dynamics(robot, at, gravity), first_rates(robot)
-    M, forces = found.M, found.bias.copy()
+    terms, starts = dynamics(robot, at, gravity), first_rates(robot)
+    M, forces = terms.M, terms.bias.copy()
     for k, joint in enumerate(robot.joints):
         here = np.arange(starts[k], starts[k + 1])
         M[here, here] += joint.armature
@@ -116,8 +116,8 @@ def after(robot: RobotFacts, start: Configuration, gravity: Array, duration: flo
 
     def unpacked(y: Array) -> Configuration:
         turned = {}
-        for place, k in enumerate(turning):
-            raw = y[count + 12 * place : count + 12 * place + 12]
+        for number, k in enumerate(turning):
+            raw = y[count + 12 * number : count + 12 * number + 12]
             R, o = raw[:9].reshape(3, 3), raw[9:]
             turned[k] = Pose(R, o - R @ robot.joints[k].anchor)
         return Configuration(y[:count], turned, y[count + 12 * len(turning) :])

@@ -100,8 +100,8 @@ def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: frozenset[str]
     laws += [Law(kind=need.kind, name=name) for need in kept for name in need.names]
     for closure in robot.closures:
         if closure.kind == "spring":
-            said = f"{closure.stiffness:g} N/m, {closure.damping:g} N s/m, rest {closure.rest:g} m"
-            laws.append(Law(kind="tendon", name=f"{closure.name} of {said}"))
+            values = f"{closure.stiffness:g} N/m, {closure.damping:g} N s/m, rest {closure.rest:g} m"
+            laws.append(Law(kind="tendon", name=f"{closure.name} of {values}"))
             continue
         if "equality" in dropped:
             continue

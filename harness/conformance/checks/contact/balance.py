@@ -25,7 +25,7 @@ def _momenta(
 ) -> tuple[Floats, Floats]:
     """What each step of a body of mass m above the ground gains, m dv (k, 3), and what its forces say, (F + m g) dt, [N s]."""
     scene = on_ground(adapter, body, friction=friction, restitution=restitution)
-    gained, said = [], []
+    gained, impulses = [], []
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
         before = state_of(simulation, scene).v_WB[1]
         for _ in range(steps):
@@ -33,15 +33,15 @@ def _momenta(
             force = simulation.contacts().force_W.sum(axis=0) if len(simulation.contacts()) else np.zeros(3)
             after = state_of(simulation, scene).v_WB[1]
             gained.append(body.mass * (after - before))
-            said.append((force + np.array([0.0, 0.0, -G * body.mass])) * FINE)
+            impulses.append((force + np.array([0.0, 0.0, -G * body.mass])) * FINE)
             before = after
-    return np.array(gained), np.array(said)
+    return np.array(gained), np.array(impulses)
 
 
-def _balanced(what: str, gained: Floats, said: Floats) -> Finding:
+def _balanced(what: str, gained: Floats, impulses: Floats) -> Finding:
     peak = float(np.abs(gained).max())
-    worst = float(np.abs(gained - said).max()) / peak if peak > 0 else inf
-    total = np.abs((gained - said).sum(axis=0)).max() / float(np.abs(gained).sum(axis=0).max())
+    worst = float(np.abs(gained - impulses).max()) / peak if peak > 0 else inf
+    total = np.abs((gained - impulses).sum(axis=0)).max() / float(np.abs(gained).sum(axis=0).max())
     return judge(
         near(f"{what}: worst difference in a step of m dv and (F + m g) dt, over the greatest of them", worst, 0.0, _LINE),
         near(f"{what}: their difference over all steps, over the way of the momentum", total, 0.0, _LINE),

@@ -101,16 +101,18 @@ def _pairs_of_moving_bodies(adapter: Adapter, settings: Settings) -> Finding:
 
 
 def _friction_is_isotropic(adapter: Adapter, settings: Settings) -> Finding:
-    angles, sizes, found = (0.0, 22.5, 45.0, 90.0, 200.0), [], []
+    angles, sizes, comparisons = (0.0, 22.5, 45.0, 90.0, 200.0), [], []
     for angle in angles:
         ahead = np.array([cos(radians(angle)), sin(radians(angle))])
         sliding = block(v=(3.0 * float(ahead[0]), 3.0 * float(ahead[1]), 0.0))
         size, direction = _braking(adapter, settings, on_ground(adapter, sliding, friction=0.5))
         sizes.append(float(size[0]))
-        found.append(near(f"force against a motion towards {angle:g} degrees", direction[0] @ -ahead, 1.0, 1e-3, "2.5 degrees"))
+        comparisons.append(
+            near(f"force against a motion towards {angle:g} degrees", direction[0] @ -ahead, 1.0, 1e-3, "2.5 degrees")
+        )
     mean = float(np.mean(sizes))
     because = "of their mean; a pyramid spreads by up to 41 %"
-    return judge(near(f"friction towards {angles} degrees", sizes, np.full(5, mean), _WITHIN * mean, because), *found)
+    return judge(near(f"friction towards {angles} degrees", sizes, np.full(5, mean), _WITHIN * mean, because), *comparisons)
 
 
 def _friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> Finding:

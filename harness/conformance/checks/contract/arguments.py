@@ -50,34 +50,42 @@ def _bad_vectors() -> dict[str, Any]:
 def _bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     """Each bad array as force and as torque; afterwards the bodies fly on as if nothing had been said."""
     scene = without_gravity(free(v=(1.0, 0.0, 0.0)), free("other", p=(5.0, 0.0, 0.0)))
-    good, found = np.zeros((_BODIES, 3)), []
+    good, comparisons = np.zeros((_BODIES, 3)), []
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
         for what, bad in _bad_vectors().items():
-            found.append(_refused(simulation, "f_B_W", f"force {what}", lambda s, bad=bad: s.wrench(bad, good)))  # type: ignore[misc]
-            found.append(_refused(simulation, "tau_B_W", f"torque {what}", lambda s, bad=bad: s.wrench(good, bad)))  # type: ignore[misc]
+            comparisons.append(_refused(simulation, "f_B_W", f"force {what}", lambda s, bad=bad: s.wrench(bad, good)))  # type: ignore[misc]
+            comparisons.append(_refused(simulation, "tau_B_W", f"torque {what}", lambda s, bad=bad: s.wrench(good, bad)))  # type: ignore[misc]
         simulation.step(10)
         end = state_of(simulation, scene)
-    found.append(near("p_WB afterwards [m]", end.p_WB, [(0.01, 0.0, 0.0), (5.0, 0.0, 0.0)], 1e-5, "v t: nothing bad was kept"))
-    return judge(*found)
+    comparisons.append(
+        near("p_WB afterwards [m]", end.p_WB, [(0.01, 0.0, 0.0), (5.0, 0.0, 0.0)], 1e-5, "v t: nothing bad was kept")
+    )
+    return judge(*comparisons)
 
 
 def _bad_rays_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     shape = Box(half_extents=(0.5, 0.5, 0.5)) if Feature.BOX in adapter.features else Sphere(radius=0.5)
     scene = Scene(bodies=(static("target", shape),))
     o, d = np.tile((5.0, 0.0, 0.0), (_BODIES, 1)), np.tile((-1.0, 0.0, 0.0), (_BODIES, 1))
-    found = []
+    comparisons = []
     with built(adapter, scene, settings) as simulation:
         for what, bad in _bad_vectors().items():
-            found.append(_refused(simulation, "origins", f"origins {what}", lambda s, bad=bad: s.cast(bad, d, 9.0)))  # type: ignore[misc]
+            comparisons.append(_refused(simulation, "origins", f"origins {what}", lambda s, bad=bad: s.cast(bad, d, 9.0)))  # type: ignore[misc]
             if what not in {"(1, 3) for two bodies", "(3, 3) for two bodies", "(0, 3)"}:
-                found.append(_refused(simulation, "directions", f"directions {what}", lambda s, bad=bad: s.cast(o, bad, 9.0)))  # type: ignore[misc]
+                comparisons.append(
+                    _refused(simulation, "directions", f"directions {what}", lambda s, bad=bad: s.cast(o, bad, 9.0))  # type: ignore[misc]
+                )
         for what, long in (("of length 2", 2.0), ("of length 0", 0.0), ("of length 1.00001", 1.00001)):
-            found.append(_refused(simulation, "direction", f"directions {what}", lambda s, long=long: s.cast(o, long * d, 9.0)))  # type: ignore[misc]
+            comparisons.append(
+                _refused(simulation, "direction", f"directions {what}", lambda s, long=long: s.cast(o, long * d, 9.0))  # type: ignore[misc]
+            )
         for reach in (0.0, -1.0, float("nan"), float("inf")):
-            found.append(_refused(simulation, "max_range", f"max_range {reach}", lambda s, reach=reach: s.cast(o, d, reach)))  # type: ignore[misc]
+            comparisons.append(
+                _refused(simulation, "max_range", f"max_range {reach}", lambda s, reach=reach: s.cast(o, d, reach))  # type: ignore[misc]
+            )
         ranges = simulation.cast(o, d, 9.0).distance
-    found.append(near("ranges of good rays afterwards [m]", ranges, (4.5, 4.5), 1e-5, "rounding in single precision"))
-    return judge(*found)
+    comparisons.append(near("ranges of good rays afterwards [m]", ranges, (4.5, 4.5), 1e-5, "rounding in single precision"))
+    return judge(*comparisons)
 
 
 def _bad_targets_are_refused(adapter: Adapter, settings: Settings) -> Finding:
@@ -90,19 +98,19 @@ def _bad_targets_are_refused(adapter: Adapter, settings: Settings) -> Finding:
         *(("slide", target) for target in (float("nan"), float("inf"), np.zeros(2), "far")),
     )
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
-        found = [
+        comparisons = [
             _refused(simulation, name, f"target {target!r} of joint '{name}'", lambda s, n=name, t=target: s.command({n: t}))  # type: ignore[misc]
             for name, target in bad
         ]
         simulation.step(10)
         end = state_of(simulation, scene)
-    found.append(near("x of the driven body afterwards [m]", end.p_WB[0, 0], 0.0, 1e-6, "its target is still 0"))
-    return judge(*found)
+    comparisons.append(near("x of the driven body afterwards [m]", end.p_WB[0, 0], 0.0, 1e-6, "its target is still 0"))
+    return judge(*comparisons)
 
 
 def _bad_states_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
-    good, found = State.empty(_BODIES), []
+    good, comparisons = State.empty(_BODIES), []
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         bad: Any
         for name, width in (("p_WB", 3), ("q_WB", 4), ("v_WB", 3), ("w_WB", 3)):
@@ -113,8 +121,8 @@ def _bad_states_are_refused(adapter: Adapter, settings: Settings) -> Finding:
                 ("of float32", np.zeros((_BODIES, width), dtype=np.float32)),
             ):
                 out = replace(good, **{name: bad})
-                found.append(_refused(simulation, name, f"{name} {what}", lambda s, out=out: s.state(out)))  # type: ignore[misc]
-    return judge(*found)
+                comparisons.append(_refused(simulation, name, f"{name} {what}", lambda s, out=out: s.state(out)))  # type: ignore[misc]
+    return judge(*comparisons)
 
 
 CHECKS = (

@@ -18,17 +18,17 @@ def _run(adapter: Adapter, scene: Scene, settings: Settings, duration: float) ->
         return state_of(simulation, scene), as_notices(simulation.warnings())
 
 
-def _or_surplus(found: Comparison, effect: Effect, notices: tuple[Notice, ...]) -> Finding:
+def _or_surplus(comparison: Comparison, effect: Effect, notices: tuple[Notice, ...]) -> Finding:
     """The effect is absent, or a notice names it as surplus."""
-    if not found.holds:
+    if not comparison.holds:
         for notice in notices:
             if notice.kind == "surplus" and notice.effect is effect:
                 return Finding("passed", f"declared: {notice}")
         got = list(map(str, notices))
         return Finding(
-            "failed", f"{found.text}; got warnings {got}, expected none of the effect or 'surplus: {effect.names[0]}'"
+            "failed", f"{comparison.text}; got warnings {got}, expected none of the effect or 'surplus: {effect.names[0]}'"
         )
-    return judge(found)
+    return judge(comparison)
 
 
 def _gravity(adapter: Adapter, settings: Settings) -> Finding:

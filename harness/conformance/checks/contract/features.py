@@ -286,7 +286,7 @@ def refusal(adapter: Adapter, settings: Settings, missing: Feature) -> Finding:
 
 def claimed_features_build(adapter: Adapter, settings: Settings) -> Finding:
     """Each claimed feature builds and steps."""
-    found = []
+    comparisons = []
     for feature in adapter.features:
         name = feature.names[0]
         try:
@@ -294,8 +294,12 @@ def claimed_features_build(adapter: Adapter, settings: Settings) -> Finding:
         except _Missing:
             continue  # whether it has to be there is the question of continuous_collision_stops_a_fast_ball
         except Exception as error:
-            found.append(that(False, f"{name}: claimed, but {type(error).__name__}: {error}"))
-    return judge(*found) if found else Finding("passed", f"{len(adapter.features.names)} claimed features build and step")
+            comparisons.append(that(False, f"{name}: claimed, but {type(error).__name__}: {error}"))
+    return (
+        judge(*comparisons)
+        if comparisons
+        else Finding("passed", f"{len(adapter.features.names)} claimed features build and step")
+    )
 
 
 def unclaimed_features_raise_unsupported(adapter: Adapter, settings: Settings) -> Finding:

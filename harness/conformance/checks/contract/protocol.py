@@ -111,7 +111,7 @@ def _warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
         got = simulation.warnings()
     return judge(
         that(
-            isinstance(got, tuple) and all(isinstance(said, str | Notice) for said in got),
+            isinstance(got, tuple) and all(isinstance(warning, str | Notice) for warning in got),
             f"warnings: got {got!r}, expected a tuple of str or Notice",
         )
     )

@@ -22,8 +22,8 @@ def _told(simulation: Simulation) -> JointStates:
     read: Any = getattr(simulation, "joint_states", None)
     if read is None:
         raise NotApplicable("the engine tells nothing of joints: they are read off the poses of the bodies")
-    found: JointStates = read()
-    return found
+    states: JointStates = read()
+    return states
 
 
 def _v(a: object) -> Vector3:
@@ -59,8 +59,8 @@ def _coordinates_agree_with_the_poses(adapter: Adapter, settings: Settings) -> F
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
         started = _told(simulation)
         simulation.step(300)
-        said = _told(simulation)
-        meant = joint_states(scene, state_of(simulation, scene), near=said.coordinate)
+        states = _told(simulation)
+        meant = joint_states(scene, state_of(simulation, scene), near=states.coordinate)
         filled = joints_of(simulation, scene)
     moving = [0, 1, 3]
     because = "the same numbers, by rounding"
@@ -73,13 +73,13 @@ def _coordinates_agree_with_the_poses(adapter: Adapter, settings: Settings) -> F
             ROUNDING * w,
             "the scene's velocities, child over parent",
         ),
-        near("coordinates against the poses", said.coordinate[moving], meant.coordinate[moving], ROUNDING, because),
-        near("rates against the velocities", said.rate[moving], meant.rate[moving], ROUNDING * w, because),
+        near("coordinates against the poses", states.coordinate[moving], meant.coordinate[moving], ROUNDING, because),
+        near("rates against the velocities", states.rate[moving], meant.rate[moving], ROUNDING * w, because),
         that(
-            said.coordinate[0] > 2.0 * np.pi,
-            f"angle of the wheel: got {said.coordinate[0]:.6g} rad, expected more than a turn after .3 s at 30 rad/s",
+            states.coordinate[0] > 2.0 * np.pi,
+            f"angle of the wheel: got {states.coordinate[0]:.6g} rad, expected more than a turn after .3 s at 30 rad/s",
         ),
-        near("what the harness reads", filled.coordinate[moving], said.coordinate[moving], 0.0, "the engine's own"),
+        near("what the harness reads", filled.coordinate[moving], states.coordinate[moving], 0.0, "the engine's own"),
     )
 
 
@@ -101,16 +101,16 @@ def _reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
     )
     scene = Scene(bodies=(bracket, boom), joints=joints)
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
-        said = _told(simulation)
-        if np.isnan(said.reaction).all():
+        states = _told(simulation)
+        if np.isnan(states.reaction).all():
             raise NotApplicable("the engine tells no reactions of joints")
         simulation.step(10)
-        said = _told(simulation)
+        states = _told(simulation)
     weld = (0.0, 0.0, 3.0 * G, 0.2 * 1.0 * G, -0.9 * 1.0 * G, 0.0)
     hinge = (0.0, 0.0, 1.0 * G, 0.2 * 1.0 * G, -moment, 0.0)
     return judge(
-        near("force and torque of the weld on the bracket [N, N m]", said.reaction[0], weld, 1e-3 * G, "weight times arm"),
-        near("force and torque of the hinge on the boom [N, N m]", said.reaction[1], hinge, 1e-3 * G, "weight times arm"),
+        near("force and torque of the weld on the bracket [N, N m]", states.reaction[0], weld, 1e-3 * G, "weight times arm"),
+        near("force and torque of the hinge on the boom [N, N m]", states.reaction[1], hinge, 1e-3 * G, "weight times arm"),
     )
 
 

@@ -136,17 +136,17 @@ def _step_advances_exactly_dt(adapter: Adapter, settings: Settings) -> Finding:
         together.step(n)
         for _ in range(n):
             apart.step()
-        one, other = state_of(together, scene), state_of(apart, scene)
+        at_once, other = state_of(together, scene), state_of(apart, scene)
         together.step()
         later = state_of(together, scene)
     half = 0.5 * G * COARSE
     return judge(
-        near("v_z after step(24) [m/s]", one.v_WB[index, 2], -G * n * COARSE, half, "g times 24 dt, half a step granted"),
+        near("v_z after step(24) [m/s]", at_once.v_WB[index, 2], -G * n * COARSE, half, "g times 24 dt, half a step granted"),
         near("v_z one step later [m/s]", later.v_WB[index, 2], -G * (n + 1) * COARSE, half, "g times 25 dt"),
-        near("p_WB of step(24) against 24 step(1) [m]", one.p_WB, other.p_WB, 0.0, "the same bits"),
-        near("q_WB of step(24) against 24 step(1)", one.q_WB, other.q_WB, 0.0, "the same bits"),
-        near("v_WB of step(24) against 24 step(1) [m/s]", one.v_WB, other.v_WB, 0.0, "the same bits"),
-        near("w_WB of step(24) against 24 step(1) [rad/s]", one.w_WB, other.w_WB, 0.0, "the same bits"),
+        near("p_WB of step(24) against 24 step(1) [m]", at_once.p_WB, other.p_WB, 0.0, "the same bits"),
+        near("q_WB of step(24) against 24 step(1)", at_once.q_WB, other.q_WB, 0.0, "the same bits"),
+        near("v_WB of step(24) against 24 step(1) [m/s]", at_once.v_WB, other.v_WB, 0.0, "the same bits"),
+        near("w_WB of step(24) against 24 step(1) [rad/s]", at_once.w_WB, other.w_WB, 0.0, "the same bits"),
     )
 
 

@@ -88,7 +88,7 @@ def _pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> Finding:
     box = static("box", Box(half_extents=(float(half_x), float(half_y), 0.5)), p=(float(x), float(y), 4.5))
     seen = np.isfinite(_picture(adapter, settings, Scene(bodies=(box,))).depth)
     columns, rows = np.flatnonzero(seen.any(axis=0)), np.flatnonzero(seen.any(axis=1))
-    got = [[int(one[0]), int(one[-1])] if len(one) else [] for one in (columns, rows)]
+    got = [[int(indices[0]), int(indices[-1])] if len(indices) else [] for indices in (columns, rows)]
     return judge(
         that(got == [[20, 40], [12, 35]], f"first and last columns and rows: got {got}, expected [[20, 40], [12, 35]]"),
         that(int(seen.sum()) == 21 * 24, f"pixels of the face: got {int(seen.sum())}, expected {21 * 24}"),

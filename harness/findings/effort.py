@@ -31,15 +31,15 @@ class Effort:
     ended: Ended
 
 
-def efforts(store: Store, part: pd.DataFrame) -> dict[str, Effort]:
+def efforts(store: Store, trials: pd.DataFrame) -> dict[str, Effort]:
     """By engine, of the trials of one case at one set of parameters."""
-    rooms = {one.name: one.sweep for one in experiments_of(store)}
-    found = {}
-    for engine, mine in part.groupby("engine", sort=False):
+    rooms = {experiment.name: experiment.sweep for experiment in experiments_of(store)}
+    by_engine = {}
+    for engine, mine in trials.groupby("engine", sort=False):
         room = max((rooms.get(name, 0) for name in mine["experiment"]), default=0)
         answers = set(mine["trajectory_hash"].dropna())
         beyond = len(answers - set(mine.loc[mine["round"] == 0, "trajectory_hash"]))
         spent = beyond >= room or (mine["round"] > 0).sum() >= RUNS * room
         ended: Ended = "no search" if not room else "all points spent" if spent else "nothing left to try"
-        found[str(engine)] = Effort(tried=len(answers), beyond=beyond, room=room, ended=ended)
-    return found
+        by_engine[str(engine)] = Effort(tried=len(answers), beyond=beyond, room=room, ended=ended)
+    return by_engine

@@ -23,13 +23,13 @@ def made(catalogue: Mapping[str, Any], engine: str, case: str | None = None, tra
 
     A variant, which is no track of its own, has what the tuned settings have that it is built on.
     """
-    told = catalogue.get("engines", {}).get(engine, {})
+    about = catalogue.get("engines", {}).get(engine, {})
     used = None if case is None else catalogue.get("cases", {}).get(case, {}).get("features", ())
-    named = track if track in told.get("tracks", {}) else "tuned"
+    named = track if track in about.get("tracks", {}) else "tuned"
     return [
-        Made(engine, one["feature"], one["how"], one["where"], tuple(one["tracks"]))
-        for one in told.get("emulated", ())
-        if (used is None or one["feature"] in used) and (track is None or named in one["tracks"])
+        Made(engine, emulation["feature"], emulation["how"], emulation["where"], tuple(emulation["tracks"]))
+        for emulation in about.get("emulated", ())
+        if (used is None or emulation["feature"] in used) and (track is None or named in emulation["tracks"])
     ]
 
 
@@ -38,6 +38,8 @@ def whose(catalogue: Mapping[str, Any], engine: str, case: str, track: str) -> s
 
     Of what an adapter makes in some scenes only: 'springs in part emulated'.
     """
-    found = made(catalogue, engine, case, track)
-    names = dict.fromkeys(f"{one.feature.replace('_', ' ')}{' in part' if one.where else ''}" for one in found)
+    emulations = made(catalogue, engine, case, track)
+    names = dict.fromkeys(
+        f"{emulation.feature.replace('_', ' ')}{' in part' if emulation.where else ''}" for emulation in emulations
+    )
     return f"{', '.join(names)} emulated" if names else ""

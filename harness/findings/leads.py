@@ -77,69 +77,72 @@ def leaders(extents: Mapping[str, Extent]) -> frozenset[str]:
 def reaches(searches: Iterable[Search]) -> list[Reach]:
     """Every axis under every condition, engine by engine; axes that were not searched at equal sub-steps have times alone."""
     axes: dict[tuple[str, str, str], list[Search]] = {}
-    for one in searches:
-        if not one.remedied and one.verdict not in ("unsupported", "unavailable"):
-            axes.setdefault(one.searched_along, []).append(one)
-    found: list[Reach] = []
+    for search in searches:
+        if not search.remedied and search.verdict not in ("unsupported", "unavailable"):
+            axes.setdefault(search.searched_along, []).append(search)
+    reached: list[Reach] = []
     for group in axes.values():
-        for parts in sorted({one.parts for one in group if one.parts}):
-            level = [one for one in group if one.parts == parts and one.fair]
-            found += _led([_reach(one, "equal sub-step", one.dt / parts, one.holds[-1:]) for one in level])
+        for parts in sorted({search.parts for search in group if search.parts}):
+            level = [search for search in group if search.parts == parts and search.fair]
+            reached += _led([_reach(search, "equal sub-step", search.dt / parts, search.holds[-1:]) for search in level])
         for budget in BUDGETS:
-            found += _led([_within([one for one in group if one.engine == name], budget) for name in _engines(group)])
-    return found
+            reached += _led(
+                [_within([search for search in group if search.engine == name], budget) for name in _engines(group)]
+            )
+    return reached
 
 
 def _engines(group: Sequence[Search]) -> list[str]:
-    return list(dict.fromkeys(one.engine for one in group))
+    return list(dict.fromkeys(search.engine for search in group))
 
 
 def _within(mine: Sequence[Search], budget: float) -> Reach:
     """The farthest of an engine's searches among what it held at a cost within the budget; nothing is interpolated."""
     made = []
-    for one in mine:
-        cheap = [hold for hold in one.holds if hold.cost is not None and hold.cost <= budget]
-        made.append(_reach(one, "equal time", budget, cheap[-1:]))
-    return max(made, key=lambda one: (one.held is not None, one.reach, -(one.cost or 0.0)))
+    for search in mine:
+        cheap = [hold for hold in search.holds if hold.cost is not None and hold.cost <= budget]
+        made.append(_reach(search, "equal time", budget, cheap[-1:]))
+    return max(made, key=lambda reach: (reach.held is not None, reach.reach, -(reach.cost or 0.0)))
 
 
-def _reach(one: Search, at: str, condition: float, last: Sequence[Hold]) -> Reach:
+def _reach(search: Search, at: str, condition: float, last: Sequence[Hold]) -> Reach:
     hold = last[0] if last else None
     return Reach(
-        experiment=one.experiment,
-        case=one.case,
-        where=one.where,
-        axis=one.axis,
-        unit=one.unit,
-        engine=one.engine,
+        experiment=search.experiment,
+        case=search.case,
+        where=search.where,
+        axis=search.axis,
+        unit=search.unit,
+        engine=search.engine,
         at=at,
         condition=condition,
-        parts=one.parts if at == "equal sub-step" else 0,
+        parts=search.parts if at == "equal sub-step" else 0,
         held=None if hold is None else hold.value,
         reach=0.0 if hold is None else hold.reach,
         further=0.0 if hold is None else hold.further,
-        setting=one.setting,
-        substep=one.substep,
+        setting=search.setting,
+        substep=search.substep,
         cost=None if hold is None else hold.cost,
     )
 
 
 def _led(level: Sequence[Reach]) -> list[Reach]:
-    extents = {one.engine: (one.reach, one.further) for one in level if one.held is not None}
+    extents = {reach.engine: (reach.reach, reach.further) for reach in level if reach.held is not None}
     first = leaders(extents)
     others = leaders({name: extent for name, extent in extents.items() if name != REFERENCE})
     return [
-        replace(one, leads=one.engine in first, leads_without=one.engine in others and one.engine != REFERENCE) for one in level
+        replace(reach, leads=reach.engine in first, leads_without=reach.engine in others and reach.engine != REFERENCE)
+        for reach in level
     ]
 
 
-def axis_leads(found: Sequence[Reach]) -> list[Lead]:
+def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
     """How often each engine leads on axes: at each share of the case's time step, and at each budget of time."""
     conditions: dict[tuple[str, str], dict[tuple[str, str, str], list[Reach]]] = {}
-    for one in sorted(found, key=lambda one: (one.at, one.parts, one.condition if not one.parts else 0.0)):
-        named = "dt" + (f"/{one.parts}" if one.parts > 1 else "") if one.parts else f"{1e3 * one.condition:g} ms a step"
-        axes = conditions.setdefault((one.at, named), {})
-        axes.setdefault((one.experiment, one.case, one.where), []).append(one)
+    for reach in sorted(reached, key=lambda reach: (reach.at, reach.parts, reach.condition if not reach.parts else 0.0)):
+        named = "dt" + (f"/{reach.parts}" if reach.parts > 1 else "") if reach.parts else f"{1e3 * reach.condition:g} ms a step"
+        axes = conditions.setdefault((reach.at, named), {})
+        axes.setdefault((reach.experiment, reach.case, reach.where), []).append(reach)
     return [
         lead
         for (at, condition), axes in conditions.items()
@@ -150,8 +153,8 @@ def axis_leads(found: Sequence[Reach]) -> list[Lead]:
             ours,
             [
                 (
-                    frozenset(one.engine for one in axis if (one.leads if ours else one.leads_without)),
-                    frozenset(one.engine for one in axis),
+                    frozenset(reach.engine for reach in axis if (reach.leads if ours else reach.leads_without)),
+                    frozenset(reach.engine for reach in axis),
                 )
                 for axis in axes.values()
             ],
@@ -168,20 +171,20 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     pairs: dict[tuple[str, str, float], list[Price]] = {}
     for price in prices:
         pairs.setdefault((price.case, price.where, price.target), []).append(price)
-    found = []
+    leads = []
     for at in ("equal sub-step", "equal time"):
         for ours in (True, False):
             groups = []
             for (case, where, target), asked in pairs.items():
-                engines = frozenset(one.engine for one in asked if ours or one.engine != REFERENCE)
+                engines = frozenset(price.engine for price in asked if ours or price.engine != REFERENCE)
                 if at == "equal time":
-                    extents = {one.engine: _cheapness(one) for one in asked if one.engine in engines and one.cost}
+                    extents = {price.engine: _cheapness(price) for price in asked if price.engine in engines and price.cost}
                 else:
                     extents = _coarsest([p for p in points if (p.case, p.where) == (case, where)], target, engines)
                 if extents:
                     groups.append((leaders(extents), engines))
-            found += _count("pairs", (at, ""), ours, groups)
-    return found
+            leads += _count("pairs", (at, ""), ours, groups)
+    return leads
 
 
 def _cheapness(price: Price) -> Extent:
@@ -191,12 +194,12 @@ def _cheapness(price: Price) -> Extent:
 
 
 def _coarsest(points: Iterable[Point], target: float, engines: frozenset[str]) -> dict[str, Extent]:
-    found: dict[str, Extent] = {}
+    extents: dict[str, Extent] = {}
     for point in points:
         if point.engine in engines and point.error <= target:
-            step = max(point.substep, found.get(point.engine, (0.0, 0.0))[0])
-            found[point.engine] = (step, step)
-    return found
+            step = max(point.substep, extents.get(point.engine, (0.0, 0.0))[0])
+            extents[point.engine] = (step, step)
+    return extents
 
 
 def _count(

@@ -126,14 +126,14 @@ class Search:
 
 
 def _experiments(store: Store) -> dict[str, Experiment]:
-    return {one.name: one for one in experiments_of(store) if one.limit is not None}
+    return {experiment.name: experiment for experiment in experiments_of(store) if experiment.limit is not None}
 
 
 def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
-    told = store.catalogue["cases"][case]
-    hard = None if told["hard"] is None else Axis(**told["hard"])
-    axis = axis_among(experiment, case, hard, told["ladder"], told["parameters"])
-    return Ruler.of(axis, told["parameters"], experiment.limit)
+    about = store.catalogue["cases"][case]
+    hard = None if about["hard"] is None else Axis(**about["hard"])
+    axis = axis_among(experiment, case, hard, about["ladder"], about["parameters"])
+    return Ruler.of(axis, about["parameters"], experiment.limit)
 
 
 @lru_cache(maxsize=1)
@@ -161,49 +161,51 @@ def _measured(store: Store) -> _Measured:
     table = store.measurements
     shares, starts, own = (table[table["metric"] == name].set_index("trial")["value"] for name in (HELD, STARTS, OWN_CHECKS))
     broke = table[table["metric"].str.startswith(BROKE_BY)]
-    signs = {str(trial): dict(zip(part["metric"], part["value"], strict=True)) for trial, part in broke.groupby("trial")}
+    signs = {str(trial): dict(zip(group["metric"], group["value"], strict=True)) for trial, group in broke.groupby("trial")}
     return _Measured(shares, starts, own, signs, store.notices)
 
 
 def _searches(store: Store) -> Iterator[Search]:
     experiments, measured = _experiments(store), _measured(store)
     trials = store.trials[store.trials["experiment"].isin(experiments)]
-    for (name, case), part in trials.groupby(["experiment", "case"], sort=False):
+    for (name, case), mine in trials.groupby(["experiment", "case"], sort=False):
         by = _ruler(store, experiments[str(name)], str(case))
-        told = [json.loads(text) for text in part["parameters"]]
-        part = part.assign(
-            value=part["dt"] if by.axis.parameter == "dt" else [float(one[by.axis.parameter]) for one in told],
-            others=[json.dumps({k: v for k, v in one.items() if k not in (by.axis.parameter, "seed")}) for one in told],
-            outer=_outer(part),
+        parameters = [json.loads(text) for text in mine["parameters"]]
+        mine = mine.assign(
+            value=mine["dt"] if by.axis.parameter == "dt" else [float(given[by.axis.parameter]) for given in parameters],
+            others=[
+                json.dumps({k: v for k, v in given.items() if k not in (by.axis.parameter, "seed")}) for given in parameters
+            ],
+            outer=_outer(mine),
         )
-        part = part.assign(step=0.0 if by.axis.parameter == "dt" else part["outer"])
-        plain = part[part["remedied"] == ""]
+        mine = mine.assign(step=0.0 if by.axis.parameter == "dt" else mine["outer"])
+        plain = mine[mine["remedied"] == ""]
         beside = _beside(plain["others"], plain["step"], store.catalogue["cases"][str(case)])
-        for (others, step, engine, track, parts, remedy, remedied), group in part.groupby(
+        for (others, step, engine, track, parts, remedy, remedied), group in mine.groupby(
             ["others", "step", "engine", "track", "parts", "remedy", "remedied"], sort=False
         ):
             side = (engine, track, int(parts))
             yield _search(str(name), str(case), beside.get((others, step), ()), side, (remedy, remedied), group, by, measured)
 
 
-def _outer(part: pd.DataFrame) -> list[float]:
+def _outer(trials: pd.DataFrame) -> list[float]:
     """The time step [s] of each trial that its parts are parts of: an engine without sub-steps was told one of these."""
-    told = [json.loads(text) for text in part["settings"]]
+    settings = [json.loads(text) for text in trials["settings"]]
     return [
-        float(dt) if not parts else float(dt) / (one.get("substeps") or 1) * parts
-        for dt, parts, one in zip(part["dt"], part["parts"], told, strict=True)
+        float(dt) if not parts else float(dt) / (setting.get("substeps") or 1) * parts
+        for dt, parts, setting in zip(trials["dt"], trials["parts"], settings, strict=True)
     ]
 
 
 def _beside(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]) -> dict[tuple[str, float], Beside]:
     """What tells the cells of an experiment apart, and from the case as it is."""
     cells = list(dict.fromkeys(zip(others, steps, strict=True)))
-    told = [json.loads(text) for text, _ in cells]
-    loose = differing(told, case["parameters"])
+    parameters = [json.loads(text) for text, _ in cells]
+    loose = differing(parameters, case["parameters"])
     many = any(step not in (0.0, case["dt"]) for _, step in cells)
     return {
-        cell: tuple((name, one[name]) for name in loose) + (((STEP, float(cell[1])),) if many else ())
-        for cell, one in zip(cells, told, strict=True)
+        cell: tuple((name, values[name]) for name in loose) + (((STEP, float(cell[1])),) if many else ())
+        for cell, values in zip(cells, parameters, strict=True)
     }
 
 
@@ -218,18 +220,18 @@ def _search(
     measured: _Measured,
 ) -> Search:
     at = {row.value: row for row in group.itertuples()}
-    found = bracket({value: row.status for value, row in at.items()}, by)
-    held, broke = (None if value is None else at[value] for value in (found.held, found.broke))
+    interval = bracket({value: row.status for value, row in at.items()}, by)
+    held, broke = (None if value is None else at[value] for value in (interval.held, interval.broke))
     last = max(at.values(), key=lambda row: by.place(row.value))
-    reason = last.reason if found.stopped or (broke is None and held is None) else ""
+    reason = last.reason if interval.stopped or (broke is None and held is None) else ""
     if broke is not None:
         verdict = "limit" if held is not None else "not even the easiest"
-    elif found.stopped:
+    elif interval.stopped:
         verdict = last.status if last.status in ("unsupported", "unavailable") else "stopped"
     else:
         verdict = "beyond the extreme"
     reach = by.place(held.value) if held is not None else 0.0
-    holds = _holds(at, found, by)
+    holds = _holds(at, interval, by)
     taken = [float(row.substep) for row in at.values() if row.substep == row.substep]
     return Search(
         experiment=name,
@@ -243,8 +245,8 @@ def _search(
         unit=by.axis.unit,
         easy=by.axis.easy,
         extreme=by.axis.extreme,
-        held=found.held,
-        broke=found.broke,
+        held=interval.held,
+        broke=interval.broke,
         share=None if broke is None else float(measured.shares.get(broke.trial, 0.0)),
         signs=Signs() if broke is None else _signs(broke, measured),
         verdict=verdict,
@@ -266,12 +268,12 @@ def _search(
     )
 
 
-def _holds(at: Mapping[float, Any], found: Bracket, by: Ruler) -> tuple[Hold, ...]:
+def _holds(at: Mapping[float, Any], interval: Bracket, by: Ruler) -> tuple[Hold, ...]:
     """What held before the first value that broke, each with its cost and with the next harder value that was tried."""
     tried = sorted(at, key=by.place)
     made = []
     for value, harder in zip(tried, [*tried[1:], tried[-1]], strict=True):
-        if at[value].status != "passed" or (found.broke is not None and by.place(value) >= by.place(found.broke)):
+        if at[value].status != "passed" or (interval.broke is not None and by.place(value) >= by.place(interval.broke)):
             continue
         answered = at[harder].status in ("passed", *BROKE)
         cost = _number(at[value].rough_cost)

@@ -139,11 +139,11 @@ class Prices:
         wanted = dict(
             zip(self._store.asked["trial"], (self._headline(case) for case in self._store.asked["case"]), strict=True)
         )
-        found: dict[str, tuple[float, float]] = {}
+        headlines: dict[str, tuple[float, float]] = {}
         for row in self._store.measurements.to_dict("records"):
-            if row["metric"] == wanted.get(row["trial"]) and row["trial"] not in found:
-                found[row["trial"]] = (abs(number(row["value"])), number(row.get("truth_error", 0.0)))
-        return found | {trial: (one.error, one.off) for trial, one in errors_of(self._store).items()}
+            if row["metric"] == wanted.get(row["trial"]) and row["trial"] not in headlines:
+                headlines[row["trial"]] = (abs(number(row["value"])), number(row.get("truth_error", 0.0)))
+        return headlines | {trial: (errors.error, errors.off) for trial, errors in errors_of(self._store).items()}
 
     def _headline(self, case: str) -> str:
         """The metric that is the case's error; none where more of it is better."""
@@ -155,31 +155,31 @@ class Prices:
     @cached_property
     def _samples(self) -> Mapping[str, Mapping[tuple[int, int], float]]:
         """CPU seconds of a unit by trial and (process, block)."""
-        found: dict[str, dict[tuple[int, int], float]] = {}
+        samples: dict[str, dict[tuple[int, int], float]] = {}
         for s in self._store.samples.to_dict("records"):
-            found.setdefault(s["trial"], {})[s["process"], s["block"]] = s["cpu"] / (s["steps"] * s["units"])
-        return found
+            samples.setdefault(s["trial"], {})[s["process"], s["block"]] = s["cpu"] / (s["steps"] * s["units"])
+        return samples
 
     def groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """The trials of one case at one set of parameters; where: what differs from the case's own, in words."""
         trials = self._store.asked
-        for (case, parameters), part in trials.groupby(["case", "parameters"], sort=False):
+        for (case, parameters), group in trials.groupby(["case", "parameters"], sort=False):
             own = self._cases.get(case, {}).get("parameters", {})
-            yield case, in_words(other_values(json.loads(parameters), own)), part
+            yield case, in_words(other_values(json.loads(parameters), own)), group
 
     @cached_property
     def points(self) -> tuple[Point, ...]:
         """Every trial that has an error and any cost, case by case and engine by engine."""
-        found: list[Point] = []
-        for case, where, part in self.groups():
-            here = [point for row in part.to_dict("records") if (point := self._point(case, where, row)) is not None]
+        points: list[Point] = []
+        for case, where, trials in self.groups():
+            here = [point for row in trials.to_dict("records") if (point := self._point(case, where, row)) is not None]
             clocked = [point for point in here if point.clocked]
             best = marked(clocked)
             fronts: set[str] = set()
             for engine in dict.fromkeys(point.engine for point in here):
                 fronts |= marked([point for point in clocked if point.engine == engine])
-            found += [replace(point, front=point.trial in fronts, best=point.trial in best) for point in here]
-        return tuple(found)
+            points += [replace(point, front=point.trial in fronts, best=point.trial in best) for point in here]
+        return tuple(points)
 
     def _point(self, case: str, where: str, row: Mapping[str, Any]) -> Point | None:
         if row["status"] not in ("passed", "failed") or row["trial"] not in self._headlines:
@@ -217,50 +217,50 @@ class Prices:
     @cached_property
     def prices(self) -> tuple[Price, ...]:
         """One for each case, target and engine."""
-        found: list[Price] = []
-        for case, where, part in self.groups():
+        prices: list[Price] = []
+        for case, where, trials in self.groups():
             if self._headline(case):
-                found += self._of_case(case, where, part)
-        return tuple(found)
+                prices += self._of_case(case, where, trials)
+        return tuple(prices)
 
-    def _of_case(self, case: str, where: str, part: pd.DataFrame) -> Iterator[Price]:
-        unit = unit_of(part)
+    def _of_case(self, case: str, where: str, trials: pd.DataFrame) -> Iterator[Price]:
+        unit = unit_of(trials)
         here = [point for point in self.points if (point.case, point.where) == (case, where)]
         draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
         lists = {
-            engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(part["engine"])
+            engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(trials["engine"])
         }
-        spent = efforts(self._store, part)
+        spent = efforts(self._store, trials)
         for k, target in enumerate(TARGETS):
-            reached = {engine: one.middle[k] for engine, one in lists.items() if math.isfinite(one.middle[k])}
+            reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
             cheapest = min(reached, key=lambda engine: reached[engine], default="")
-            for engine, one in lists.items():
+            for engine, costs in lists.items():
                 blank: dict[str, Any] = {f.name: None for f in fields(Price)}
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
                 row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
                 row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
                 row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in here if p.engine == engine), default=None)}
-                if one.best is None:
-                    yield Price(**(row | without(part[part["engine"] == engine], here, engine)))
+                if costs.best is None:
+                    yield Price(**(row | without(trials[trials["engine"] == engine], here, engine)))
                     continue
-                row |= {"best_error": one.best.error}
+                row |= {"best_error": costs.best.error}
                 if engine not in reached:
                     close = [p for p in here if p.engine == engine and p.error <= target]
-                    least = min(close, key=lambda p: p.cost, default=one.best)
-                    said: dict[str, Any] = (
+                    least = min(close, key=lambda p: p.cost, default=costs.best)
+                    outcome: dict[str, Any] = (
                         {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"}
                         if close
                         else {"verdict": "not within the ladder"}
                     )
                     trend = None if close else foreseen([p for p in here if p.engine == engine], target)
                     if trend is not None:
-                        said |= {f"foreseen_{key}": value for key, value in asdict(trend).items()}
-                    yield Price(**(row | said | {"trial": least.trial, "track": least.track, "dt": least.dt}))
+                        outcome |= {f"foreseen_{key}": value for key, value in asdict(trend).items()}
+                    yield Price(**(row | outcome | {"trial": least.trial, "track": least.track, "dt": least.dt}))
                     continue
-                under, over = one.beside(k, target)
+                under, over = costs.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
-                low, high = interval(one.drawn[:, k])
-                ratio_low, ratio_high = interval(one.drawn[:, k] / lists[cheapest].drawn[:, k])
+                low, high = interval(costs.drawn[:, k])
+                ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
                 row |= {"verdict": "within the truth's error" if target < under.off else verdict}
                 row |= {"cost": reached[engine], "low": low, "high": high}
                 row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
@@ -285,7 +285,7 @@ def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
     the finest point on, no farther than to `FORESIGHT` of its step, and a step that is finer by a factor costs that many times
     more.
     """
-    found: list[tuple[float, Foreseen]] = []
+    candidates: list[tuple[float, Foreseen]] = []
     for track in dict.fromkeys(point.track for point in points):
         mine = [point for point in points if point.track == track]
         fit = fit_order([point.dt for point in mine], [point.error for point in mine])
@@ -295,13 +295,13 @@ def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
         finer = (target / last.error) ** (1 / fit.order)
         if finer < FORESIGHT:
             continue
-        found.append((last.cost / finer, Foreseen(dt=last.dt * finer, order=fit.order, track=track)))
-    return min(found, key=lambda one: one[0], default=(0.0, None))[1]
+        candidates.append((last.cost / finer, Foreseen(dt=last.dt * finer, order=fit.order, track=track)))
+    return min(candidates, key=lambda candidate: candidate[0], default=(0.0, None))[1]
 
 
-def unit_of(part: pd.DataFrame) -> str:
+def unit_of(trials: pd.DataFrame) -> str:
     """What costs of these trials count: 'simulated second', or 'ray' and the like."""
-    units = {str(unit) for unit in part["unit"].dropna()}
+    units = {str(unit) for unit in trials["unit"].dropna()}
     return PER_SECOND if units <= {"step"} else " or ".join(sorted(units))
 
 
@@ -311,11 +311,11 @@ def marked(points: Sequence[Point]) -> set[str]:
     return {point.trial for point, on in zip(points, flags, strict=True) if on}
 
 
-def without(part: pd.DataFrame, here: Sequence[Point], engine: str) -> dict[str, Any]:
+def without(trials: pd.DataFrame, here: Sequence[Point], engine: str) -> dict[str, Any]:
     """Verdict and reason for an engine that has no clocked point."""
     if any(point.engine == engine for point in here):
         return {"verdict": "not clocked", "reason": "no point near the front was clocked; see the trials' warnings"}
-    counts = part.groupby(["status", "reason"]).size().sort_values(ascending=False)
+    counts = trials.groupby(["status", "reason"]).size().sort_values(ascending=False)
     status, reason = counts.index[0]
     return {"verdict": "no answer", "reason": f"{status}: {reason}" if reason else str(status)}
 
@@ -339,7 +339,7 @@ class Draws:
         rng = np.random.default_rng(0)
         keys = sorted({key for point in points for key in samples.get(point.trial, {})})
         processes = sorted({process for process, _ in keys})
-        blocks = {p: [place for place, key in enumerate(keys) if key[0] == p] for p in processes}
+        blocks = {p: [index for index, key in enumerate(keys) if key[0] == p] for p in processes}
         chosen = [
             np.concatenate([rng.choice(blocks[p], len(blocks[p])) for p in rng.choice(processes, len(processes))])
             for _ in range(DRAWS if keys else 0)
@@ -396,5 +396,5 @@ def medians(values: Floats) -> Floats:
     ordered = np.sort(values, axis=1)  # nan last
     count, rows = np.isfinite(values).sum(axis=1), np.arange(len(values))
     lower, upper = ordered[rows, np.maximum(count - 1, 0) // 2], ordered[rows, np.minimum(count // 2, values.shape[1] - 1)]
-    found: Floats = 0.5 * (lower + upper)
-    return found
+    middle: Floats = 0.5 * (lower + upper)
+    return middle

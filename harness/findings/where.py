@@ -12,8 +12,8 @@ STEP = "dt"
 def differing(given: Iterable[Mapping[str, Any]], own: Mapping[str, Any]) -> list[str]:
     """The parameters that differ from the case's own values in one of these scenes at least; never the seed."""
     scenes = list(given)
-    names = dict.fromkeys(name for one in scenes for name in one if name != "seed")
-    return [name for name in names if any(one.get(name) != own.get(name) for one in scenes)]
+    names = dict.fromkeys(name for scene in scenes for name in scene if name != "seed")
+    return [name for name in names if any(scene.get(name) != own.get(name) for scene in scenes)]
 
 
 def other_values(given: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:

@@ -60,12 +60,12 @@ class Ruler:
     def _logarithmic(self) -> bool:
         return self.axis.easy > 0 and self.axis.extreme > 0
 
-    def value(self, place: float) -> float:
+    def value(self, share: float) -> float:
         """The value at a place."""
         easy, extreme = self.axis.easy, self.axis.extreme
-        value = easy * (extreme / easy) ** place if self._logarithmic else easy + (extreme - easy) * place
-        if place in (0.0, 1.0):
-            value = extreme if place else easy
+        value = easy * (extreme / easy) ** share if self._logarithmic else easy + (extreme - easy) * share
+        if share in (0.0, 1.0):
+            value = extreme if share else easy
         return float(round(value)) if self.whole else value
 
     def place(self, value: float) -> float:
@@ -113,14 +113,14 @@ def bracket(known: Mapping[float, str], by: Ruler) -> Bracket:
 
 def next_value(known: Mapping[float, str], by: Ruler, scan: int) -> float | None:
     """Which value to try next; None where the bracket is close enough, or nothing is left to try."""
-    found = bracket(known, by)
-    if found.stopped:
+    interval = bracket(known, by)
+    if interval.stopped:
         return None
-    if found.broke is None:
+    if interval.broke is None:
         return next((value for value in by.scan(scan) if value not in known), None)
-    if found.held is None or by.close(found.held, found.broke):
+    if interval.held is None or by.close(interval.held, interval.broke):
         return None
-    middle = by.between(found.held, found.broke)
+    middle = by.between(interval.held, interval.broke)
     return None if middle in known else middle
 
 
@@ -132,10 +132,10 @@ def next_trials(
     for trial in trials:
         if trial.experiment.limit is not None:
             groups.setdefault(_search(trial, cases[trial.case]), []).append(trial)
-    found: list[Trial] = []
+    probes: list[Trial] = []
     for group in groups.values():
-        found += _next_of(group, records, cases[group[0].case], adapters[group[0].engine], trials)
-    return found
+        probes += _next_of(group, records, cases[group[0].case], adapters[group[0].engine], trials)
+    return probes
 
 
 def _search(trial: Trial, case: Case) -> str:
@@ -172,18 +172,18 @@ def _next_of(
 def _at(trial: Trial, value: float, axis: Axis, case: Case, number: int) -> Trial:
     if axis.parameter == "dt":
         return trial.probing(case, settings=trial.settings.with_dt(value), round=number)
-    told = round(value) if isinstance(case.parameters[axis.parameter], int) else value
-    return trial.probing(case, parameters={**trial.parameters, axis.parameter: told}, round=number)
+    given = round(value) if isinstance(case.parameters[axis.parameter], int) else value
+    return trial.probing(case, parameters={**trial.parameters, axis.parameter: given}, round=number)
 
 
 def _beyond(known: Mapping[float, str], by: Ruler) -> float | None:
     """Where to try next a remedy that holds where the case broke without it."""
-    found = bracket(known, by)
-    if found.stopped or found.held is None or len(known) > REMEDY_VALUES:
+    interval = bracket(known, by)
+    if interval.stopped or interval.held is None or len(known) > REMEDY_VALUES:
         return None
-    if found.broke is None:
+    if interval.broke is None:
         return None if by.axis.extreme in known else by.axis.extreme
-    if by.close(found.held, found.broke):
+    if by.close(interval.held, interval.broke):
         return None
-    middle = by.between(found.held, found.broke)
+    middle = by.between(interval.held, interval.broke)
     return None if middle in known else middle

@@ -103,11 +103,11 @@ def groups(trials: Sequence[Trial]) -> Iterator[list[Trial]]:
 
 def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Point]:
     """What of a group has a finite error and a cost."""
-    found: list[Point] = []
-    told = [r.rough_cost / r.rough_ratio for t in group if (r := records.get(t.trial)) and r.rough_cost and r.rough_ratio]
-    yardstick = median(told) if told else 1.0
+    measured: list[Point] = []
+    yardsticks = [r.rough_cost / r.rough_ratio for t in group if (r := records.get(t.trial)) and r.rough_cost and r.rough_ratio]
+    yardstick = median(yardsticks) if yardsticks else 1.0
     if any(metric.better == "higher" for metric in case.metrics if metric.name == case.headline):
-        return found
+        return measured
     for trial in group:
         record = records.get(trial.trial)
         if record is None or record.status not in ("passed", "failed") or not record.rough_cost:
@@ -115,11 +115,11 @@ def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Poin
         error = next((abs(m.value) for m in record.measurements if m.metric == case.headline), float("nan")) / case.scale
         if error < float("inf"):
             cost = record.rough_cost if record.rough_ratio is None else record.rough_ratio * yardstick
-            found.append(Point(trial, record, max(error, SMALLEST), cost))
-    return _smoothed(found) if case.unit(group[0].parameters) == "step" else found
+            measured.append(Point(trial, record, max(error, SMALLEST), cost))
+    return _smoothed(measured) if case.unit(group[0].parameters) == "step" else measured
 
 
-def _smoothed(found: Sequence[Point]) -> list[Point]:
+def _smoothed(here: Sequence[Point]) -> list[Point]:
     """The points, coarser steps first, with costs that fall as the step of the same settings grows.
 
     A rough cost is a few milliseconds' work. That a coarser step costs no more for a second
@@ -130,7 +130,7 @@ def _smoothed(found: Sequence[Point]) -> list[Point]:
     from scipy.optimize import isotonic_regression  # late: a listing must not pay for it
 
     families: dict[str, list[Point]] = {}
-    for point in sorted(found, key=lambda point: -point.trial.settings.dt):
+    for point in sorted(here, key=lambda point: -point.trial.settings.dt):
         families.setdefault(_family(point), []).append(point)
     level: list[Point] = []
     for family in families.values():
@@ -143,10 +143,10 @@ def next_trials(
     trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
 ) -> list[Trial]:
     """The next round over all cases and engines; empty when all points are spent, or nothing is left to try."""
-    found: list[Trial] = []
+    probes: list[Trial] = []
     for group in groups(trials):
-        found += _next_of_group(group, records, cases[group[0].case], adapters[group[0].engine])
-    return found
+        probes += _next_of_group(group, records, cases[group[0].case], adapters[group[0].engine])
+    return probes
 
 
 def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adapter: Adapter) -> list[Trial]:
@@ -171,16 +171,16 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
         foremost = sorted(felt, key=lambda knob: -felt[knob].ratio)
         for layer in _layers(_apart(here)):
             wanted += _neighbours(layer, foremost, case, adapter)
-    found: list[Trial] = []
+    probes: list[Trial] = []
     limit = len(wanted) if screens else min(room, PER_ROUND)
     number = last + 1 if screens else max(last, SCREENING) + 1
     for origin, settings in wanted:
-        if _key(settings) not in tried and len(found) < limit:
+        if _key(settings) not in tried and len(probes) < limit:
             tried.append(_key(settings))
             ancestor = origin.base or origin.track
             track = _label(ancestor, settings, adapter)
-            found.append(origin.probing(case, track=track, base=ancestor, settings=settings, round=number))
-    return found
+            probes.append(origin.probing(case, track=track, base=ancestor, settings=settings, round=number))
+    return probes
 
 
 def _base(here: Sequence[Point], case: Case) -> Point:
@@ -226,8 +226,8 @@ def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
     if now is None:
         now = position(Settings(**point.record.resolved), knob) if point.record.resolved else None
     if now in values:
-        place = values.index(now)
-        return [values[k] for k in (place + 1, place - 1) if 0 <= k < len(values)]
+        index = values.index(now)
+        return [values[k] for k in (index + 1, index - 1) if 0 <= k < len(values)]
     return [value for value in dict.fromkeys((values[0], values[-1])) if value != now]
 
 
@@ -257,7 +257,7 @@ def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
             record = records.get(trial.trial)
             if record is not None and record.trajectory_hash is not None:
                 answers.setdefault(_key(_without(trial.settings, knob)), {})[record.trajectory_hash] = trial.trial
-        unlike = [found.values() for found in answers.values() if len(found) > 1]
+        unlike = [runs.values() for runs in answers.values() if len(runs) > 1]
         if unlike:
             pairs = [some for names in unlike if (some := [errors[name] for name in names if name in errors])]
             felt[knob] = Felt(
@@ -288,14 +288,14 @@ def _front(here: Sequence[Point]) -> list[Point]:
     than every one before it that is not dearer by more than rough costs tell.
     """
     least: dict[str, float] = {}
-    found: list[Point] = []
+    candidates: list[Point] = []
     for point in sorted(here, key=lambda point: -point.trial.settings.dt):
         family = _family(point)
         if point.error < least.get(family, math.inf):
             least[family] = point.error
-            found.append(point)
+            candidates.append(point)
     front: list[Point] = []
-    for point in sorted(found, key=lambda point: point.trial.round):
+    for point in sorted(candidates, key=lambda point: point.trial.round):
         if not any(old.error <= point.error and old.cost < TELLING * point.cost for old in front):
             front = [old for old in front if old.error < point.error or old.cost * TELLING < point.cost] + [point]
     return sorted(front, key=lambda point: (point.cost, -point.error))
@@ -318,10 +318,10 @@ def _others(group: Group, records: Mapping[str, Record]) -> int:
 
 def _apart(here: Sequence[Point]) -> list[Point]:
     """Of points with one and the same answer the earliest alone."""
-    found: dict[object, Point] = {}
+    earliest: dict[object, Point] = {}
     for point in sorted(here, key=lambda point: point.trial.round):
-        found.setdefault(point.record.trajectory_hash or point.trial.trial, point)
-    return list(found.values())
+        earliest.setdefault(point.record.trajectory_hash or point.trial.trial, point)
+    return list(earliest.values())
 
 
 def _layers(here: Sequence[Point]) -> Iterator[list[Point]]:
@@ -378,11 +378,11 @@ def spread(front: Sequence[Point]) -> list[Point]:
     Source: T. F. Gonzalez, Clustering to minimize the maximum intercluster distance, Theor. Comput. Sci. 38 (1985) 293.
     """
     left = sorted(front, key=lambda point: point.error)
-    found = [left.pop(place) for place in (0, -1) if left]
+    chosen = [left.pop(end) for end in (0, -1) if left]
     while left:
-        gaps = [min(abs(math.log(point.error / one.error)) for one in found) for point in left]
-        found.append(left.pop(gaps.index(max(gaps))))
-    return found
+        gaps = [min(abs(math.log(point.error / other.error)) for other in chosen) for point in left]
+        chosen.append(left.pop(gaps.index(max(gaps))))
+    return chosen
 
 
 def _coarser(point: Point, here: Sequence[Point]) -> Point | None:

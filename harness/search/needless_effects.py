@@ -134,10 +134,10 @@ def scale_of(
 
 def _at(run: Mapping[str, Any], values: Floats, other: Mapping[str, Any]) -> Floats:
     """Values at the samples of a run, as values at those of another one; NaN where the run has none."""
-    found = np.full(len(other["time"]), np.nan)
+    resampled = np.full(len(other["time"]), np.nan)
     _, here, there = np.intersect1d(np.round(other["time"], 9), np.round(run["time"], 9), return_indices=True)
-    found[here] = values[there]
-    return found
+    resampled[here] = values[there]
+    return resampled
 
 
 def compared(plain: Mapping[str, Any], other: Mapping[str, Any], scale: Scale) -> Consequence:
@@ -149,24 +149,24 @@ def compared(plain: Mapping[str, Any], other: Mapping[str, Any], scale: Scale) -
     beyond = known[moved[known] > np.maximum(TWICE * scale.own[known], FLOOR)]
     believed = beyond[scale.converged[beyond]]
     shown = believed if len(believed) else beyond if len(beyond) else known
-    place = shown[np.argmax(moved[shown])]
+    sample = shown[np.argmax(moved[shown])]
     matters = True if len(believed) else None if len(beyond) or not scale.converged[known[-1]] else False
-    return Consequence(float(moved[place]), float(scale.own[place]), matters=matters)
+    return Consequence(float(moved[sample]), float(scale.own[sample]), matters=matters)
 
 
-def apart(one: Mapping[str, Any], other: Mapping[str, Any]) -> Floats:
+def apart(first: Mapping[str, Any], second: Mapping[str, Any]) -> Floats:
     """The greatest distance [m] or angle [rad] of any body between two runs at each sample of the first, (t,).
 
     NaN where the other has no sample; a run that ended early is infinitely far off from there on.
     """
-    found = np.full(len(one["time"]), np.nan)
-    _, here, there = np.intersect1d(np.round(one["time"], 9), np.round(other["time"], 9), return_indices=True)
-    way = np.linalg.norm(one["p_WB"][here] - other["p_WB"][there], axis=2).max(axis=1, initial=0.0)
-    turn = angle_between(one["q_WB"][here], other["q_WB"][there]).max(axis=1, initial=0.0)
-    found[here] = np.where(np.isfinite(way) & np.isfinite(turn), np.maximum(way, turn), np.inf)
-    if len(other["time"]):
-        found[one["time"] > other["time"][-1] + 1e-9] = np.inf
-    return found
+    distance = np.full(len(first["time"]), np.nan)
+    _, here, there = np.intersect1d(np.round(first["time"], 9), np.round(second["time"], 9), return_indices=True)
+    way = np.linalg.norm(first["p_WB"][here] - second["p_WB"][there], axis=2).max(axis=1, initial=0.0)
+    turn = angle_between(first["q_WB"][here], second["q_WB"][there]).max(axis=1, initial=0.0)
+    distance[here] = np.where(np.isfinite(way) & np.isfinite(turn), np.maximum(way, turn), np.inf)
+    if len(second["time"]):
+        distance[first["time"] > second["time"][-1] + 1e-9] = np.inf
+    return distance
 
 
 NAMES = ("time", "p_WB", "q_WB")
@@ -185,7 +185,7 @@ def scale_in(store: Store, runs: Mapping[str, Any]) -> Scale | None:
     single = (read(run) for run in runs.values() if run is not None and len(departure(run).single.names) == 1)
     here = read(plain)
     assert here is not None
-    return scale_of(here, read(runs.get(FINER)), read(runs.get(FINEST)), (one for one in single if one is not None))
+    return scale_of(here, read(runs.get(FINER)), read(runs.get(FINEST)), (run for run in single if run is not None))
 
 
 def matters(store: Store, plain: Any, other: Any, scale: Scale | None) -> Consequence | None:
@@ -197,19 +197,19 @@ def matters(store: Store, plain: Any, other: Any, scale: Scale | None) -> Conseq
     if other.status == "diverged":
         return Consequence(float("inf"), 0.0, matters=True if scale.converged.any() else None)
     here, there = (store.trajectory(run.trajectory_hash, NAMES) for run in (plain, other))
-    found = compared(here, there, scale)
+    consequence = compared(here, there, scale)
     flips = plain.status == "passed" and other.status == "failed"
-    return replace(found, matters=True) if flips else found
+    return replace(consequence, matters=True) if flips else consequence
 
 
 def departure(run: Any) -> Alteration:
     """What a run departed in, of a record or a row of the table of trials."""
-    said = run.alteration
-    return Alteration.from_plain(json.loads(said) if isinstance(said, str) else said)
+    alteration = run.alteration
+    return Alteration.from_plain(json.loads(alteration) if isinstance(alteration, str) else alteration)
 
 
 def weighed(
-    departed: Alteration, found: Consequence | None, plain: Any, run: Any, declared: Collection[str]
+    departed: Alteration, consequence: Consequence | None, plain: Any, run: Any, declared: Collection[str]
 ) -> Consequence | None:
     """The consequence of a departure from a scene that declares these effects, where motion is not what counts.
 
@@ -217,15 +217,15 @@ def weighed(
     mends a check, since where within a step a contact is found moves everything a little. What is off, and changes nothing
     where it is on, is no gap, whoever says so: nothing is proposed by that.
     """
-    if found is None:
+    if consequence is None:
         return None
     if departed.narrow == Effect.GRAVITY and "contact" in declared:
-        return replace(found, matters=True)
+        return replace(consequence, matters=True)
     if departed.widen == Effect.CONTINUOUS_COLLISION:
-        return replace(found, matters=plain.status == "failed" and run.status == "passed")
-    if departed.widen and found.matters is None and found.moved <= FLOOR:
-        return replace(found, matters=False)
-    return found
+        return replace(consequence, matters=plain.status == "failed" and run.status == "passed")
+    if departed.widen and consequence.matters is None and consequence.moved <= FLOOR:
+        return replace(consequence, matters=False)
+    return consequence
 
 
 def next_trials(
@@ -242,13 +242,13 @@ def next_trials(
         if trial.experiment.effects:
             name = (trial.experiment.name, trial.case, dict(trial.parameters), trial.engine, trial.track, trial.seed)
             groups.setdefault(repr(name), []).append(trial)
-    found = []
+    probes = []
     for group in groups.values():
         # Groups of several time steps are told apart by the step of what is as it is.
         for plain in (trial for trial in group if not trial.alteration.name):
             more = _dropping(plain, group, records, cases[plain.case], store)
-            found += [] if more is None else [more]
-    return found
+            probes += [] if more is None else [more]
+    return probes
 
 
 def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record], case: Case, store: Store) -> Trial | None:
@@ -265,20 +265,20 @@ def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record
         if name not in known:
             return None
         run = known[name]
-        found = None if run is None else weighed(departure(run), matters(store, here, run, scale), here, run, declared)
-        return found is not None and found.matters is False
+        consequence = None if run is None else weighed(departure(run), matters(store, here, run, scale), here, run, declared)
+        return consequence is not None and consequence.matters is False
 
     declared = case.scene(**plain.parameters).effects.names
-    single = [one for one in declared if one not in case.insists and idle(one)]
+    single = [effect for effect in declared if effect not in case.insists and idle(effect)]
     dropped = single[:1]
-    for one in single[1:]:
-        verdict = idle(*dropped, one)
+    for effect in single[1:]:
+        verdict = idle(*dropped, effect)
         if verdict is None:
             narrow = Effect.NONE
-            for name in (*dropped, one):
+            for name in (*dropped, effect):
                 narrow |= Effect[name.upper()]
-            told = Alteration(name=f"without {', '.join((*dropped, one))}", narrow=narrow)
-            return plain.probing(case, alteration=told, round=max(trial.round for trial in group) + 1)
+            alteration = Alteration(name=f"without {', '.join((*dropped, effect))}", narrow=narrow)
+            return plain.probing(case, alteration=alteration, round=max(trial.round for trial in group) + 1)
         if verdict:
-            dropped.append(one)
+            dropped.append(effect)
     return None

@@ -93,7 +93,7 @@ def read_run(store: Store, trajectory_hash: str, dt: float) -> Trajectory:
 
 def rungs_of(store: Store, runs: Sequence[Any]) -> list[Rung]:
     """The runs of one engine and track, as records or rows of the table of trials, from coarse to fine; each step once."""
-    found: dict[float, Rung] = {}
+    by_substep: dict[float, Rung] = {}
     for row in sorted(runs, key=lambda row: -float(row.dt)):
         answered = row.status in ANSWERED and isinstance(row.trajectory_hash, str)
         known = row.substep is not None and row.substep == row.substep
@@ -106,8 +106,8 @@ def rungs_of(store: Store, runs: Sequence[Any]) -> list[Rung]:
             run=read_run(store, str(row.trajectory_hash), float(row.dt)) if answered else None,
         )
         # An engine that cuts coarse steps into more sub-steps takes one step on two rungs, and says nothing new on the second.
-        found.setdefault(round(rung.substep, 15), rung)
-    return sorted(found.values(), key=lambda rung: -rung.substep)
+        by_substep.setdefault(round(rung.substep, 15), rung)
+    return sorted(by_substep.values(), key=lambda rung: -rung.substep)
 
 
 def own_limit(scale: Extent, rungs: Sequence[Rung]) -> OwnLimit:
@@ -121,19 +121,22 @@ def own_limit(scale: Extent, rungs: Sequence[Rung]) -> OwnLimit:
     time = finest.time
     parted = np.array([apart(coarser, finer, scale) for coarser, finer in pairwise(runs)])
     moved = [offsets(run, finest, scale) for run in runs]
-    found = limit(moved, [1 / step for step in steps], _round_off(finest, steps[-1], scale), length)
-    said = convergence(time, steps, parted, found.bar, TOLERANCE)
+    extrapolated = limit(moved, [1 / step for step in steps], _round_off(finest, steps[-1], scale), length)
+    converged = convergence(time, steps, parted, extrapolated.bar, TOLERANCE)
     horizons = {
-        rung.dt: horizon(time, np.maximum.accumulate(part), TOLERANCE) for rung, part in zip(answered, parted, strict=False)
+        rung.dt: horizon(time, np.maximum.accumulate(distance), TOLERANCE)
+        for rung, distance in zip(answered, parted, strict=False)
     }
     last = np.maximum.accumulate(parted[-1])
-    plain = OwnLimit(kind="converges", why=_silent(whole), said=said, horizons=horizons, rungs=whole, time=time, moved=last)
-    lost = said.until is None or (said.ended != "end" and said.until < _begins(finest, scale))
-    if lost or (said.ended == "no shrinking" and said.regular < HALF):
+    plain = OwnLimit(
+        kind="converges", why=_silent(whole), said=converged, horizons=horizons, rungs=whole, time=time, moved=last
+    )
+    lost = converged.until is None or (converged.ended != "end" and converged.until < _begins(finest, scale))
+    if lost or (converged.ended == "no shrinking" and converged.regular < HALF):
         before, last_moved = float(parted[-2].max()), float(last[-1])
         why = f"halving the step again moves it by {last_moved:.2g} of its size, halving it before by {before:.2g}"
         return replace(plain, kind="does not converge", why=why)
-    return replace(plain, value=displaced(finest, found.value, scale), bar=found.bar)
+    return replace(plain, value=displaced(finest, extrapolated.value, scale), bar=extrapolated.bar)
 
 
 def _silent(rungs: Sequence[Rung]) -> str:
@@ -155,8 +158,8 @@ def _begins(run: Trajectory, scale: Extent) -> float:
 def _round_off(run: Trajectory, step: float, scale: Extent) -> Floats:
     """What the arithmetic of all steps may have cost, (t,): each rounds a number as large as the farthest place once."""
     far = np.abs(run.p_WB[:, scale.bodies]).max(axis=(1, 2), initial=0.0) / scale.size.min(initial=np.inf)
-    found: Floats = (1.0 + run.time / step) * 2.0**-53 * np.maximum.accumulate(np.maximum(far, 1.0))
-    return found
+    bound: Floats = (1.0 + run.time / step) * 2.0**-53 * np.maximum.accumulate(np.maximum(far, 1.0))
+    return bound
 
 
 def _without(rungs: tuple[Rung, ...], answered: int) -> OwnLimit:

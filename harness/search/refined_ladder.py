@@ -52,12 +52,12 @@ def next_trials(
         if trial.experiment.refine is not None:
             name = (trial.experiment.name, trial.case, dict(trial.parameters), trial.seed)
             scenes.setdefault(repr(name), []).append(trial)
-    found = []
+    probes = []
     for scene in scenes.values():
         asked = scene[0].experiment.refine
         assert asked is not None
-        found += list(_of_scene(scene, asked, records, cases[scene[0].case], adapters, store))
-    return found
+        probes += list(_of_scene(scene, asked, records, cases[scene[0].case], adapters, store))
+    return probes
 
 
 def _of_scene(
@@ -86,9 +86,9 @@ def _of_scene(
     if any(trial.alteration.start for trial in scene) or not asked.members:
         return
     # An engine's tuned answer counts, where it has one: what a vendor's default adds may well calm a motion that is chaotic.
-    counted = {engine: one for (engine, track), one in limits.items() if track != "tuned" and _answered(one)}
-    counted |= {engine: one for (engine, track), one in limits.items() if track == "tuned" and _answered(one)}
-    known = [engine for engine, one in counted.items() if _to_the_end(one, case) and not is_ours(adapters[engine])]
+    counted = {engine: limit for (engine, track), limit in limits.items() if track != "tuned" and _answered(limit)}
+    counted |= {engine: limit for (engine, track), limit in limits.items() if track == "tuned" and _answered(limit)}
+    known = [engine for engine, limit in counted.items() if _to_the_end(limit, case) and not is_ours(adapters[engine])]
     if len(known) < 2:
         for side, ladder in ladders.items():
             if len(_answered(limits[side])) >= FEWEST:
@@ -99,17 +99,17 @@ def _limit(ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent
     return own_limit(scale, rungs_of(store, [records[trial.trial] for trial in ladder if trial.trial in records]))
 
 
-def _answered(one: OwnLimit) -> list[float]:
-    return [rung.dt for rung in one.rungs if rung.status in ANSWERED]
+def _answered(limit: OwnLimit) -> list[float]:
+    return [rung.dt for rung in limit.rungs if rung.status in ANSWERED]
 
 
-def _to_the_end(one: OwnLimit, case: Case) -> bool:
-    return one.until >= case.duration * (1 - _UNKNOWN) - case.sample_interval
+def _to_the_end(limit: OwnLimit, case: Case) -> bool:
+    return limit.until >= case.duration * (1 - _UNKNOWN) - case.sample_interval
 
 
 def _halved(
     ladder: Sequence[Trial],
-    one: OwnLimit,
+    limit: OwnLimit,
     asked: Refinement,
     records: Mapping[str, Record],
     case: Case,
@@ -123,7 +123,7 @@ def _halved(
         return None
     finer = last.settings.dt / 2
     beyond = finer < asked.finest * (1 - _UNKNOWN)
-    if beyond and (_to_the_end(one, case) or finer < asked.finest / 2**asked.further * (1 - _UNKNOWN)):
+    if beyond and (_to_the_end(limit, case) or finer < asked.finest / 2**asked.further * (1 - _UNKNOWN)):
         return None
     spent = sum(_cost(records[trial.trial], case) for trial in ladder if trial.trial in records)
     if spent + 2 * _cost(record, case) > share:

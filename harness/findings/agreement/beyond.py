@@ -80,61 +80,61 @@ class Outlook:
     last_speed: Mean
 
 
-def horizon_of(one: Agreement) -> float:
+def horizon_of(agreement: Agreement) -> float:
     """The time [s] from which poses say nothing any more: where the last limit of a side ends that is known at all."""
-    return one.until if one.limit is not None else max((side.limit.until for side in one.sides), default=0.0)
+    return agreement.until if agreement.limit is not None else max((side.limit.until for side in agreement.sides), default=0.0)
 
 
-def balances(store: Store, one: Agreement) -> list[Balance]:
+def balances(store: Store, agreement: Agreement) -> list[Balance]:
     """The laws that could be measured, in each side's finest run that answered."""
     table = store.measurements
-    largest = float(one.scale.size.min(initial=np.inf))
-    found = []
-    for side in one.sides:
+    largest = float(agreement.scale.size.min(initial=np.inf))
+    measured = []
+    for side in agreement.sides:
         answered = [rung for rung in side.limit.rungs if rung.run is not None]
         mine = table[table["trial"] == answered[-1].trial] if answered else table[:0]
         for row in mine.to_dict("records"):
             value = float(row["value"])
             if row["metric"] in LAWS and np.isfinite(value):
                 share = value / largest if row["metric"] in LENGTHS else value
-                found.append(
+                measured.append(
                     Balance(
-                        case=one.case, engine=side.engine, track=side.track, law=str(row["metric"]), value=share,
+                        case=agreement.case, engine=side.engine, track=side.track, law=str(row["metric"]), value=share,
                         holds=None if row["metric"] in OBSERVED else share <= TOLERANCE,
                     )
                 )  # fmt: skip
-    return found
+    return measured
 
 
-def outlooks(store: Store, one: Agreement) -> list[Outlook]:
+def outlooks(store: Store, agreement: Agreement) -> list[Outlook]:
     """What ensembles come to, of each side that was run from perturbed starts."""
     trials = store.trials
     names = trials["alteration"].str.contains(f'"name": "{start_name(1)[:-1]}', regex=False)
-    rows = trials[(trials["case"] == one.case) & names & trials["status"].isin(ANSWERED)]
-    since, found = horizon_of(one), []
-    for (engine, track), part in rows.groupby(["engine", "track"], sort=False):
-        runs = [store.trajectory(name) for name in part["trajectory_hash"]]
+    rows = trials[(trials["case"] == agreement.case) & names & trials["status"].isin(ANSWERED)]
+    since, ensembles = horizon_of(agreement), []
+    for (engine, track), members in rows.groupby(["engine", "track"], sort=False):
+        runs = [store.trajectory(name) for name in members["trajectory_hash"]]
         scene = parse(str(runs[0]["scene"]), "scene.json")
-        numbers = [_numbers(run, scene, one.scale, since) for run in runs]
-        found.append(
+        numbers = [_numbers(run, scene, agreement.scale, since) for run in runs]
+        ensembles.append(
             Outlook(
-                case=one.case,
+                case=agreement.case,
                 engine=str(engine),
                 track=str(track),
                 since=since,
                 starts=len(runs),
-                dt=float(part["dt"].iloc[0]),
+                dt=float(members["dt"].iloc[0]),
                 **{name: mean_of([each[name] for each in numbers]) for name in ("speed", "height", "spread", "last_speed")},
             )
         )
-    return found
+    return ensembles
 
 
 def _numbers(run: Mapping[str, Any], scene: Scene, scale: Extent, since: float) -> dict[str, float]:
     """The statistics of one run."""
     places, time = movable(scene), run["time"]
     size = scale.largest
-    mass = np.array([scene.bodies[place].mass for place in places.tolist()])
+    mass = np.array([scene.bodies[index].mass for index in places.tolist()])
     share = mass / mass.sum()
     start, end = place_of(time, since), place_of(time, float(time[-1]) * (1 - LAST))
     speed = _speeds(run, scene, places.tolist(), share)
@@ -152,9 +152,9 @@ def _numbers(run: Mapping[str, Any], scene: Scene, scale: Extent, since: float) 
 def _speeds(run: Mapping[str, Any], scene: Scene, places: Sequence[int], share: Floats) -> Floats:
     """Twice the kinetic energy over the mass, (t,) m2/s2: turning counts as it does in energy."""
     total = np.zeros(len(run["time"]))
-    for weight, place in zip(share, places, strict=True):
-        body = scene.bodies[place]
-        w_B = rotate_back(run["q_WB"][:, place], run["w_WB"][:, place])
-        total += weight * np.sum(run["v_WB"][:, place] ** 2, axis=1)
+    for weight, index in zip(share, places, strict=True):
+        body = scene.bodies[index]
+        w_B = rotate_back(run["q_WB"][:, index], run["w_WB"][:, index])
+        total += weight * np.sum(run["v_WB"][:, index] ** 2, axis=1)
         total += weight / body.mass * np.einsum("ti,ij,tj->t", w_B, np.array(body.inertia), w_B)
     return total

@@ -31,20 +31,22 @@ def scenes_to_judge(store: Store) -> list[str]:
 @lru_cache(maxsize=2)
 def agreements(store: Store) -> tuple[Agreement, ...]:
     """One for each scene without a truth, at each set of its parameters."""
-    found = []
+    results = []
     for case in scenes_to_judge(store):
         rows = store.asked[store.asked["case"] == case]
         refined = rows[rows["experiment"].isin(_ladders(store))] if len(_ladders(store)) else rows
-        for parameters, part in (refined if len(refined) else rows).groupby("parameters", sort=False):
-            found.append(_agreement(store, case, "" if parameters == "{}" else str(parameters), list(part.itertuples())))
-    return tuple(found)
+        for parameters, group in (refined if len(refined) else rows).groupby("parameters", sort=False):
+            results.append(_agreement(store, case, "" if parameters == "{}" else str(parameters), list(group.itertuples())))
+    return tuple(results)
 
 
 def _ladders(store: Store) -> list[str]:
     """The experiments that went on halving: others run a step or two of a scene for ends of their own."""
-    told = store.study.get("experiments", [])
+    experiments = store.study.get("experiments", [])
     return (
-        [str(one.get("name")) for one in told if isinstance(one, dict) and one.get("refine")] if isinstance(told, list) else []
+        [str(experiment.get("name")) for experiment in experiments if isinstance(experiment, dict) and experiment.get("refine")]
+        if isinstance(experiments, list)
+        else []
     )
 
 

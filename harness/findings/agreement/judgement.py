@@ -55,8 +55,8 @@ def judged(
     """
     places = list(dict.fromkeys(engine for engine, _ in limits))
     sides = [
-        Side(engine=engine, track=track, ours=engine in ours, word=one.kind, why=one.why, limit=one)
-        for (engine, track), one in limits.items()
+        Side(engine=engine, track=track, ours=engine in ours, word=limit.kind, why=limit.why, limit=limit)
+        for (engine, track), limit in limits.items()
     ]
     sides.sort(key=lambda side: (side.ours, places.index(side.engine), side.track))
     scale = NOTHING if scene is None else extent(scene)
@@ -86,9 +86,9 @@ def _stopped(sides: Sequence[Side]) -> list[Side]:
             longest[side.engine] = max(longest.get(side.engine, 0.0), side.limit.until)
 
     def judged(side: Side) -> Side:
-        said = side.limit.said
+        convergence = side.limit.said
         others = sorted((until for engine, until in longest.items() if engine != side.engine), reverse=True)
-        if side.word != "converges" or said is None or said.ended != "no shrinking" or not others:
+        if side.word != "converges" or convergence is None or convergence.ended != "no shrinking" or not others:
             return side
         if others[0] < LONGER * side.limit.until:
             return side
@@ -126,7 +126,7 @@ def _in_camps(
     # Whose limit is known for long speaks before one that is sharp for a moment.
     widths = [side.limit.bar_at(shortest) + max(until - side.limit.until, 0.0) * _SHORT for side in known]
     letters = {
-        (side.engine, side.track): tuple(_letter(one) for one in camp)
+        (side.engine, side.track): tuple(_letter(number) for number in camp)
         for side, camp in zip(known, camps(agree, widths), strict=True)
     }
     sides = _voting([replace(side, camps=letters.get((side.engine, side.track), ())) for side in plain.sides])
@@ -175,12 +175,12 @@ def _known(side: Side) -> _Known:
     return _Known(side.limit.value, side.limit.bar, side.limit.until)
 
 
-def _compare(one: _Known, other: _Known, scale: Extent, granted: float) -> _Pair:
-    time = min(one.until, other.until)
-    here, there = one.poses.between(0.0, time), other.poses.between(0.0, time)
+def _compare(first: _Known, second: _Known, scale: Extent, granted: float) -> _Pair:
+    time = min(first.until, second.until)
+    here, there = first.poses.between(0.0, time), second.poses.between(0.0, time)
     offset, end = offsets(here, there, scale), len(here)
     distance = np.maximum.accumulate(length(offset))
-    beyond = np.flatnonzero(distance > one.bars[:end] + other.bars[:end] + granted)
+    beyond = np.flatnonzero(distance > first.bars[:end] + second.bars[:end] + granted)
     parts = np.linalg.norm(offset[..., :3], axis=-1) + np.linalg.norm(offset[..., 3:], axis=-1)
     body = int(scale.bodies[int(np.argmax(parts.max(axis=0)))])
     return _Pair(float(distance[-1]), time, float(here.time[beyond[0]]) if len(beyond) else None, body)
@@ -198,13 +198,13 @@ def _voting(sides: Sequence[Side]) -> list[Side]:
 def _differences(sides: Sequence[Side], plain: Agreement, scene: Scene) -> tuple[Difference, ...]:
     letters = sorted({side.camps[0] for side in sides if len(side.camps) == 1})
     sharpest = {letter: _known(_sharpest([side for side in sides if side.camps == (letter,)])) for letter in letters}
-    found = []
-    for one, other in combinations(letters, 2):
-        pair = _compare(sharpest[one], sharpest[other], plain.scale, plain.granted)
+    differences = []
+    for first, second in combinations(letters, 2):
+        pair = _compare(sharpest[first], sharpest[second], plain.scale, plain.granted)
         since = pair.since if pair.since is not None else pair.time
         body = scene.bodies[pair.body].name
-        found.append(Difference(one=one, other=other, distance=pair.distance, time=pair.time, since=since, body=body))
-    return tuple(found)
+        differences.append(Difference(one=first, other=second, distance=pair.distance, time=pair.time, since=since, body=body))
+    return tuple(differences)
 
 
 def _sharpest(sides: Sequence[Side]) -> Side:

@@ -14,20 +14,20 @@ def share(value: float) -> str:
     return f"{100 * value:.{2 if value < 0.1 else 3}g} %" if 1e-5 <= value < 10 else f"{value:.2g}"
 
 
-def metres(value: float, one: Agreement) -> str:
+def metres(value: float, agreement: Agreement) -> str:
     """A share of the size as a length: '5.63 um'; '' where wholes have sizes of their own."""
-    if not value or not len(one.scale.size) or one.scale.size.min() < 0.999 * one.scale.largest:
+    if not value or not len(agreement.scale.size) or agreement.scale.size.min() < 0.999 * agreement.scale.largest:
         return ""
-    way = value * one.scale.largest
+    way = value * agreement.scale.largest
     units = ((1.0, "m"), (1e3, "mm"), (1e6, "um"), (1e9, "nm"))
     by, unit = next(((by, unit) for by, unit in units if way * by >= 1), units[-1])
     return f"{way * by:.3g} {unit}"
 
 
-def length(value: float, one: Agreement) -> str:
+def length(value: float, agreement: Agreement) -> str:
     """A share of the size with the length that it is behind it, where there is one: '5.6e-06 (5.63 um)'."""
-    told = metres(value, one)
-    return f"{share(value)} ({told})" if told else share(value)
+    in_metres = metres(value, agreement)
+    return f"{share(value)} ({in_metres})" if in_metres else share(value)
 
 
 def listed(names: Sequence[str]) -> str:
@@ -35,86 +35,87 @@ def listed(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""
 
 
-def _called(one: Agreement, letter: str, titles: Mapping[str, str]) -> str:
+def _called(agreement: Agreement, letter: str, titles: Mapping[str, str]) -> str:
     """The engines of a camp, each once, with the track where only one of its tracks stands there."""
-    members = one.members(letter)
+    members = agreement.members(letter)
     tracks: dict[str, list[str]] = {}
     for side in members:
         tracks.setdefault(side.engine, []).append(side.track)
     every: dict[str, set[str]] = {}
-    for side in one.sides:
+    for side in agreement.sides:
         every.setdefault(side.engine, set()).add(side.track)
     return listed(
         [
-            titles.get(engine, engine) + ("" if set(found) == every[engine] else f" ({listed(found)})")
-            for engine, found in tracks.items()
+            titles.get(engine, engine) + ("" if set(mine) == every[engine] else f" ({listed(mine)})")
+            for engine, mine in tracks.items()
         ]
     )
 
 
-def _up_to(one: Agreement, time: float) -> str:
-    return "to the end" if time >= 0.999 * one.duration else f"up to {time:.3g} s"
+def _up_to(agreement: Agreement, time: float) -> str:
+    return "to the end" if time >= 0.999 * agreement.duration else f"up to {time:.3g} s"
 
 
-def headline(one: Agreement, titles: Mapping[str, str]) -> str:
+def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
     """What is known of the scene, in one sentence."""
-    if one.agreed:
-        voters = [titles.get(side.engine, side.engine) for side in one.members(one.agreed) if side.votes]
-        known = length(one.bar or 0.0, one)
-        return f"{listed(voters)} agree on one limit {_up_to(one, one.until)}, known to {known} of the size of what moves."
-    if not one.camps:
+    if agreement.agreed:
+        voters = [titles.get(side.engine, side.engine) for side in agreement.members(agreement.agreed) if side.votes]
+        known = length(agreement.bar or 0.0, agreement)
+        until = _up_to(agreement, agreement.until)
+        return f"{listed(voters)} agree on one limit {until}, known to {known} of the size of what moves."
+    if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
-    told = "; ".join(f"{letter}: {_called(one, letter, titles)}" for letter in one.camps)
-    return f"No limit is agreed. {'Camps' if len(one.camps) > 1 else 'There is one camp'}: {told}."
+    camps = "; ".join(f"{letter}: {_called(agreement, letter, titles)}" for letter in agreement.camps)
+    return f"No limit is agreed. {'Camps' if len(agreement.camps) > 1 else 'There is one camp'}: {camps}."
 
 
-def side_words(side: Side, one: Agreement) -> str:
+def side_words(side: Side, agreement: Agreement) -> str:
     """The verdict on one engine and track: 'agrees (order 1.00, to 5 um)'."""
-    said = side.limit.said
-    order = "" if said is None else "no order" if said.order is None else f"order {said.order:.2f}"
+    convergence = side.limit.said
+    order = "" if convergence is None else "no order" if convergence.order is None else f"order {convergence.order:.2f}"
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
-    compared = min(side.limit.until, one.until) if one.agreed else side.limit.until
-    until = "" if compared >= 0.999 * one.duration else f", {_up_to(one, compared)}"
+    compared = min(side.limit.until, agreement.until) if agreement.agreed else side.limit.until
+    until = "" if compared >= 0.999 * agreement.duration else f", {_up_to(agreement, compared)}"
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
-        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, one)} away{since})"
+        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, agreement)} away{since})"
     bar = side.limit.bar_at(compared) if side.limit.bar is not None else 0.0
-    camp = f"; camp {' or '.join(side.camps)}" if side.word == "converges" and len(one.camps) > 1 else ""
-    return f"{side.word} ({order}{until}; known to {length(bar, one)}{camp})"
+    camp = f"; camp {' or '.join(side.camps)}" if side.word == "converges" and len(agreement.camps) > 1 else ""
+    return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"
 
 
-def scene_words(one: Agreement, titles: Mapping[str, str]) -> list[str]:
+def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """The headline, and the differences between camps."""
-    found = [headline(one, titles)]
-    for gap in one.differences:
-        if not one.agreed or one.agreed in (gap.one, gap.other):
-            here, there = (_called(one, letter, titles) for letter in (gap.one, gap.other))
-            found.append(
+    lines = [headline(agreement, titles)]
+    for gap in agreement.differences:
+        if not agreement.agreed or agreement.agreed in (gap.one, gap.other):
+            here, there = (_called(agreement, letter, titles) for letter in (gap.one, gap.other))
+            lines.append(
                 f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; at {gap.time:.3g} s "
-                f"they are {length(gap.distance, one)} apart, most at '{gap.body}'."
+                f"they are {length(gap.distance, agreement)} apart, most at '{gap.body}'."
             )
-    return found
+    return lines
 
 
-def side_sentence(side: Side, one: Agreement, titles: Mapping[str, str]) -> str:
+def side_sentence(side: Side, agreement: Agreement, titles: Mapping[str, str]) -> str:
     """'MuJoCo, tuned: agrees (order 1.00, known to 5e-06).'"""
     ours = " (ours, without a vote)" if side.ours else ""
-    return f"{titles.get(side.engine, side.engine)}, {side.track}{ours}: {side_words(side, one)}."
+    return f"{titles.get(side.engine, side.engine)}, {side.track}{ours}: {side_words(side, agreement)}."
 
 
 def beyond_words(broken: Sequence[Balance], outlooks: Sequence[Outlook], titles: Mapping[str, str]) -> list[str]:
     """What is judged where poses cannot be: the laws that a run breaks, and means over perturbed starts."""
-    found = []
+    lines = []
     for law, word in LAWS.items():
         sides = [balance for balance in broken if balance.law == law and balance.holds is False]
         if sides:
-            told = [f"{titles.get(b.engine, b.engine)} {b.track} {b.value:.2g}" for b in sides]
-            found.append(f"Beyond a hundredth, {word}: {listed(told)}.")
+            values = [f"{titles.get(b.engine, b.engine)} {b.track} {b.value:.2g}" for b in sides]
+            lines.append(f"Beyond a hundredth, {word}: {listed(values)}.")
     if outlooks:
         since, starts = outlooks[0].since, max(each.starts for each in outlooks)
-        found.append(
+        lines.append(
             f"Beyond {since:.3g} s poses cannot be foreseen; of {starts} perturbed starts each: "
             + "; ".join(
                 f"{titles.get(each.engine, each.engine)} {each.track} rms speed {_mean(each.speed)}, "
@@ -123,7 +124,7 @@ def beyond_words(broken: Sequence[Balance], outlooks: Sequence[Outlook], titles:
             )
             + " (in sizes of what moves, and seconds)."
         )
-    return found
+    return lines
 
 
 def _mean(mean: Any) -> str:

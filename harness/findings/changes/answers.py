@@ -53,12 +53,16 @@ class _Readings:
             for name in here
             if name in there and (name in (case.get("headline"), HELD) or not math.isnan(_number(there[name].at_most)))
         ]
-        return sorted((self._reading(pair, case, here[name], there[name]) for name in judging), key=lambda one: -one.excess)
+        return sorted(
+            (self._reading(pair, case, here[name], there[name]) for name in judging), key=lambda reading: -reading.excess
+        )
 
     def _reading(self, pair: Pair, case: Mapping[str, Any], a: Any, b: Any) -> _Reading:
         before, after, bound = float(a.value), float(b.value), _number(b.at_most)
         off_a, off_b = (_number(getattr(row, "truth_error", 0.0), 0.0) for row in (a, b))
-        better = next((one.get("better", "lower") for one in case.get("checks", ()) if one["metric"] == a.metric), "lower")
+        better = next(
+            (check.get("better", "lower") for check in case.get("checks", ()) if check["metric"] == a.metric), "lower"
+        )
         higher = better == "higher" or a.metric == HELD
         last_bit = max(
             bits.get((_cell(row), a.metric), 0.0) for bits, row in zip(self._last_bit, (pair.a, pair.b), strict=True)
@@ -102,10 +106,10 @@ def _number(value: Any, none: float = math.nan) -> float:
 
 
 def _by_trial(store: Store) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = {}
+    values: dict[str, dict[str, Any]] = {}
     for row in store.measurements.itertuples():
-        found.setdefault(str(row.trial), {})[str(row.metric)] = row
-    return found
+        values.setdefault(str(row.trial), {})[str(row.metric)] = row
+    return values
 
 
 def _cell(row: Any) -> tuple[Any, ...]:
@@ -135,24 +139,24 @@ def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Ite
         if pair.a.status != pair.b.status:
             yield _flip(pair, readings.of(pair), store_b.catalogue)
             continue
-        found = readings.of(pair)
-        moved = [one for one in found if one.before != one.after and one.excess > 0]
+        judged = readings.of(pair)
+        moved = [reading for reading in judged if reading.before != reading.after and reading.excess > 0]
         if pair.same_bits and moved:
             # The engine said the same: the metric, the bound or the truth is another.
             yield _change(pair, "neither", moved[0], store_b.catalogue, "the same bits, measured otherwise")
         elif not pair.same_bits and (isinstance(pair.b.trajectory_hash, str) or moved):
-            worst = min(found, key=lambda one: (_ORDER.index(one.sense), -one.excess), default=None)
+            worst = min(judged, key=lambda reading: (_ORDER.index(reading.sense), -reading.excess), default=None)
             yield _change(pair, "within tolerance" if worst is None else worst.sense, worst, store_b.catalogue, "")
 
 
 _ORDER: tuple[Sense, ...] = ("worse", "better", "within tolerance", "neither")
 
 
-def _flip(pair: Pair, found: Sequence[_Reading], catalogue: Mapping[str, Any]) -> Change:
+def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) -> Change:
     before, after = (_RANK.get(row.status) for row in (pair.a, pair.b))
     silent = before is None or after is None or pair.a.status == "unavailable"
     sense: Sense = "neither" if silent or before == after else "worse" if (after or 0) > (before or 0) else "better"
-    return _row("verdict", sense, pair, found[0] if found else None, catalogue, str(pair.b.reason), words=True)
+    return _row("verdict", sense, pair, judged[0] if judged else None, catalogue, str(pair.b.reason), words=True)
 
 
 def _change(pair: Pair, sense: Sense, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str) -> Change:

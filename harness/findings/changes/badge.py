@@ -17,14 +17,14 @@ def badge(changes: Changes, gated: Collection[str] = ()) -> str:
     """An SVG with a title that says the same; without gated engines, all of them count."""
     worse = len(changes.regressions(gated)) if gated else sum(row.regression for row in changes.rows)
     better = sum(row.sense == "better" for row in changes.rows)
-    said = f"{worse} worse" if worse else f"{better} better" if better else "no change"
+    message = f"{worse} worse" if worse else f"{better} better" if better else "no change"
     colour = _WORSE if worse else _BETTER if better else _SAME
-    left, right = (len(text) * _WIDTH + _PADDING for text in (_LABEL, said))
+    left, right = (len(text) * _WIDTH + _PADDING for text in (_LABEL, message))
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + right}" height="{_HEIGHT}" role="img" '
-        f'aria-label="{_LABEL}: {said}"><title>{_LABEL}: {said}</title>'
+        f'aria-label="{_LABEL}: {message}"><title>{_LABEL}: {message}</title>'
         f'<rect width="{left}" height="{_HEIGHT}" fill="#444"/>'
         f'<rect x="{left}" width="{right}" height="{_HEIGHT}" fill="{colour}"/>'
         f'<g fill="#fff" text-anchor="middle" font-family="Verdana,DejaVu Sans,sans-serif" font-size="11">'
-        f'<text x="{left / 2}" y="14">{_LABEL}</text><text x="{left + right / 2}" y="14">{said}</text></g></svg>\n'
+        f'<text x="{left / 2}" y="14">{_LABEL}</text><text x="{left + right / 2}" y="14">{message}</text></g></svg>\n'
     )

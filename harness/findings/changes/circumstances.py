@@ -26,21 +26,21 @@ def version_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
 def _versions(store: Store) -> dict[str, str]:
     answered = store.trials[store.trials["status"] != "unavailable"]
     return {
-        str(engine): ", ".join(sorted(set(map(str, part["engine_version"])))) for engine, part in answered.groupby("engine")
+        str(engine): ", ".join(sorted(set(map(str, group["engine_version"])))) for engine, group in answered.groupby("engine")
     }
 
 
 def source_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
     """A row for each text that answers rest on and that is another: an adapter by engine, a case by name, others once."""
-    found: Counter[tuple[str, str, str, str, str]] = Counter()
+    counts: Counter[tuple[str, str, str, str, str]] = Counter()
     for pair in pairs:
         then, now = (json.loads(getattr(row, "sources", "{}")) for row in (pair.a, pair.b))
         for origin in (*now, *(name for name in then if name not in now)):
             if then.get(origin) != now.get(origin):
                 engine = pair.b.engine if origin == "adapter" else ""
                 case = pair.b.case if origin == "case" else ""
-                found[origin, engine, case, str(then.get(origin, "")), str(now.get(origin, ""))] += 1
-    for (origin, engine, case, before, after), count in found.items():
+                counts[origin, engine, case, str(then.get(origin, "")), str(now.get(origin, ""))] += 1
+    for (origin, engine, case, before, after), count in counts.items():
         yield Change(
             kind="sources", sense="neither", engine=engine, case=case, metric=origin, before=before, after=after, count=count
         )
@@ -48,13 +48,13 @@ def source_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
 
 def setting_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
     """A row for each setting of an engine's track that was asked for otherwise."""
-    found: Counter[tuple[str, str, str, str, str]] = Counter()
+    counts: Counter[tuple[str, str, str, str, str]] = Counter()
     for pair in pairs:
         then, now = (_flat(requested(row)) for row in (pair.a, pair.b))
         for name in (*now, *(name for name in then if name not in now)):
             if then.get(name) != now.get(name):
-                found[pair.b.engine, pair.b.track, name, str(then.get(name)), str(now.get(name))] += 1
-    for (engine, track, name, before, after), count in found.items():
+                counts[pair.b.engine, pair.b.track, name, str(then.get(name)), str(now.get(name))] += 1
+    for (engine, track, name, before, after), count in counts.items():
         yield Change(
             kind="settings", sense="neither", engine=engine, track=track, metric=name, before=before, after=after, count=count
         )
@@ -70,7 +70,7 @@ def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
 def machine_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
     """A row for each property of the machine, and each package, that is another."""
     then, now = store_a.machine, store_b.machine
-    packages = [one.get("packages") or {} for one in (then, now)]
+    packages = [machine.get("packages") or {} for machine in (then, now)]
     pairs = [(name, then.get(name), now.get(name)) for name in _MACHINE]
     pairs += [(name, packages[0].get(name), packages[1].get(name)) for name in {**packages[0], **packages[1]}]
     for name, before, after in pairs:
@@ -94,12 +94,12 @@ def trial_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
 
 def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
     """A row for each warning that came or went in a case on an engine; what the clock ran into is none."""
-    found: dict[tuple[str, str, str, StoredNotice, bool], list[Pair]] = {}
+    noticed: dict[tuple[str, str, str, StoredNotice, bool], list[Pair]] = {}
     for pair in pairs:
         then, now = _said(store_a, pair.a), _said(store_b, pair.b)
         for notice in then ^ now:
-            found.setdefault((pair.b.case, pair.b.engine, pair.b.track, notice, notice in now), []).append(pair)
-    for (case, engine, track, notice, new), where in found.items():
+            noticed.setdefault((pair.b.case, pair.b.engine, pair.b.track, notice, notice in now), []).append(pair)
+    for (case, engine, track, notice, new), where in noticed.items():
         sense: Sense = "neither" if notice.kind == "note" else "worse" if new else "better"
         yield Change(
             kind="warning", sense=sense, case=case, engine=engine, track=track, metric=notice.kind, count=len(where),

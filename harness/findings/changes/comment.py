@@ -39,7 +39,7 @@ def _section(title: str, rows: list[Change], changes: Changes) -> list[str]:
     groups = folded(rows)
     lines = ["", f"## {title} ({len(rows)})", ""]
     for text, group in groups[:_MOST]:
-        said = command(group[0], changes)
-        shown = f" `{one_line(said, LONGEST).replace('`', '')}`" if said else ""
+        command_line = command(group[0], changes)
+        shown = f" `{one_line(command_line, LONGEST).replace('`', '')}`" if command_line else ""
         lines.append(f"* {markdown_cell(text)}{shown}")
     return [*lines, f"* … and {len(groups) - _MOST} more"] if len(groups) > _MOST else lines

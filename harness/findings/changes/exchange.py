@@ -69,9 +69,9 @@ def bencher(store: Store) -> dict[str, dict[str, dict[str, float]]]:
     """By benchmark 'case/engine/track/dt': the measures 'latency' [ns of CPU time a unit] and 'error' [the case's own unit]."""
     made: dict[str, dict[str, dict[str, float]]] = {}
     for measure, scale, figures in (("latency", 1e9, _prices(store)), ("error", 1.0, _errors(store))):
-        for one in figures:
-            name = "/".join((one.benchmark, *one.settings))
-            value = {"value": scale * one.value, "lower_value": scale * one.low, "upper_value": scale * one.high}
+        for figure in figures:
+            name = "/".join((figure.benchmark, *figure.settings))
+            value = {"value": scale * figure.value, "lower_value": scale * figure.low, "upper_value": scale * figure.high}
             made.setdefault(name, {})[measure] = value
     return made
 
@@ -82,18 +82,18 @@ def asv(store: Store) -> dict[str, Any]:
     started = _milliseconds(machine.get("started"))
     results: dict[str, list[Any]] = {}
     for prefix, figures in (("time", list(_prices(store))), ("track", list(_errors(store)))):
-        for benchmark in dict.fromkeys(one.benchmark for one in figures):
-            mine = {one.settings: one for one in figures if one.benchmark == benchmark}
+        for benchmark in dict.fromkeys(figure.benchmark for figure in figures):
+            mine = {figure.settings: figure for figure in figures if figure.benchmark == benchmark}
             axes = [list(dict.fromkeys(settings[k] for settings in mine)) for k in range(3)]
             grid = [mine.get((engine, track, dt)) for engine in axes[0] for track in axes[1] for dt in axes[2]]
             results[f"plumbline.{prefix}_{benchmark}"] = [
-                [None if one is None else one.value for one in grid],
+                [None if figure is None else figure.value for figure in grid],
                 [[f"'{value}'" for value in axis] for axis in axes],
                 "1",
                 started,
                 0.0,
-                [None if one is None else one.low for one in grid],
-                [None if one is None else one.high for one in grid],
+                [None if figure is None else figure.low for figure in grid],
+                [None if figure is None else figure.high for figure in grid],
             ]
     properties = {"machine": machine_digest(machine) or "unknown", "cpu": str(machine.get("processor", "")),
                   "num_cpu": str(machine.get("cores", "")), "os": str(machine.get("system", "")),

@@ -16,25 +16,25 @@ __all__ = ["junit"]
 
 def junit(changes: Changes, store: Store, gated: Collection[str] = ()) -> str:
     """The document. A case that has no answer on an engine is skipped; without gated engines, all of them count."""
-    cells = {(str(case), str(engine)): part for (case, engine), part in store.trials.groupby(["case", "engine"], sort=True)}
+    cells = {(str(case), str(engine)): trials for (case, engine), trials in store.trials.groupby(["case", "engine"], sort=True)}
     rows: dict[tuple[str, str], list[Change]] = {cell: [] for cell in cells}
     for row in changes.rows:
         if (row.case, row.engine) in rows or (not row.case and row.engine and row.kind == "price"):
             rows.setdefault((row.case or "all cases", row.engine), []).append(row)
     suite = ElementTree.Element("testsuite", name="plumbline diff")
     failures = skipped = 0
-    for (case, engine), found in rows.items():
+    for (case, engine), changed in rows.items():
         test = ElementTree.SubElement(suite, "testcase", classname=visible(engine, ""), name=visible(case, ""), time="0")
-        worse = [row for row in found if row.regression and (not gated or engine in gated)]
-        part = cells.get((case, engine))
+        worse = [row for row in changed if row.regression and (not gated or engine in gated)]
+        trials = cells.get((case, engine))
         if worse:
             failures += 1
             failure = ElementTree.SubElement(test, "failure", type=worse[0].kind, message=_clean(sentence(worse[0])))
             failure.text = _clean("\n".join(f"{sentence(row)}\n  {command(row, changes)}" for row in worse))
-        elif part is not None and part["status"].isin(("unsupported", "unavailable", "interrupted")).all():
+        elif trials is not None and trials["status"].isin(("unsupported", "unavailable", "interrupted")).all():
             skipped += 1
-            ElementTree.SubElement(test, "skipped", message=_clean(f"{part['status'].iloc[0]}: {part['reason'].iloc[0]}"))
-        if others := [row for row in found if row not in worse]:
+            ElementTree.SubElement(test, "skipped", message=_clean(f"{trials['status'].iloc[0]}: {trials['reason'].iloc[0]}"))
+        if others := [row for row in changed if row not in worse]:
             ElementTree.SubElement(test, "system-out").text = _clean("\n".join(map(sentence, others)))
     for name, count in (("tests", len(rows)), ("failures", failures), ("errors", 0), ("skipped", skipped)):
         suite.set(name, str(count))

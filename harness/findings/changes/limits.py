@@ -18,43 +18,43 @@ def limit_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
 
 def moved_limits(searched: Iterable[Search], searched_again: Iterable[Search]) -> Iterator[Change]:
     """The same of searches; those for remedies are left out."""
-    before = {_key(one): one for one in searched if not one.remedied}
-    for after in [one for one in searched_again if not one.remedied]:
-        one = before.get(_key(after))
-        if one is not None and (one.held, one.broke, one.verdict) != (after.held, after.broke, after.verdict):
-            yield _change(one, after)
+    before = {_key(search): search for search in searched if not search.remedied}
+    for after in [search for search in searched_again if not search.remedied]:
+        earlier = before.get(_key(after))
+        if earlier is not None and (earlier.held, earlier.broke, earlier.verdict) != (after.held, after.broke, after.verdict):
+            yield _change(earlier, after)
 
 
-def _key(one: Search) -> tuple[object, ...]:
-    return one.experiment, one.case, one.where, one.engine, one.track, one.parts, one.axis
+def _key(search: Search) -> tuple[object, ...]:
+    return search.experiment, search.case, search.where, search.engine, search.track, search.parts, search.axis
 
 
-def _extent(one: Search) -> tuple[float, float]:
+def _extent(search: Search) -> tuple[float, float]:
     """From what held to what broke, counted in the direction of harder; the ends of the axis where one is missing."""
-    sign = 1.0 if one.extreme > one.easy else -1.0
-    held = one.easy if one.held is None else one.held
-    broke = one.extreme if one.broke is None else one.broke
-    if one.verdict == "not even the easiest":
-        held = broke = one.easy
-    if one.verdict == "beyond the extreme":
-        held = broke = one.extreme
+    sign = 1.0 if search.extreme > search.easy else -1.0
+    held = search.easy if search.held is None else search.held
+    broke = search.extreme if search.broke is None else search.broke
+    if search.verdict == "not even the easiest":
+        held = broke = search.easy
+    if search.verdict == "beyond the extreme":
+        held = broke = search.extreme
     return sign * held, sign * broke
 
 
-def _sense(one: Search, after: Search) -> Sense:
-    if one.verdict not in _ANSWERED or after.verdict not in _ANSWERED:
-        return "worse" if one.verdict in _ANSWERED and after.verdict == "stopped" else "neither"
-    (held, broke), (holds, breaks) = _extent(one), _extent(after)
+def _sense(before: Search, after: Search) -> Sense:
+    if before.verdict not in _ANSWERED or after.verdict not in _ANSWERED:
+        return "worse" if before.verdict in _ANSWERED and after.verdict == "stopped" else "neither"
+    (held, broke), (holds, breaks) = _extent(before), _extent(after)
     if holds >= broke:
         return "better"
     return "worse" if breaks <= held else "within tolerance"
 
 
-def _change(one: Search, after: Search) -> Change:
-    both = one.held is not None and after.held is not None and one.held > 0 and after.held > 0
+def _change(before: Search, after: Search) -> Change:
+    both = before.held is not None and after.held is not None and before.held > 0 and after.held > 0
     return Change(
         kind="limit",
-        sense=_sense(one, after),
+        sense=_sense(before, after),
         case=after.case,
         engine=after.engine,
         track=after.setting,
@@ -62,10 +62,10 @@ def _change(one: Search, after: Search) -> Change:
         dt=after.dt,
         metric=after.axis,
         unit=after.unit,
-        trial_a=one.trial_broke or one.trial_held,
+        trial_a=before.trial_broke or before.trial_held,
         trial_b=after.trial_broke or after.trial_held,
-        before=one.verdict if one.held is None else one.held,
+        before=before.verdict if before.held is None else before.held,
         after=after.verdict if after.held is None else after.held,
-        ratio=after.held / one.held if both and one.held and after.held else None,
+        ratio=after.held / before.held if both and before.held and after.held else None,
         detail=after.signs.brief or after.reason,
     )

@@ -91,17 +91,18 @@ def _samples(store: Store) -> dict[str, tuple[Floats, Floats]]:
         return {}
     table = table.assign(cost=table["cpu"] / (table["steps"] * table.get("units", 1)))
     return {
-        str(trial): (part["cost"].to_numpy(float), part["canary"].to_numpy(float)) for trial, part in table.groupby("trial")
+        str(trial): (samples["cost"].to_numpy(float), samples["canary"].to_numpy(float))
+        for trial, samples in table.groupby("trial")
     }
 
 
 def _price(pair: Pair, a: Mapping[str, tuple[Floats, Floats]], b: Mapping[str, tuple[Floats, Floats]]) -> _Price:
     step = math.log(pair.b.cpu_per_unit / pair.a.cpu_per_unit)
-    one, other = a.get(pair.a.trial), b.get(pair.b.trial)
+    before, after = a.get(pair.a.trial), b.get(pair.b.trial)
     canary = half = 0.0
-    if one is not None and other is not None:
-        canary = math.log(float(np.median(other[1])) / float(np.median(one[1])))
-        low, high = interval_of_drawn(_drawn(other[0]) - _drawn(one[0]))
+    if before is not None and after is not None:
+        canary = math.log(float(np.median(after[1])) / float(np.median(before[1])))
+        low, high = interval_of_drawn(_drawn(after[0]) - _drawn(before[0]))
         half = (high - low) / 2
     steady = (
         pair.same_bits

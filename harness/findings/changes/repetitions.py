@@ -39,4 +39,7 @@ def lost_and_won(before: Mapping[Any, Agreement], after: Mapping[Any, Agreement]
 
 def _by_cell(store: Store) -> dict[tuple[Any, ...], Agreement]:
     parameters = dict(zip(store.trials["trial"], store.trials["parameters"], strict=True))
-    return {(one.case, parameters.get(one.trial), one.engine, one.track, one.way): one for one in agreements(store)}
+    return {
+        (agreement.case, parameters.get(agreement.trial), agreement.engine, agreement.track, agreement.way): agreement
+        for agreement in agreements(store)
+    }

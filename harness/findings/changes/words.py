@@ -23,8 +23,8 @@ def headline(changes: Changes) -> str:
     worse = sum(row.regression for row in changes.rows)
     better = sum(row.sense == "better" for row in changes.rows)
     alike = sum(row.sense == "within tolerance" for row in changes.rows)
-    said = f"{_many(worse, 'thing')} worse, {better} better, {alike} changed within tolerance"
-    return f"{said}; of {_many(changes.matched, 'trial')} on both sides, {changes.same} are the same to the last bit"
+    summary = f"{_many(worse, 'thing')} worse, {better} better, {alike} changed within tolerance"
+    return f"{summary}; of {_many(changes.matched, 'trial')} on both sides, {changes.same} are the same to the last bit"
 
 
 def first_line(changes: Changes) -> str:
@@ -41,9 +41,9 @@ def _many(count: int, what: str) -> str:
 
 def _subject(row: Change) -> str:
     setting = f"{row.engine}/{row.track}" if row.track else row.engine
-    place = " ".join(filter(None, (row.case, f"({row.where})" if row.where else "")))
+    scene = " ".join(filter(None, (row.case, f"({row.where})" if row.where else "")))
     step = f", dt {row.dt:.4g}" if row.dt else ""
-    return f"{place} on {setting}{step}" if place and setting else (place or setting) + step
+    return f"{scene} on {setting}{step}" if scene and setting else (scene or setting) + step
 
 
 def _value(value: Value, unit: str) -> str:

@@ -62,11 +62,11 @@ def channels(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[Channel]:
 
     Args: arrays: of a trajectory, as `harness.store.store.Store.trajectory` gives them.
     """
-    known: list[tuple[Sensor | None, str, str]] = [(one, one.name, one.type) for one in scene.sensors]
+    known: list[tuple[Sensor | None, str, str]] = [(sensor, sensor.name, sensor.type) for sensor in scene.sensors]
     for sensor, name, kind in [*known, (None, RAYS, RAYS)]:
-        found = {channel: _signals(name, channel, arrays) for channel in UNITS[kind]}
-        told = {channel: signals for channel, signals in found.items() if signals is not None}
-        for channel, (read, ideal, truth, untold) in told.items():
+        every = {channel: _signals(name, channel, arrays) for channel in UNITS[kind]}
+        recorded = {channel: signals for channel, signals in every.items() if signals is not None}
+        for channel, (read, ideal, truth, untold) in recorded.items():
             yield Channel(
                 sensor=sensor,
                 name=name,
@@ -79,7 +79,7 @@ def channels(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[Channel]:
                 truth=truth,
                 untold=untold,
                 excused=_excused(name, read, arrays),
-                beside={other: (signals[1], signals[2]) for other, signals in told.items() if other != channel},
+                beside={other: (signals[1], signals[2]) for other, signals in recorded.items() if other != channel},
             )
 
 
@@ -94,12 +94,12 @@ def _signals(name: str, channel: str, arrays: Mapping[str, Any]) -> tuple[Floats
         return None
     read = np.asarray(arrays[plain] if plain in arrays else arrays[ideal])
     without = np.asarray(arrays.get(ideal, read))
-    told = next((arrays[f"truth_{key}"] for key in (ideal, plain) if f"truth_{key}" in arrays), None)
-    if told is None:
+    truth = next((arrays[f"truth_{key}"] for key in (ideal, plain) if f"truth_{key}" in arrays), None)
+    if truth is None:
         return read, without, None, "the truth does not tell this channel"
     here, there = arrays[f"stream:{name}/time"], arrays.get(f"truth_stream:{name}/time")
     if there is None or here.shape != there.shape or not np.all(np.abs(here - there) < 1e-9):
         return read, without, None, "the truth stands at other times than the readings"
-    if told.shape != without.shape:
-        return read, without, None, f"the truth has the shape {told.shape}, the readings {without.shape}"
-    return read, without, np.asarray(told), ""
+    if truth.shape != without.shape:
+        return read, without, None, f"the truth has the shape {truth.shape}, the readings {without.shape}"
+    return read, without, np.asarray(truth), ""

@@ -112,12 +112,12 @@ def depth_levels(channel: Channel) -> Levels | None:
         return None
     depth, error, by_law = channel.ideal[kept], channel.read[kept] - channel.ideal[kept], sigma[kept]
     order = np.argsort(depth, kind="stable")
-    found = []
-    for part in np.array_split(order, count):
-        spread_found = float(np.sqrt(np.mean(np.square(error[part]))))
-        expected = float(np.sqrt(np.mean(np.square(by_law[part]))))
-        found.append((float(depth[part].mean()), spread_found, *spread_interval(spread_found, len(part)), expected))
-    return Levels(*np.array(found).T)
+    levels = []
+    for pixels in np.array_split(order, count):
+        spread_found = float(np.sqrt(np.mean(np.square(error[pixels]))))
+        expected = float(np.sqrt(np.mean(np.square(by_law[pixels]))))
+        levels.append((float(depth[pixels].mean()), spread_found, *spread_interval(spread_found, len(pixels)), expected))
+    return Levels(*np.array(levels).T)
 
 
 def depth_noise(channel: Channel) -> Noise | None:
@@ -125,7 +125,7 @@ def depth_noise(channel: Channel) -> Noise | None:
     law = _law_of(channel)
     if law is None:
         return None
-    told = _words(law)
+    law_words = _words(law)
     sigma, clear = _told(channel, law)
     lost = lost_share(int(np.isnan(channel.read[clear]).sum()), int(clear.sum()), float(law.get("missing", 0.0)))
     caused = any(law.get(word) for word in CAUSES) or law.get("steepest", math.inf) < math.pi / 2
@@ -133,16 +133,16 @@ def depth_noise(channel: Channel) -> Noise | None:
         lost.pop("lost_law", None)
     kept = clear & np.isfinite(channel.read)
     if kept.sum() < 2:
-        return Noise(law=told, why="no pixel lies well within the camera's bounds", **lost)
+        return Noise(law=law_words, why="no pixel lies well within the camera's bounds", **lost)
     error = channel.read[kept] - channel.ideal[kept]
     if sigma is None:
-        return Noise(law=told, count=len(error), why="the law's spread hangs on more than the depth", **lost)
+        return Noise(law=law_words, count=len(error), why="the law's spread hangs on more than the depth", **lost)
     if not sigma[kept].any():
-        return Noise(law=told, count=len(error), **lost)
-    return Noise(law=told, count=len(error), **spread(error, sigma[kept]), **lost)
+        return Noise(law=law_words, count=len(error), **lost)
+    return Noise(law=law_words, count=len(error), **spread(error, sigma[kept]), **lost)
 
 
 def _words(law: Law) -> str:
-    said = [f"{name.replace('_', ' ')} {value:.3g}" for name, value in law.items() if isinstance(value, float) and value]
+    terms = [f"{name.replace('_', ' ')} {value:.3g}" for name, value in law.items() if isinstance(value, float) and value]
     kind = str(law.get("type", "normal")).replace("_", " ")
-    return ", ".join([kind, *said])
+    return ", ".join([kind, *terms])

@@ -100,8 +100,8 @@ class _Prices:
 
 def concerned(store: Store) -> pd.DataFrame:
     """The trials with sensors and, beside such, those that cast rays of their own; known without a look at trajectories."""
-    told = store.catalogue.get("cases", {})
-    sensing = {name for name, case in told.items() if "sensing" in case.get("effects", ()) or case.get("family") == "sensor"}
+    cases = store.catalogue.get("cases", {})
+    sensing = {name for name, case in cases.items() if "sensing" in case.get("effects", ()) or case.get("family") == "sensor"}
     trials = store.asked
     mine = trials["case"].isin(sensing)
     return trials[mine | (trials["unit"] == "ray")] if mine.any() else trials[mine]
@@ -110,29 +110,31 @@ def concerned(store: Store) -> pd.DataFrame:
 @lru_cache(maxsize=1)
 def findings(store: Store) -> tuple[Finding, ...]:
     """All findings of a run, engine beside engine; worked out once for a store, since it reads every trajectory."""
-    found = list(_findings(store))
-    told = store.catalogue
-    cases, engines = ({name: place for place, name in enumerate(told.get(kind, {}))} for kind in ("cases", "engines"))
-    wheres = {where: place for place, where in enumerate(dict.fromkeys(one.where for one in found))}
-    signals = {signal: place for place, signal in enumerate(dict.fromkeys((one.sensor, one.channel) for one in found))}
+    every = list(_findings(store))
+    catalogue = store.catalogue
+    cases, engines = ({name: index for index, name in enumerate(catalogue.get(kind, {}))} for kind in ("cases", "engines"))
+    wheres = {where: index for index, where in enumerate(dict.fromkeys(finding.where for finding in every))}
+    signals = {
+        signal: index for index, signal in enumerate(dict.fromkeys((finding.sensor, finding.channel) for finding in every))
+    }
 
-    def place(one: Finding) -> tuple[object, ...]:
-        signal = signals[one.sensor, one.channel]
-        engine = engines.get(one.engine, len(engines))
-        scene = cases.get(one.case, len(cases)), one.case, wheres[one.where]
-        return *scene, signal, engine, one.engine, one.track != "tuned", one.track
+    def rank(finding: Finding) -> tuple[object, ...]:
+        signal = signals[finding.sensor, finding.channel]
+        engine = engines.get(finding.engine, len(engines))
+        scene = cases.get(finding.case, len(cases)), finding.case, wheres[finding.where]
+        return *scene, signal, engine, finding.engine, finding.track != "tuned", finding.track
 
-    return tuple(sorted(found, key=place))
+    return tuple(sorted(every, key=rank))
 
 
 def _findings(store: Store) -> Iterator[Finding]:
-    told = store.catalogue.get("cases", {})
-    measured = {trial: part.to_dict("records") for trial, part in store.measurements.groupby("trial", sort=False)}
+    cases = store.catalogue.get("cases", {})
+    measured = {trial: rows.to_dict("records") for trial, rows in store.measurements.groupby("trial", sort=False)}
     trials = concerned(store)
-    for (case, parameters, engine, track), part in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
-        about = told.get(case, {})
+    for (case, parameters, engine, track), runs in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
+        about = cases.get(case, {})
         given = other_values(json.loads(parameters), about.get("parameters", {}))
-        row = _nearest(part, about.get("dt"))
+        row = _nearest(runs, about.get("dt"))
         plain = Finding(
             case=case,
             where=in_words(given),
@@ -143,29 +145,29 @@ def _findings(store: Store) -> Iterator[Finding]:
             reason="" if row["status"] in ("passed", "failed") else str(row["reason"]),
             trial=str(row["trial"]),
         )
-        yield from _of_trial(store, plain, row, measured.get(row["trial"], []), _prices(part))
+        yield from _of_trial(store, plain, row, measured.get(row["trial"], []), _prices(runs))
 
 
-def _nearest(part: pd.DataFrame, own: float | None) -> Mapping[str, Any]:
+def _nearest(runs: pd.DataFrame, own: float | None) -> Mapping[str, Any]:
     """The row at the step nearest to the case's own, with readings before one without."""
-    target = own or float(part["dt"].min())
-    known = part.to_dict("records")
+    target = own or float(runs["dt"].min())
+    known = runs.to_dict("records")
     return min(
         known,
         key=lambda row: (round(abs(math.log(row["dt"] / target)), 9), not isinstance(row["trajectory_hash"], str), row["seed"]),
     )
 
 
-def _prices(part: pd.DataFrame) -> _Prices:
-    found = _Prices()
-    for row in part.to_dict("records"):
+def _prices(runs: pd.DataFrame) -> _Prices:
+    prices = _Prices()
+    for row in runs.to_dict("records"):
         if pd.isna(row["cpu_per_unit"]) or row["cpu_per_unit"] <= 0:
             continue
         if row["unit"] == "sensing":
-            found = replace(found, sensing=float(row["cpu_per_unit"]), trial_sensing=str(row["trial"]))
+            prices = replace(prices, sensing=float(row["cpu_per_unit"]), trial_sensing=str(row["trial"]))
         elif row["unit"] == "ray":
-            found = replace(found, bare=float(row["cpu_per_unit"]), trial_bare=str(row["trial"]))
-    return found
+            prices = replace(prices, bare=float(row["cpu_per_unit"]), trial_bare=str(row["trial"]))
+    return prices
 
 
 def _of_trial(
@@ -234,12 +236,17 @@ def _of_channel(
 
 
 def _error_fields(errors: Errors, check: Mapping[str, Any]) -> dict[str, Any]:
-    found = {"error_max": errors.largest, "error_rms": errors.rms, "error_median": errors.median, "disagree": errors.disagree}
+    measured = {
+        "error_max": errors.largest,
+        "error_rms": errors.rms,
+        "error_median": errors.median,
+        "disagree": errors.disagree,
+    }
     if not check:
-        return found | {"error": errors.largest}
+        return measured | {"error": errors.largest}
     bound = None if pd.isna(check["at_most"]) else float(check["at_most"])
     judged = {"metric": check["metric"], "at_most": bound, "passed": bool(check["passed"])}
-    return found | judged | {"error": float(check["value"])}
+    return measured | judged | {"error": float(check["value"])}
 
 
 def _check(channel: str, measured: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:

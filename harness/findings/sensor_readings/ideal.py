@@ -54,27 +54,27 @@ def _of(errors: Floats, disagree: float | None = None) -> Errors:
     return Errors(maximum(errors), root_mean_square(errors), float(np.median(errors)), disagree)
 
 
-def _same(found: Floats, truth: Floats) -> NDArray[np.bool_]:
+def _same(measured: Floats, truth: Floats) -> NDArray[np.bool_]:
     """Where both meet the same surface."""
-    both = np.isfinite(found) & np.isfinite(truth)
+    both = np.isfinite(measured) & np.isfinite(truth)
     with np.errstate(invalid="ignore"):
-        mask: NDArray[np.bool_] = both & (np.abs(found - truth) <= OTHER_SURFACE * np.abs(truth))
+        mask: NDArray[np.bool_] = both & (np.abs(measured - truth) <= OTHER_SURFACE * np.abs(truth))
     return mask
 
 
-def _surfaces(found: Floats, truth: Floats, strict: bool) -> Errors:
-    same = _same(found, truth)
-    silent = (np.isnan(found) & np.isnan(truth)) | (np.isinf(found) & (found == truth))
+def _surfaces(measured: Floats, truth: Floats, strict: bool) -> Errors:
+    same = _same(measured, truth)
+    silent = (np.isnan(measured) & np.isnan(truth)) | (np.isinf(measured) & (measured == truth))
     disagree = float(np.mean(~same & ~silent))
-    if strict and np.isnan(found).any():
+    if strict and np.isnan(measured).any():
         # A beam hits or it does not: NaN is neither, and no statistics may pass over it.
         return Errors(np.nan, np.nan, np.nan, disagree)
-    return _of(np.abs(found[same] - truth[same]), disagree)
+    return _of(np.abs(measured[same] - truth[same]), disagree)
 
 
 def _intensity(channel: Channel, truth: Floats) -> Errors:
-    found, told = channel.beside.get("range", (None, None))
-    same = np.ones(truth.shape, dtype=np.bool_) if found is None or told is None else _same(found, told)
+    ranges, true_ranges = channel.beside.get("range", (None, None))
+    same = np.ones(truth.shape, dtype=np.bool_) if ranges is None or true_ranges is None else _same(ranges, true_ranges)
     if same.any() and np.isnan(channel.ideal[same]).all():
         return Errors(why="the engine gives no normals where its rays hit")
     return _of(np.abs(channel.ideal[same] - truth[same]))

@@ -67,12 +67,12 @@ def allan_curve(channel: Channel) -> Allan | None:
     assert isinstance(channel.sensor, Imu)
     interval, noise = 1.0 / channel.sensor.rate, _noise(channel, law)
     counts = octaves(len(noise))
-    found = np.array([np.sqrt(np.mean(overlapping_variance(noise, m))) for m in counts])
-    told = [expected_variance(law, m, len(noise), interval) for m in counts]
-    by_law = np.sqrt([mean for mean, _ in told])
-    freedom = noise.shape[1] * np.array([one for _, one in told])
+    deviations = np.array([np.sqrt(np.mean(overlapping_variance(noise, m))) for m in counts])
+    expected = [expected_variance(law, m, len(noise), interval) for m in counts]
+    by_law = np.sqrt([mean for mean, _ in expected])
+    freedom = noise.shape[1] * np.array([degrees for _, degrees in expected])
     low, high = (by_law * np.sqrt(stats.chi2.ppf(p, freedom) / freedom) for p in (0.025, 0.975))
-    return Allan(interval * np.array(counts, dtype=np.float64), found, by_law, low, high)
+    return Allan(interval * np.array(counts, dtype=np.float64), deviations, by_law, low, high)
 
 
 def _clipped(channel: Channel, law: AxisNoise) -> float:
@@ -87,43 +87,43 @@ def inertial_noise(channel: Channel) -> Noise | None:
     law = _law_of(channel)
     if law is None:
         return None
-    told = _words(law, channel.unit)
+    law_words = _words(law, channel.unit)
     if len(channel.read) < LEAST:
-        return Noise(law=told, why=f"{len(channel.read)} readings, at least {LEAST} are needed")
+        return Noise(law=law_words, why=f"{len(channel.read)} readings, at least {LEAST} are needed")
     if (clipped := _clipped(channel, law)) > 0:
         return Noise(
-            law=told, why=f"{100 * clipped:.3g} % of the readings end at the bound of {law.saturation:g} {channel.unit}"
+            law=law_words, why=f"{100 * clipped:.3g} % of the readings end at the bound of {law.saturation:g} {channel.unit}"
         )
     assert isinstance(channel.sensor, Imu)
     noise, interval = _noise(channel, law), 1.0 / channel.sensor.rate
     fields = _bias(noise, law, interval)
     if not _random(law):
-        return Noise(law=told, count=noise.size, **fields)
+        return Noise(law=law_words, count=noise.size, **fields)
     variance, freedom = expected_variance(law, 1, len(noise), interval)
     sigma = float(np.sqrt(np.mean(overlapping_variance(noise, 1))))
     low, high = spread_interval(sigma, noise.shape[1] * freedom)
     by_law = float(np.sqrt(variance + law.quantisation**2 / 12))
     fields |= {"sigma": sigma, "sigma_low": low, "sigma_high": high, "sigma_law": by_law}
-    return Noise(law=told, count=noise.size, **fields, **_levels(noise, law, interval))
+    return Noise(law=law_words, count=noise.size, **fields, **_levels(noise, law, interval))
 
 
 def _bias(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:
     """From as many first readings as tell it best, since a walk soon hides a constant."""
     variances = variance_of_mean(law, np.arange(1.0, len(noise) + 1.0), interval)
     count = int(np.argmin(variances)) + 1
-    found = float(noise[:count].mean())
+    mean = float(noise[:count].mean())
     width = Z_95 * float(np.sqrt(variances[count - 1] / noise.shape[1]))
-    return {"bias": found, "bias_low": found - width, "bias_high": found + width, "bias_law": law.bias}
+    return {"bias": mean, "bias_low": mean - width, "bias_high": mean + width, "bias_law": law.bias}
 
 
 def _levels(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:
     """Allan deviation over the law's in the middle of each process's own stretch."""
-    found = {}
+    ratios = {}
     for regime, ends in windows(law, len(noise), interval).items():
         m = max(1, round(float(np.sqrt(ends[0] * ends[1]))))
         expected = expected_variance(law, m, len(noise), interval)[0]
-        found[regime.removeprefix("random_")] = float(np.sqrt(np.mean(overlapping_variance(noise, m)) / expected))
-    return found
+        ratios[regime.removeprefix("random_")] = float(np.sqrt(np.mean(overlapping_variance(noise, m)) / expected))
+    return ratios
 
 
 def _words(law: AxisNoise, unit: str) -> str:

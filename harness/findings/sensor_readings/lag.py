@@ -58,25 +58,25 @@ def lag_of(channel: Channel, scene: Scene, arrays: Mapping[str, Any]) -> float |
     inside[:EDGE] = inside[-EDGE:] = False
     if inside.sum() < LEAST:
         return None
-    signal, at, told = CubicSpline(channel.time, channel.ideal), time[inside], motion[inside]
+    signal, at, expected = CubicSpline(channel.time, channel.ideal), time[inside], motion[inside]
 
     def misfit(lag: float) -> float:
-        return float(np.mean(np.square(signal(at + lag) - told)))
+        return float(np.mean(np.square(signal(at + lag) - expected)))
 
     # The first guess is a scan: a periodic motion has more than one shift that fits a little.
     shifts = np.linspace(-reach, reach, 61)
     best = int(np.argmin([misfit(shift) for shift in shifts]))
     ends = shifts[max(best - 1, 0)], shifts[min(best + 1, len(shifts) - 1)]
-    found = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-9})
-    return float(found.x) if found.fun < UNLIKE * float(np.mean(np.var(told, axis=0))) else None
+    fit = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-9})
+    return float(fit.x) if fit.fun < UNLIKE * float(np.mean(np.var(expected, axis=0))) else None
 
 
 def _motion(imu: Imu, channel: str, scene: Scene, arrays: Mapping[str, Any]) -> Floats:
     """What an ideal sensor without delay reads at the samples, (t, 3)."""
     from scipy.interpolate import CubicSpline
 
-    place = scene.index(imu.body)
-    q_WB, v_WB, w_WB = (arrays[name][:, place] for name in ("q_WB", "v_WB", "w_WB"))
+    index = scene.index(imu.body)
+    q_WB, v_WB, w_WB = (arrays[name][:, index] for name in ("q_WB", "v_WB", "w_WB"))
     q_WS = product(q_WB, np.broadcast_to(np.array(imu.q_BS), q_WB.shape))
     if channel == "gyroscope":
         return rotate_back(q_WS, w_WB)

@@ -72,5 +72,5 @@ def spread(deviation: Floats, law: Floats) -> dict[str, Any]:
     # The law is known, so the interval of the mean is that of a known variance.
     width = Z_95 * float(np.sqrt(np.mean(np.square(law)) / n))
     by_law = float(np.sqrt(np.mean(np.square(law))))
-    found = {"sigma": sigma, "sigma_low": low, "sigma_high": high, "sigma_law": by_law}
-    return found | {"bias": bias, "bias_low": bias - width, "bias_high": bias + width, "bias_law": 0.0}
+    fields = {"sigma": sigma, "sigma_low": low, "sigma_high": high, "sigma_law": by_law}
+    return fields | {"bias": bias, "bias_low": bias - width, "bias_high": bias + width, "bias_law": 0.0}

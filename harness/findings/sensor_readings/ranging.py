@@ -55,16 +55,22 @@ def range_histogram(channel: Channel) -> Histogram | None:
     if law is None or channel.channel != "range" or law.range_sigma == law.range_sigma_slope == 0:
         return None
     heard = _heard(channel)
-    found = (channel.read[heard] - channel.ideal[heard]) / _sigma(law, channel.ideal[heard])
-    if len(found) < 100 or np.isnan(found).any():
+    normalised = (channel.read[heard] - channel.ideal[heard]) / _sigma(law, channel.ideal[heard])
+    if len(normalised) < 100 or np.isnan(normalised).any():
         return None
     width = EDGES[1] - EDGES[0]
     share = np.diff(stats.norm.cdf(EDGES))
-    low, high = (stats.binom.ppf(p, len(found), share) / (len(found) * width) for p in (0.025, 0.975))
-    counts = np.histogram(found, EDGES)[0]
+    low, high = (stats.binom.ppf(p, len(normalised), share) / (len(normalised) * width) for p in (0.025, 0.975))
+    counts = np.histogram(normalised, EDGES)[0]
     middle = 0.5 * (EDGES[1:] + EDGES[:-1])
     return Histogram(
-        middle, counts / (len(found) * width), share / width, low, high, len(found), len(found) - int(counts.sum())
+        middle,
+        counts / (len(normalised) * width),
+        share / width,
+        low,
+        high,
+        len(normalised),
+        len(normalised) - int(counts.sum()),
     )
 
 
@@ -77,17 +83,17 @@ def ranging_noise(channel: Channel) -> Noise | None:
     if channel.channel == "intensity":
         if law.intensity_sigma == 0:
             return None
-        told = f"normal, sigma {law.intensity_sigma:.3g}"
+        law_words = f"normal, sigma {law.intensity_sigma:.3g}"
         ranges = channel.beside.get("range")
         hit = np.ones(heard.shape, dtype=np.bool_) if ranges is None else np.isfinite(ranges[0])
         clear = hit & (channel.read > 0) & (channel.ideal > CLEAR * law.intensity_sigma)
         if clear.sum() < 2:
-            return Noise(law=told, why=f"no intensity stands {CLEAR:g} sigma above 0, where noise is cut off")
+            return Noise(law=law_words, why=f"no intensity stands {CLEAR:g} sigma above 0, where noise is cut off")
         deviation = channel.read[clear] - channel.ideal[clear]
-        return Noise(law=told, count=len(deviation), **spread(deviation, np.full(len(deviation), law.intensity_sigma)))
-    told = f"normal, sigma {law.range_sigma:.3g} m + {law.range_sigma_slope:.3g} r; dropout {law.dropout:.3g}"
+        return Noise(law=law_words, count=len(deviation), **spread(deviation, np.full(len(deviation), law.intensity_sigma)))
+    law_words = f"normal, sigma {law.range_sigma:.3g} m + {law.range_sigma_slope:.3g} r; dropout {law.dropout:.3g}"
     if law.least_intensity > 0:
-        told += f"; nothing below intensity {law.least_intensity:.3g}"
+        law_words += f"; nothing below intensity {law.least_intensity:.3g}"
     hit = np.isfinite(channel.ideal)
     bright = channel.beside.get("intensity")
     if law.least_intensity > 0 and bright is not None:
@@ -95,6 +101,6 @@ def ranging_noise(channel: Channel) -> Noise | None:
         hit &= ~(bright[0] < law.least_intensity)
     lost = lost_share(int(np.sum(~np.isfinite(channel.read[hit]))), int(hit.sum()), law.dropout)
     if heard.sum() < 2:
-        return Noise(law=told, why="no beam returned", **lost)
+        return Noise(law=law_words, why="no beam returned", **lost)
     deviation = channel.read[heard] - channel.ideal[heard]
-    return Noise(law=told, count=len(deviation), **spread(deviation, _sigma(law, channel.ideal[heard])), **lost)
+    return Noise(law=law_words, count=len(deviation), **spread(deviation, _sigma(law, channel.ideal[heard])), **lost)

@@ -72,20 +72,25 @@ def verdicts(store: Store) -> list[Row]:
         return []
     costs = dict(zip(store.trials["trial"], store.trials["cpu_per_sim_s"], strict=True))
     titles = {name: str(about.get("title") or name) for name, about in store.catalogue.get("engines", {}).items()}
-    found = []
-    for one in agreements(store):
-        summary = [*scene_words(one, titles), *beyond_words(balances(store, one), outlooks(store, one), titles)]
-        found += [_row(store, one, side, costs, side_sentence(side, one, titles), summary) for side in one.sides]
-    return found
+    table = []
+    for agreement in agreements(store):
+        summary = [
+            *scene_words(agreement, titles),
+            *beyond_words(balances(store, agreement), outlooks(store, agreement), titles),
+        ]
+        table += [
+            _row(store, agreement, side, costs, side_sentence(side, agreement, titles), summary) for side in agreement.sides
+        ]
+    return table
 
 
-def _row(store: Store, one: Agreement, side: Side, costs: Mapping[str, float], finding: str, summary: list[str]) -> Row:
-    limit, found = side.limit, errors_of(store)
-    known = [found.get(rung.trial) for rung in limit.rungs]
+def _row(store: Store, agreement: Agreement, side: Side, costs: Mapping[str, float], finding: str, summary: list[str]) -> Row:
+    limit, errors = side.limit, errors_of(store)
+    known = [errors.get(rung.trial) for rung in limit.rungs]
     clocked = [costs.get(rung.trial) for rung in limit.rungs]
     return Row(
-        case=one.case,
-        where=one.where,
+        case=agreement.case,
+        where=agreement.where,
         engine=side.engine,
         track=side.track,
         ours=side.ours,
@@ -99,10 +104,10 @@ def _row(store: Store, one: Agreement, side: Side, costs: Mapping[str, float], f
         votes=side.votes,
         distance=side.distance,
         since=side.since,
-        agreed=one.agreed,
-        agreed_until=one.until if one.agreed else None,
-        agreed_bar=one.bar,
-        size=one.scale.largest,
+        agreed=agreement.agreed,
+        agreed_until=agreement.until if agreement.agreed else None,
+        agreed_bar=agreement.bar,
+        size=agreement.scale.largest,
         finding=finding,
         summary=summary,
         steps=[rung.dt for rung in limit.rungs],
@@ -141,7 +146,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What is known of each scene, then the verdict on each engine and track."""
-    found: list[str] = []
+    lines: list[str] = []
     for row in rows:
-        found += [sentence for sentence in json.loads(row["summary"]) if sentence not in found]
-    return found + [row["finding"] for row in rows]
+        lines += [sentence for sentence in json.loads(row["summary"]) if sentence not in lines]
+    return lines + [row["finding"] for row in rows]

@@ -136,14 +136,14 @@ def _compared(store: Store, first: Any, run: Any, way: str) -> Agreement:
     return _row(first, run, way, parts, verdict)
 
 
-def parting(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[Floats, Any, Floats]:
+def parting(first: Mapping[str, Any], second: Mapping[str, Any]) -> tuple[Floats, Any, Floats]:
     """Times [s] that two runs share (t,), whether any bit of the states differs there (t,), the greatest distance [m] (t,)."""
-    times, here, there = np.intersect1d(np.round(one["time"], 9), np.round(other["time"], 9), return_indices=True)
+    times, here, there = np.intersect1d(np.round(first["time"], 9), np.round(second["time"], 9), return_indices=True)
     differs = np.zeros(len(times), dtype=np.bool_)
     for name in STATES:
-        a, b = (np.ascontiguousarray(run[name][rows]).reshape(len(times), -1) for run, rows in ((one, here), (other, there)))
+        a, b = (np.ascontiguousarray(run[name][rows]).reshape(len(times), -1) for run, rows in ((first, here), (second, there)))
         differs |= (a.view(np.int64) != b.view(np.int64)).any(axis=1)
-    distance: Floats = np.linalg.norm(one["p_WB"][here] - other["p_WB"][there], axis=2).max(axis=1, initial=0.0)
+    distance: Floats = np.linalg.norm(first["p_WB"][here] - second["p_WB"][there], axis=2).max(axis=1, initial=0.0)
     return times, differs, distance
 
 
@@ -161,18 +161,19 @@ def doubling(time: Floats, distance: Floats) -> float | None:
     return 1 / slope if slope > 0 and math.isfinite(slope) else None
 
 
-def broken(found: Iterable[Agreement], engines: Collection[str]) -> list[str]:
+def broken(judged: Iterable[Agreement], engines: Collection[str]) -> list[str]:
     """The repetitions on these engines that must give the same bits and do not, each in a sentence."""
     return [
-        f"{one.case} on {one.engine}/{one.track}, {one.way}: differs from step {one.first_step} on (trial {one.trial})"
-        for one in found
-        if one.engine in engines and one.must and one.verdict == "differs"
+        f"{agreement.case} on {agreement.engine}/{agreement.track}, {agreement.way}: "
+        f"differs from step {agreement.first_step} on (trial {agreement.trial})"
+        for agreement in judged
+        if agreement.engine in engines and agreement.must and agreement.verdict == "differs"
     ]
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(one) for one in agreements(store)]
+    return [asdict(agreement) for agreement in agreements(store)]
 
 
 BRIEF = ("case", "engine", "way", "verdict", "first step that differs", "farthest", "doubles in")
@@ -193,7 +194,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Engine by engine, how many repetitions gave the same bits, way by way."""
-    found = []
+    lines = []
     for engine in dict.fromkeys(row["engine"] for row in rows):
         mine = [row for row in rows if row["engine"] == engine and row["way"] != "nudged"]
         words = []
@@ -203,5 +204,5 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
                 words.append(f"{way} {sum(row['verdict'] == 'bit-identical' for row in judged)} of {len(judged)}")
             else:
                 words.append(f"{way}: no answer")
-        found.append(f"{engine}: bit-identical {', '.join(words)}.")
-    return found
+        lines.append(f"{engine}: bit-identical {', '.join(words)}.")
+    return lines

@@ -118,14 +118,14 @@ def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
         if not rests:
             return "energy", run.time[first:], energy_change(scene, run, None)[first:]
     moved = movable(scene)
-    start = np.array([scene.bodies[place].p_WB for place in moved])
+    start = np.array([scene.bodies[index].p_WB for index in moved])
     away: Floats = np.linalg.norm(run.p_WB[:, moved] - start, axis=2).max(axis=1)
     return "place", run.time[first:], away[first:]
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(one) for one in drifts(store)]
+    return [asdict(drift) for drift in drifts(store)]
 
 
 BRIEF = ("case", "engine", "steps", "quantity", "per second", "over the run", "swings by", "verdict")
@@ -148,12 +148,14 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Who stays, and who runs away, case by case."""
-    found = []
+    lines = []
     for case in dict.fromkeys(row["case"] for row in rows):
         mine = [row for row in rows if row["case"] == case and row["slope"] is not None]
         for verdict in ("gains", "loses"):
             bad = [row for row in mine if row["verdict"] == verdict and math.isfinite(row["change"])]
             if bad:
-                told = ", ".join(f"{row['engine']} ({row['track']}) by {abs(row['change']):.2g}" for row in bad)
-                found.append(f"{case}: {bad[0]['quantity']} {'grows' if verdict == 'gains' else 'falls'} over the run: {told}.")
-    return found
+                listed = ", ".join(f"{row['engine']} ({row['track']}) by {abs(row['change']):.2g}" for row in bad)
+                lines.append(
+                    f"{case}: {bad[0]['quantity']} {'grows' if verdict == 'gains' else 'falls'} over the run: {listed}."
+                )
+    return lines

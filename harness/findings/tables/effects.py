@@ -84,9 +84,9 @@ def _verdicts(store: Store) -> Iterator[Verdict]:
     trials = store.trials
     trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
     altered = set(trials.loc[trials["departure"] == EVERYTHING, "experiment"])
-    part = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
+    chosen = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
     samples = _sampled(store)
-    for case, cells in part.groupby("case", sort=False):
+    for case, cells in chosen.groupby("case", sort=False):
         named = _where(cells["parameters"], store.catalogue["cases"][case]["parameters"])
         for parameters, scenes in cells.groupby("parameters", sort=False):
             needed = _needed(store, scenes)
@@ -99,18 +99,18 @@ Sampled = Mapping[str, pd.Series]
 
 def _sampled(store: Store) -> Sampled:
     """By trial, the CPU seconds of a unit in each of its samples, by process and block."""
-    found = {}
-    for trial, part in store.samples.groupby("trial"):
-        told = part.set_index(["process", "block"])
-        found[str(trial)] = told["cpu"] / (told["steps"] * told["units"])
-    return found
+    by_trial = {}
+    for trial, group in store.samples.groupby("trial"):
+        blocks = group.set_index(["process", "block"])
+        by_trial[str(trial)] = blocks["cpu"] / (blocks["steps"] * blocks["units"])
+    return by_trial
 
 
-def _where(told: Iterable[str], own: Mapping[str, Any]) -> dict[str, str]:
+def _where(parameters: Iterable[str], own: Mapping[str, Any]) -> dict[str, str]:
     """By parameters (JSON) of a case, what tells them apart and from the case as it is, in words."""
-    read = {text: json.loads(text) for text in dict.fromkeys(told)}
+    read = {text: json.loads(text) for text in dict.fromkeys(parameters)}
     loose = sorted(differing(read.values(), own))
-    return {text: in_words({name: one[name] for name in loose if name in one}) for text, one in read.items()}
+    return {text: in_words({name: values[name] for name in loose if name in values}) for text, values in read.items()}
 
 
 def _runs(group: pd.DataFrame) -> dict[str, Any]:
@@ -130,15 +130,15 @@ def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
     """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
     runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
     declared = store.catalogue["cases"][scenes["case"].iloc[0]]["effects"]
-    scale, found = scale_in(store, runs), {}
+    scale, needs = scale_in(store, runs), {}
     for run in runs.values():
         departed = departure(run)
         effects = departed.single.names
-        one = matters(store, runs.get(""), run, scale) if len(effects) == 1 else None
-        one = weighed(departed, one, runs.get(""), run, declared)
-        if one is not None and scale is not None:
-            found[effects[0]] = _Need(one.matters, f"{JUDGE}: {scale.doubt}" if one.matters is None else "")
-    return found
+        consequence = matters(store, runs.get(""), run, scale) if len(effects) == 1 else None
+        consequence = weighed(departed, consequence, runs.get(""), run, declared)
+        if consequence is not None and scale is not None:
+            needs[effects[0]] = _Need(consequence.matters, f"{JUDGE}: {scale.doubt}" if consequence.matters is None else "")
+    return needs
 
 
 def _of_side(
@@ -154,14 +154,19 @@ def _of_side(
     plain = runs.get("")
     if plain is None:
         return
-    told = store.catalogue["cases"][plain.case]
-    declared, insists = set(told["effects"]), told.get("insists", {})
+    about = store.catalogue["cases"][plain.case]
+    declared, insists = set(about["effects"]), about.get("insists", {})
     scale = scale_in(store, runs)
     doubt = "" if scale is None else f"{engine}: {scale.doubt}"
     notices = [notice for notice in store.notices[plain.trial] if notice.effect]
 
     def row(
-        effect: str | Sequence[str], run: Any, found: Consequence | None, verdict: str, price: Ratio | None, reason: str = ""
+        effect: str | Sequence[str],
+        run: Any,
+        consequence: Consequence | None,
+        verdict: str,
+        price: Ratio | None,
+        reason: str = "",
     ) -> Verdict:
         effects = (effect,) if isinstance(effect, str) else tuple(effect)
         return Verdict(
@@ -172,9 +177,9 @@ def _of_side(
             effect=TOGETHER.join(effects),
             declared=declared.issuperset(effects),
             insists=str(insists.get(TOGETHER.join(effects), "")),
-            moved=None if found is None else found.moved,
-            own=None if found is None else found.own,
-            matters=None if found is None else found.matters,
+            moved=None if consequence is None else consequence.moved,
+            own=None if consequence is None else consequence.own,
+            matters=None if consequence is None else consequence.matters,
             cost=None if price is None else price.value,
             low=None if price is None else price.low,
             high=None if price is None else price.high,
@@ -198,16 +203,16 @@ def _of_side(
         if run.status in ("unsupported", "unavailable", "timeout", "oom", "crashed"):
             yield row(effects or name, run, None, run.status, None, run.reason)
             continue
-        found = weighed(departed, matters(store, plain, run, scale), plain, run, declared)
+        consequence = weighed(departed, matters(store, plain, run, scale), plain, run, declared)
         if name == EVERYTHING:
-            yield row(name, run, found, name, _price(run, plain, samples))
+            yield row(name, run, consequence, name, _price(run, plain, samples))
             continue
         taken_in = bool(departed.widen)
         price = _price(run, plain, samples) if taken_in else _price(plain, run, samples)
-        own = _Need(None) if found is None else _Need(found.matters, doubt if found.matters is None else "")
+        own = _Need(None) if consequence is None else _Need(consequence.matters, doubt if consequence.matters is None else "")
         if len(effects) > 1:
             verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"
-            yield row(effects, run, found, verdict, price, own.doubt)
+            yield row(effects, run, consequence, verdict, price, own.doubt)
             continue
         (effect,) = effects
         need = needed.get(effect, own)
@@ -221,7 +226,7 @@ def _of_side(
             verdict, reason = ("needed but missing" if need.matters else "left out"), ""
         else:
             verdict, reason = ("needed and on" if need.matters else "paid for without need"), ""
-        yield row(effect, run, found, verdict, price, reason)
+        yield row(effect, run, consequence, verdict, price, reason)
     for effect, text in surplus.items():
         if effect not in declared:
             yield row(effect, plain, None, "cannot be switched off", None, text)
@@ -229,16 +234,16 @@ def _of_side(
 
 def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     """CPU time of a unit of one run over that of another, in the blocks that both were sampled in."""
-    one, other = samples.get(cost.trial), samples.get(base.trial)
-    if one is None or other is None:
+    cost_samples, base_samples = samples.get(cost.trial), samples.get(base.trial)
+    if cost_samples is None or base_samples is None:
         return None
-    both = one.index.intersection(other.index)
-    return None if both.empty else ratio(one[both].to_numpy(), other[both].to_numpy())
+    both = cost_samples.index.intersection(base_samples.index)
+    return None if both.empty else ratio(cost_samples[both].to_numpy(), base_samples[both].to_numpy())
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(one) for one in verdicts(store)]
+    return [asdict(verdict) for verdict in verdicts(store)]
 
 
 BRIEF = ("case", "engine", "effect", "cost", "moves", "own error", "verdict")
@@ -265,11 +270,11 @@ def sentences(
 
     Args: accusing: of each scene that fails it too. titles: what engines are called.
     """
-    said = []
+    lines = []
     for saving in savings(rows):
         added = "" if saving.summed is None else f"; a simulated second of each, added up, {saving.summed:.3g} times"
         several = f" (geometric mean over {saving.scenes} scenes, {saving.low:.3g} to {saving.high:.3g}{added})"
-        said.append(
+        lines.append(
             f"{(titles or {}).get(saving.engine, saving.engine)}: a step with everything on costs {saving.mean:.3g} times that "
             f"of the scene as it is{several if saving.scenes > 1 else ''}."
         )
@@ -277,6 +282,6 @@ def sentences(
     if audited.scenes:
         beside = f"; {audited.in_doubt} more are not judged in full" if audited.in_doubt else ""
         counts = f"{audited.clean} of {audited.scenes} scenes"
-        said.append(f"Audit: {counts} call for exactly what they need, judged on {audited.judge}{beside}.")
-    said += [f"Audit: {sentence}." for sentence in (*(audited.sentences if accusing else ()), *audited.doubts)]
-    return said + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]
+        lines.append(f"Audit: {counts} call for exactly what they need, judged on {audited.judge}{beside}.")
+    lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences if accusing else ()), *audited.doubts)]
+    return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]

@@ -15,7 +15,7 @@ COLUMNS = tuple(field.name for field in fields(Reach))
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(one) for one in reaches(searches(store))]
+    return [asdict(reach) for reach in reaches(searches(store))]
 
 
 BRIEF = ("case", "engine", "at", "condition", "axis", "held", "setting", "ms a step", "leads", "without ours")

@@ -17,7 +17,7 @@ COLUMNS = tuple(field.name for field in fields(Lead))
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
     prices = Prices(store)
-    return [asdict(one) for one in (*axis_leads(reaches(searches(store))), *pair_leads(prices.prices, prices.points))]
+    return [asdict(lead) for lead in (*axis_leads(reaches(searches(store))), *pair_leads(prices.prices, prices.points))]
 
 
 BRIEF = ("of", "at", "condition", "with ours", "engine", "alone", "with others", "asked")
@@ -39,7 +39,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Condition by condition, who leads how often."""
-    found = []
+    lines = []
     for key in dict.fromkeys((row["what"], row["at"], row["condition"], row["ours"]) for row in rows):
         mine = [row for row in rows if (row["what"], row["at"], row["condition"], row["ours"]) == key]
         what, at, condition, ours = key
@@ -47,5 +47,5 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             f"{row['engine']} {row['alone']} alone and {row['shared']} with others of {row['of']}"
             for row in sorted(mine, key=lambda row: -row["alone"] - row["shared"])
         )
-        found.append(f"{what} led at {at}{f' ({condition})' if condition else ''}{'' if ours else ', without ours'}: {counts}.")
-    return found
+        lines.append(f"{what} led at {at}{f' ({condition})' if condition else ''}{'' if ours else ', without ours'}: {counts}.")
+    return lines

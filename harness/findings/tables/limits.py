@@ -15,11 +15,11 @@ COLUMNS = tuple(field.name for field in fields(Search) if field.name not in ("be
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    plain = [one for one in searches(store) if not one.remedied]
+    plain = [search for search in searches(store) if not search.remedied]
     return [
-        {name: value for name, value in asdict(one).items() if name in COLUMNS}
-        | {"signs": one.signs.text, "noticed": "; ".join(map(str, one.noticed))}
-        for one in plain
+        {name: value for name, value in asdict(search).items() if name in COLUMNS}
+        | {"signs": search.signs.text, "noticed": "; ".join(map(str, search.noticed))}
+        for search in plain
     ]
 
 
@@ -58,7 +58,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         if row["verdict"] not in ("unsupported", "unavailable"):
             # Tracks as they come are not compared with what is held to a sub-step.
             axes.setdefault((row["experiment"], row["case"], row["where"], row["axis"], row["parts"]), []).append(row)
-    found = []
+    lines = []
     for (_, case, where, axis, parts), searched in axes.items():
         ranked = [row for row in searched if row["engine"] != REFERENCE]
         mine = max((row for row in searched if row["engine"] == REFERENCE), key=lambda row: row["reach"], default=None)
@@ -68,5 +68,5 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         value = best[0]["held"] if best else None
         beside = "" if mine is None else f"; {REFERENCE}, the yardstick, {amount(mine['held'], 'no value')}"
         name = f"{case} {where}".strip() + (f", sub-step dt/{parts}" if parts else ", as tracks come")
-        found.append(f"{name}: {axis} up to {amount(value, 'no value')}: {names}{beside}.")
-    return found
+        lines.append(f"{name}: {axis} up to {amount(value, 'no value')}: {names}{beside}.")
+    return lines

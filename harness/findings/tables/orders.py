@@ -68,8 +68,8 @@ def convergences(store: Store) -> list[Convergence]:
     headlines = {name: case.get("headline", "") for name, case in cases.items()}
     table = store.measurements
     values = dict(zip(zip(table["trial"], table["metric"], strict=True), table["value"], strict=True))
-    found = [values.get((trial, headlines.get(case, ""))) for trial, case in zip(trials["trial"], trials["case"], strict=True)]
-    trials = trials.assign(error=pd.Series(found, index=trials.index, dtype="float64").abs()).dropna(subset="error")
+    errors = [values.get((trial, headlines.get(case, ""))) for trial, case in zip(trials["trial"], trials["case"], strict=True)]
+    trials = trials.assign(error=pd.Series(errors, index=trials.index, dtype="float64").abs()).dropna(subset="error")
     rows = []
     keys = [trials["case"], trials["parameters"].map(_seedless), trials["engine"], trials["track"]]
     for (case, parameters, engine, track), ladder in trials.groupby(keys, sort=False):
@@ -83,10 +83,10 @@ def convergences(store: Store) -> list[Convergence]:
 def _object(text: str) -> dict[str, Any]:
     """A JSON object; nothing where an old or broken store holds something else."""
     try:
-        found = json.loads(text)
+        value = json.loads(text)
     except (TypeError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return value if isinstance(value, dict) else {}
 
 
 def _seedless(parameters: str) -> str:
@@ -101,7 +101,7 @@ def _row(
     by_step = ladder.groupby(_taken(ladder))["error"].median()
     steps, errors = [float(dt) for dt in by_step.index], [float(error) for error in by_step]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
-    fit, told = verdict(steps, errors, promised, scale, duration)
+    fit, outcome = verdict(steps, errors, promised, scale, duration)
     title = f"{about.get('title') or case} on {who.get('title') or engine} ({track}, {' and '.join(integrators)})"
     return Convergence(
         case=case,
@@ -118,8 +118,8 @@ def _row(
         coarse=None if fit is None else fit.coarse,
         fine=None if fit is None else fit.fine,
         promised=promised,
-        verdict=told,
-        finding="" if told != "broken" or fit is None or promised is None else _sentence(title, fit, promised, errors[0]),
+        verdict=outcome,
+        finding="" if outcome != "broken" or fit is None or promised is None else _sentence(title, fit, promised, errors[0]),
     )
 
 

@@ -30,8 +30,8 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         )
         if row["foreseen_dt"] is not None:
             best += f", trend {1e3 * row['foreseen_dt']:.2g} ms"
-        said = f"{row['verdict']}{best}" if not row["reason"] else f"{row['verdict']}: {row['reason']}"
-        return [case, f"{row['target']:.0e}", row["engine"], said, "", "", "", row["track"], "", _tried(row), ""]
+        outcome = f"{row['verdict']}{best}" if not row["reason"] else f"{row['verdict']}: {row['reason']}"
+        return [case, f"{row['target']:.0e}", row["engine"], outcome, "", "", "", row["track"], "", _tried(row), ""]
     marks = ("*" if row["cheapest"] else "") + ("~" if row["unstable"] else "")
     marks += {"at most": "<=", "within the truth's error": "truth"}.get(row["verdict"], "")
     return [

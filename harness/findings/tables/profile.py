@@ -52,7 +52,7 @@ def profile(prices: Sequence[Price]) -> list[Share]:
     (2002) 201; the factor's share is theirs, with leaving cases out in turn beside it.
     """
     reached = dict.fromkeys((p.case, p.where, p.target) for p in prices if p.cheapest)
-    found = []
+    shares = []
     for engine in dict.fromkeys(p.engine for p in prices):
         mine = {(p.case, p.where, p.target): p for p in prices if p.engine == engine}
         for limit, values in ((FACTOR, FACTORS), (TIME, SECONDS)):
@@ -60,15 +60,15 @@ def profile(prices: Sequence[Price]) -> list[Share]:
             timely = [pair for pair in put if limit != TIME or mine[pair].unit == PER_SECOND]
             cost = [mine[pair].ratio if limit == FACTOR else mine[pair].cost for pair in timely]
             for within in values:
-                done = [one is not None and one <= within * (1 + 1e-12) for one in cost]
-                found.append(_share(engine, limit, within, [f"{case} {where}".strip() for case, where, _ in timely], done))
-    return [share for share in found if share.pairs]
+                done = [value is not None and value <= within * (1 + 1e-12) for value in cost]
+                shares.append(_share(engine, limit, within, [f"{case} {where}".strip() for case, where, _ in timely], done))
+    return [share for share in shares if share.pairs]
 
 
 def _share(engine: str, limit: str, within: float, cases: Sequence[str], done: Sequence[bool]) -> Share:
     left = {}
     for case in dict.fromkeys(cases):
-        kept = [one for one, its in zip(done, cases, strict=True) if its != case]
+        kept = [answered for answered, its in zip(done, cases, strict=True) if its != case]
         if kept:
             left[case] = float(np.mean(kept))
     share = float(np.mean(done)) if done else 0.0
@@ -108,12 +108,12 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 def hinges(shares: Sequence[Share]) -> list[Share]:
     """For each engine and limit the share that depends most on one case."""
-    found: dict[tuple[str, str], Share] = {}
+    widest: dict[tuple[str, str], Share] = {}
     for share in shares:
         key = (share.engine, share.limit)
-        if key not in found or swing(share) > swing(found[key]):
-            found[key] = share
-    return [share for share in found.values() if swing(share) > 0]
+        if key not in widest or swing(share) > swing(widest[key]):
+            widest[key] = share
+    return [share for share in widest.values() if swing(share) > 0]
 
 
 def swing(share: Share) -> float:
@@ -130,11 +130,11 @@ def without(share: Share) -> tuple[str, float]:
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What the shares are shares of, and which case each engine's share within a factor hangs on."""
     pairs = max((row["pairs"] for row in rows), default=0)
-    said = [f"Shares of the {pairs} pairs of case and error that at least one engine reaches."] if pairs else []
+    lines = [f"Shares of the {pairs} pairs of case and error that at least one engine reaches."] if pairs else []
     for share in hinges([Share(**row) for row in rows if row["limit"] == FACTOR]):
         case, other = without(share)
         limit = "at the lowest price" if share.within == 1 else f"within {share.within:g} times the lowest price"
-        said.append(
+        lines.append(
             f"{share.engine} depends most on {case}: without it, it answers {other:.0%} instead of {share.share:.0%} {limit}."
         )
-    return said
+    return lines

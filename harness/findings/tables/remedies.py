@@ -50,18 +50,18 @@ COLUMNS = tuple(field.name for field in fields(Remedied))
 def remedied(store: Store) -> list[Remedied]:
     """Every remedy that was tried."""
     every = searches(store)
-    sick = {one.trial_broke: one for one in every if not one.remedied and one.trial_broke}
-    return [_row(one, sick[one.remedied], store) for one in every if one.remedied in sick]
+    sick = {search.trial_broke: search for search in every if not search.remedied and search.trial_broke}
+    return [_row(search, sick[search.remedied], store) for search in every if search.remedied in sick]
 
 
-def _row(one: Search, sick: Search, store: Store) -> Remedied:
+def _row(search: Search, sick: Search, store: Store) -> Remedied:
     trials = store.trials[store.trials["trial"].eq(sick.trial_broke) | store.trials["remedied"].eq(sick.trial_broke)]
-    first = trials[(trials["remedy"] == one.remedy)].sort_values("round").iloc[0]
+    first = trials[(trials["remedy"] == search.remedy)].sort_values("round").iloc[0]
     before = trials[trials["trial"] == sick.trial_broke].iloc[0]
-    found = store.measurements[(store.measurements["trial"] == first["trial"]) & (store.measurements["metric"] == HELD)][
+    shares = store.measurements[(store.measurements["trial"] == first["trial"]) & (store.measurements["metric"] == HELD)][
         "value"
     ]
-    after = float(found.iloc[0]) if len(found) else None
+    after = float(shares.iloc[0]) if len(shares) else None
     share = sick.share or 0.0
     if after is None:
         verdict = str(first["status"])
@@ -71,20 +71,20 @@ def _row(one: Search, sick: Search, store: Store) -> Remedied:
         verdict = "no help" if after == share else "harms"
     ratio = first["rough_cost"] / before["rough_cost"]
     return Remedied(
-        case=one.case,
+        case=search.case,
         where=sick.where,
-        engine=one.engine,
-        track=one.track,
-        axis=one.axis,
-        unit=one.unit,
+        engine=search.engine,
+        track=search.track,
+        axis=search.axis,
+        unit=search.unit,
         value=float("nan") if sick.broke is None else sick.broke,
         signs=sick.signs.text,
-        remedy=one.remedy,
+        remedy=search.remedy,
         share_before=share,
         share_after=after,
-        held=one.held,
-        broke=one.broke,
-        farther=max(0.0, one.reach - sick.reach),
+        held=search.held,
+        broke=search.broke,
+        farther=max(0.0, search.reach - sick.reach),
         cost_ratio=None if ratio != ratio else float(ratio),
         verdict=verdict,
         reason="" if after is not None else str(first["reason"]),
@@ -95,7 +95,7 @@ def _row(one: Search, sick: Search, store: Store) -> Remedied:
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(one) for one in remedied(store)]
+    return [asdict(remedy) for remedy in remedied(store)]
 
 
 BRIEF = ("case", "engine", "setting", "broke at", "remedy", "held before", "held after", "now holds to", "cost", "verdict")
@@ -119,12 +119,12 @@ def brief(row: Mapping[str, Any]) -> list[object]:
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Remedy by remedy, the most helpful first: where it was tried, how often it helped, at what cost in the middle."""
-    found: list[tuple[float, str]] = []
+    ranked: list[tuple[float, str]] = []
     for remedy in dict.fromkeys(row["remedy"] for row in rows):
         tried = [row for row in rows if row["remedy"] == remedy and row["share_after"] is not None]
         helped = [row for row in tried if row["verdict"] == "helps"]
         costs = sorted(row["cost_ratio"] for row in helped if row["cost_ratio"] is not None)
         if tried:
             price = f", at {costs[len(costs) // 2]:.2g} times the cost" if costs else ""
-            found.append((len(helped) / len(tried), f"{remedy}: helps in {len(helped)} of {len(tried)} places{price}."))
-    return [sentence for _, sentence in sorted(found, key=lambda one: -one[0])]
+            ranked.append((len(helped) / len(tried), f"{remedy}: helps in {len(helped)} of {len(tried)} places{price}."))
+    return [sentence for _, sentence in sorted(ranked, key=lambda entry: -entry[0])]

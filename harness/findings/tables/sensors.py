@@ -29,7 +29,9 @@ COLUMNS = _columns()
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [{name: getattr(one.noise if name in OF_NOISE else one, name) for name in COLUMNS} for one in findings(store)]
+    return [
+        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in COLUMNS} for finding in findings(store)
+    ]
 
 
 BRIEF = ("case", "engine", "sensor", "error", "bound", "sigma (law)", "lost (law)", "lag", "rays a second", "outcome")
@@ -77,7 +79,7 @@ def _rate(row: Mapping[str, Any]) -> str:
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Engine by engine, how many ideal signals stay within their bounds; then what noise costs beside bare rays."""
-    found = []
+    lines = []
     for engine in dict.fromkeys(row["engine"] for row in rows):
         mine = [row for row in rows if row["engine"] == engine]
         judged = [row for row in mine if row["passed"] is not None]
@@ -85,13 +87,13 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         if judged:
             kept = sum(row["passed"] for row in judged)
             text = f"{engine}: {kept} of {len(judged)} ideal signals stay within their bounds"
-            found.append(text + (f"; {silent} without readings." if silent else "."))
+            lines.append(text + (f"; {silent} without readings." if silent else "."))
         elif silent:
-            found.append(f"{engine}: no readings in {silent} {'cell' if silent == 1 else 'cells'}.")
+            lines.append(f"{engine}: no readings in {silent} {'cell' if silent == 1 else 'cells'}.")
     for row in rows:
         if row["times_bare"] is not None and row["channel"] == "range":
             name = f"{row['case']} {row['where']}".strip()
-            found.append(
+            lines.append(
                 f"{name} on {row['engine']}/{row['track']}: a ray that is read costs {row['times_bare']:.2g} bare ones."
             )
-    return found
+    return lines

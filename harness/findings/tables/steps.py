@@ -52,16 +52,16 @@ def largest_steps(store: Store) -> list[Step]:
     """One row for each setting of an engine that was run at `FEWEST` steps or more in a case that has an error."""
     prices = Prices(store)
     known = {point.trial: point for point in prices.points}
-    found = []
-    for case, where, part in prices.groups():
-        if not any(trial in known for trial in part["trial"]):
+    steps = []
+    for case, where, trials in prices.groups():
+        if not any(trial in known for trial in trials["trial"]):
             continue
-        timed = unit_of(part) == PER_SECOND
-        for (engine, track), runs in part.groupby(["engine", "track"], sort=False):
+        timed = unit_of(trials) == PER_SECOND
+        for (engine, track), runs in trials.groupby(["engine", "track"], sort=False):
             ladder = runs[~runs["status"].isin(("unsupported", "unavailable", "interrupted"))].sort_values("dt")
             if ladder["dt"].nunique() >= FEWEST:
-                found.append(_step(case, where, str(engine), str(track), ladder, known, timed))
-    return found
+                steps.append(_step(case, where, str(engine), str(track), ladder, known, timed))
+    return steps
 
 
 def _step(
@@ -69,7 +69,7 @@ def _step(
 ) -> Step:
     whole = [status in _WHOLE for status in ladder["status"]]
     points = [known.get(trial) for trial in ladder["trial"]]
-    close = [one is not None and one.error <= WITHIN for one in points]
+    close = [point is not None and point.error <= WITHIN for point in points]
     steps = [float(dt) for dt in ladder["dt"]]
     accurate = _first(close)
     there = points[accurate - 1] if accurate else None
@@ -91,7 +91,7 @@ def _step(
 
 def _first(good: Sequence[bool]) -> int:
     """How many from the start on are good without a gap."""
-    return next((k for k, one in enumerate(good) if not one), len(good))
+    return next((k for k, holds in enumerate(good) if not holds), len(good))
 
 
 def rows(store: Store) -> list[dict[str, Any]]:

@@ -121,8 +121,8 @@ def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float
 def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
     """Each trial that has a stiffness and was asked for its vibration, with that stiffness."""
     values: dict[str, dict[str, Any]] = {}
-    for one in store.measurements.to_dict("records"):
-        values.setdefault(one["trial"], {}).setdefault(one["metric"], one)
+    for measurement in store.measurements.to_dict("records"):
+        values.setdefault(measurement["trial"], {}).setdefault(measurement["metric"], measurement)
     asked = {
         name
         for name, case in store.catalogue.get("cases", {}).items()
@@ -152,21 +152,21 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
 
 def _bound(store: Store, row: Mapping[str, Any]) -> float:
     """The case's bound [rad/s] for a run that recorded none, scaled from the catalogue's to the step that it took."""
-    told = store.catalogue["cases"][row["case"]]
-    check = next(check for check in told["checks"] if check["metric"] == "vibration_rms")
+    about = store.catalogue["cases"][row["case"]]
+    check = next(check for check in about["checks"] if check["metric"] == "vibration_rms")
     taken = number(row.get("substep"))
-    return float(check["at_most"]) * (taken if math.isfinite(taken) else float(row["dt"])) / float(told["dt"])
+    return float(check["at_most"]) * (taken if math.isfinite(taken) else float(row["dt"])) / float(about["dt"])
 
 
 def findings(store: Store) -> tuple[Finding, ...]:
     """All bases of a run folder that have a softer run to be compared with, engine by engine."""
-    found = {
+    runs = {
         (row["case"], row["engine"], row["track"], stiffness, float(row["dt"])): run for row, stiffness, run in _runs(store)
     }
     made = []
-    for key, run in found.items():
+    for key, run in runs.items():
         case, engine, track, stiffness, dt = key
-        together = {other: one for other, one in found.items() if other[0] == case}
+        together = {other: peer for other, peer in runs.items() if other[0] == case}
         changes = _changes(together, key)
         # The softest of a series is there to be compared with, and so is every finer step.
         if " " in track or dt < max(other[-1] for other in together) or "softer" not in changes:
@@ -185,17 +185,17 @@ def findings(store: Store) -> tuple[Finding, ...]:
                 why=why,
             )
         )
-    return tuple(sorted(made, key=lambda one: (one.case, one.engine, one.track, one.stiffness)))
+    return tuple(sorted(made, key=lambda finding: (finding.case, finding.engine, finding.track, finding.stiffness)))
 
 
-def _changes(found: Mapping[_Key, Run], base: _Key) -> dict[str, Run]:
+def _changes(runs: Mapping[_Key, Run], base: _Key) -> dict[str, Run]:
     """The runs that differ from a base in one thing."""
     case, engine, track, stiffness, dt = base
     changes = {}
     for name in ("iterations", "law"):
-        if (case, engine, f"{track} {name}", stiffness, dt) in found:
-            changes[name] = found[case, engine, f"{track} {name}", stiffness, dt]
-    mine = {(k, h): run for (a, b, c, k, h), run in found.items() if (a, b, c) == (case, engine, track)}
+        if (case, engine, f"{track} {name}", stiffness, dt) in runs:
+            changes[name] = runs[case, engine, f"{track} {name}", stiffness, dt]
+    mine = {(k, h): run for (a, b, c, k, h), run in runs.items() if (a, b, c) == (case, engine, track)}
     softer = [k for k, h in mine if h == dt and k < stiffness]
     if softer:
         changes["softer"] = mine[max(softer), dt]
@@ -226,20 +226,20 @@ def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS; a vibration without bound is None."""
     return [
         {
-            "case": one.case,
-            "engine": one.engine,
-            "track": one.track,
-            "stiffness": one.stiffness,
-            "dt": one.dt,
-            "vibration_rad_s": _number(one.base.vibration),
-            "frequency_hz": _number(one.base.frequency),
-            "bound_rad_s": one.base.bound,
-            **{name: None if name not in one.shares else min(one.shares[name], CURED) for name in CHANGES},
-            "cause": one.cause,
-            "why": one.why,
-            "trial": one.base.trial,
+            "case": finding.case,
+            "engine": finding.engine,
+            "track": finding.track,
+            "stiffness": finding.stiffness,
+            "dt": finding.dt,
+            "vibration_rad_s": _number(finding.base.vibration),
+            "frequency_hz": _number(finding.base.frequency),
+            "bound_rad_s": finding.base.bound,
+            **{name: None if name not in finding.shares else min(finding.shares[name], CURED) for name in CHANGES},
+            "cause": finding.cause,
+            "why": finding.why,
+            "trial": finding.base.trial,
         }
-        for one in findings(store)
+        for finding in findings(store)
     ]
 
 

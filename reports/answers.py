@@ -33,16 +33,16 @@ def answers(store: "Store", trials: pd.DataFrame | None = None) -> pd.DataFrame:
     }
     headlines = [known[name]["headline"] for name in trials["case"]]
     nothing = [np.nan, None, np.nan]
-    limits = {trial: [one.error, "of its size", one.off] for trial, one in errors_of(store).items()}
-    found = [
+    limits = {trial: [distance.error, "of its size", distance.off] for trial, distance in errors_of(store).items()}
+    measurements = [
         limits.get(trial, measured.get((trial, headline), nothing))
         for trial, headline in zip(trials["trial"], headlines, strict=True)
     ]
     rows = trials.assign(
         metric=headlines,
-        error=np.abs(np.array([value for value, _, _ in found], dtype=np.float64)),
-        unit=pd.Series([unit for _, unit, _ in found], dtype=object),
-        at_most=np.array([bound for _, _, bound in found], dtype=np.float64),
+        error=np.abs(np.array([value for value, _, _ in measurements], dtype=np.float64)),
+        unit=pd.Series([unit for _, unit, _ in measurements], dtype=object),
+        at_most=np.array([bound for _, _, bound in measurements], dtype=np.float64),
     )
     rows["answered"] = [outcome(name).answered for name in rows["status"]]
     rows.loc[~rows["answered"] | ~np.isfinite(rows["error"]), "error"] = np.nan

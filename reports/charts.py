@@ -59,7 +59,7 @@ def layered(store: "Store", drawn: list[Row], y_title: str, *, bounds: Sequence[
     import altair as alt  # late: half a second that only a report needs
 
     placed = [row for row in drawn if row["edge"] == "none"]
-    placed = [row for part in grouped(placed, ("series",)).values() for row in thin(part, "dt", "error")]
+    placed = [row for line in grouped(placed, ("series",)).values() for row in thin(line, "dt", "error")]
     style = Marks(store, drawn)
     x = logarithmic(alt.X, "dt", STEP, ticks(drawn, "dt"))
     y = logarithmic(alt.Y, "error", y_title, decades(row["error"] for row in placed))
@@ -94,30 +94,30 @@ def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
 def outcome_lanes(drawn: Sequence[Row], x: Any, style: "Marks") -> list[Any]:
     """Trials without an error, above the frame: a lane for each engine and track, a symbol where the trial would stand."""
     silent = grouped((row for row in drawn if row["edge"] == "outcome"), ("engine", "track"))
-    rows = [row | {"lane": -10 - LANE * place} for place, part in enumerate(silent.values()) for row in part]
-    names = [{"lane": -10 - LANE * place, "label": f"{engine}, {track}"} for place, (engine, track) in enumerate(silent)]
+    rows = [row | {"lane": -10 - LANE * lane} for lane, trials in enumerate(silent.values()) for row in trials]
+    names = [{"lane": -10 - LANE * lane, "label": f"{engine}, {track}"} for lane, (engine, track) in enumerate(silent)]
     return [*lane_texts(rows, "symbol", x, style, style.tooltip()), *lane_names(names)]
 
 
 def grouped(rows: Iterable[Row], keys: Sequence[str]) -> Mapping[tuple[Any, ...], list[Row]]:
     """Rows by the values of some keys, in the order they come."""
-    found: dict[tuple[Any, ...], list[Row]] = {}
+    groups: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
-        found.setdefault(tuple(row[key] for key in keys), []).append(row)
-    return found
+        groups.setdefault(tuple(row[key] for key in keys), []).append(row)
+    return groups
 
 
 def medians(placed: Iterable[Row]) -> list[Row]:
     """One point for each series and time step: medians over seeds."""
-    return [part[0] | {"error": median(row["error"] for row in part)} for part in grouped(placed, ("series", "dt")).values()]
+    return [seeds[0] | {"error": median(row["error"] for row in seeds)} for seeds in grouped(placed, ("series", "dt")).values()]
 
 
 def spans(placed: Iterable[Row]) -> list[Row]:
     """The range of the error over the seeds of one setting, where there are several."""
     return [
-        part[0] | {"least": min(row["error"] for row in part), "most": max(row["error"] for row in part)}
-        for part in grouped(placed, ("series", "dt")).values()
-        if len(part) > 1
+        seeds[0] | {"least": min(row["error"] for row in seeds), "most": max(row["error"] for row in seeds)}
+        for seeds in grouped(placed, ("series", "dt")).values()
+        if len(seeds) > 1
     ]
 
 
@@ -132,10 +132,10 @@ def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, ti
     drawn = points(store, rows)
     merged: list[Row] = []
     silent: list[Row] = []
-    for (case, _, _), part in grouped(drawn, ("case", "engine", "track")).items():
-        told = titles[case] if list(titles.values()).count(titles[case]) == 1 else f"{titles[case]} ({visible(case)[:40]})"
-        numbers = [row[field] for row in part if row[field]]
-        first = max(part, key=lambda row: outcome(row["status"]).rank) | {"case": told}
+    for (case, _, _), trials in grouped(drawn, ("case", "engine", "track")).items():
+        label = titles[case] if list(titles.values()).count(titles[case]) == 1 else f"{titles[case]} ({visible(case)[:40]})"
+        numbers = [row[field] for row in trials if row[field]]
+        first = max(trials, key=lambda row: outcome(row["status"]).rank) | {"case": label}
         (merged if numbers else silent).append(first | ({field: median(numbers)} if numbers else {}))
     if not merged:
         return None
@@ -149,9 +149,9 @@ def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, ti
         layers.append(chart(exact).mark_point(**POINT).encode(x=alt.value(0), y=y, **style.channels()))
     shown: Row = {"text": alt.Text("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
     beside = list(grouped((row for row in silent if not answered(row, field)), ("case",)).values())
-    for place in range(max(map(len, beside), default=0)):
-        edge = chart([part[place] for part in beside if place < len(part)])
-        edge = edge.mark_text(fontSize=12, fontWeight=700, dx=12 + 13 * place)
+    for column in range(max(map(len, beside), default=0)):
+        edge = chart([outcomes[column] for outcomes in beside if column < len(outcomes)])
+        edge = edge.mark_text(fontSize=12, fontWeight=700, dx=12 + 13 * column)
         layers.append(edge.encode(x=alt.value("width"), y=y, **shown))
     spec = finished(layers, height=30 + 22 * len(labelled))
     columns = ("case", "engine", "track", title, "outcome")

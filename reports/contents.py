@@ -65,15 +65,15 @@ ENGINE: dict[str, Any] = {
 @lru_cache(maxsize=2)
 def cases(store: "Store") -> dict[str, dict[str, Any]]:
     """All cases that have a trial, in the catalogue's order; the whole catalogue where there is no trial at all."""
-    told = store.catalogue.get("cases", {})
+    catalogue = store.catalogue.get("cases", {})
     tried = list(store.trials["case"].unique())
-    names = [name for name in told if name in tried or not tried] + [name for name in tried if name not in told]
-    found = {}
+    names = [name for name in catalogue if name in tried or not tried] + [name for name in tried if name not in catalogue]
+    by_name = {}
     for name in names:
-        case = CASE | {"name": name, "family": re.split("[_:]", str(name), maxsplit=1)[0]} | told.get(name, {})
+        case = CASE | {"name": name, "family": re.split("[_:]", str(name), maxsplit=1)[0]} | catalogue.get(name, {})
         case["title"] = case["title"] or name
-        found[name] = case
-    return found
+        by_name[name] = case
+    return by_name
 
 
 def families(store: "Store") -> list[tuple[str, list[dict[str, Any]]]]:
@@ -89,15 +89,15 @@ def families(store: "Store") -> list[tuple[str, list[dict[str, Any]]]]:
 @lru_cache(maxsize=2)
 def engines(store: "Store") -> dict[str, dict[str, Any]]:
     """All engines that have a trial; ours first, then as the catalogue has them."""
-    told = store.catalogue.get("engines", {})
+    catalogue = store.catalogue.get("engines", {})
     tried = list(store.trials["engine"].unique())
-    names = [name for name in told if name in tried or not tried] + [name for name in tried if name not in told]
-    found = {}
+    names = [name for name in catalogue if name in tried or not tried] + [name for name in tried if name not in catalogue]
+    by_name = {}
     for name in names:
-        engine = ENGINE | {"name": name} | told.get(name, {})
+        engine = ENGINE | {"name": name} | catalogue.get(name, {})
         engine["title"] = engine["title"] or name
-        found[name] = engine
-    return dict(sorted(found.items(), key=lambda pair: not pair[1]["ours"]))
+        by_name[name] = engine
+    return dict(sorted(by_name.items(), key=lambda pair: not pair[1]["ours"]))
 
 
 def ours(store: "Store") -> list[str]:
@@ -107,7 +107,7 @@ def ours(store: "Store") -> list[str]:
 
 def more_is_better(case: Mapping[str, Any]) -> bool:
     """Is the headline of a case a share or the like, of which more is better?"""
-    return any(one["metric"] == case["headline"] and one.get("better") == "higher" for one in case["checks"])
+    return any(check["metric"] == case["headline"] and check.get("better") == "higher" for check in case["checks"])
 
 
 def tracks(store: "Store") -> list[str]:

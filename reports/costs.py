@@ -73,10 +73,10 @@ def hover(*more: tuple[str, str]) -> list[Any]:
 
 def growths(store: "Store", scaling: Scaling) -> list[Figure]:
     """One chart a sweep: the price over the parameter, a line through each engine's fastest settings."""
-    return [growth_chart(store, sweep, place) for place, sweep in enumerate(scaling.sweeps)]
+    return [growth_chart(store, sweep, index) for index, sweep in enumerate(scaling.sweeps)]
 
 
-def growth_chart(store: "Store", sweep: Sweep, place: int) -> Figure:
+def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
     """Price against the parameter of a sweep, both logarithmic."""
     import altair as alt
 
@@ -116,7 +116,7 @@ def growth_chart(store: "Store", sweep: Sweep, place: int) -> Figure:
         [f"{r['size']:g}", r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "low", "high")), r["status"], r["trial"]]
         for r in rows
     ]
-    return Figure(f"growth-{place}", title, caption, finished(layers, height=340), columns, cells)
+    return Figure(f"growth-{index}", title, caption, finished(layers, height=340), columns, cells)
 
 
 def standings(store: "Store", scaling: Scaling) -> Figure | None:
@@ -167,10 +167,10 @@ def qualities(store: "Store", scaling: Scaling) -> list[Figure]:
     several = {scene: rows for scene, rows in scenes.items() if len({row.engine for row in rows}) > 1}
     richest = sorted(several, key=lambda scene: -len({row.engine for row in several[scene]}) * 1000 - len(several[scene]))
     chosen = [scene for scene in several if scene in richest[:QUALITIES]]
-    return [quality_chart(store, several[scene], place) for place, scene in enumerate(chosen)]
+    return [quality_chart(store, several[scene], index) for index, scene in enumerate(chosen)]
 
 
-def quality_chart(store: "Store", costs: Sequence[Cost], place: int) -> Figure:
+def quality_chart(store: "Store", costs: Sequence[Cost], index: int) -> Figure:
     """Penetration against price in one scene, both logarithmic."""
     import altair as alt
 
@@ -195,4 +195,4 @@ def quality_chart(store: "Store", costs: Sequence[Cost], place: int) -> Figure:
         [r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "penetration", "residual")), r["status"], r["trial"]]
         for r in rows
     ]
-    return Figure(f"quality-{place}", title, caption, finished(layers, height=300), columns, cells)
+    return Figure(f"quality-{index}", title, caption, finished(layers, height=300), columns, cells)

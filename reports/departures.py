@@ -16,18 +16,18 @@ def departures(rows: pd.DataFrame) -> Mapping[str, str]:
     such as do, in an experiment of its own, whose."""
     names = [_name(str(text)) for text in rows["alteration"]]
     switched = {experiment for experiment, name in zip(rows["experiment"], names, strict=True) if name == EVERYTHING}
-    found = {}
+    words = {}
     for trial, experiment, name in zip(rows["trial"], rows["experiment"], names, strict=True):
         if name:
-            found[str(trial)] = name
+            words[str(trial)] = name
         elif experiment in switched and len(set(rows["experiment"])) > 1:
-            found[str(trial)] = f"as it is ({experiment})"
-    return found
+            words[str(trial)] = f"as it is ({experiment})"
+    return words
 
 
 def _name(text: str) -> str:
     try:
-        said: Any = json.loads(text)
+        alteration: Any = json.loads(text)
     except ValueError:
         return "departs"
-    return str(said.get("name") or "") if isinstance(said, dict) else ""
+    return str(alteration.get("name") or "") if isinstance(alteration, dict) else ""

@@ -44,7 +44,7 @@ def read(table: Path) -> tuple[Dispute, ...]:
 def told(store: "Store", case: str) -> list[Dispute]:
     """What is disputed of a case in the study of a run."""
     study = store.study.get("name", "")
-    return [one for one in read(TABLE) if one.case == case and one.study in ("", study)]
+    return [dispute for dispute in read(TABLE) if dispute.case == case and dispute.study in ("", study)]
 
 
 def disputed(store: "Store", engine: str, case: str, axis: str = "") -> str:
@@ -52,5 +52,5 @@ def disputed(store: "Store", engine: str, case: str, axis: str = "") -> str:
 
     A row about an axis alone marks nothing else of its case.
     """
-    mine = [one for one in told(store, case) if one.engine == engine and one.axis in ("", axis)]
-    return "; ".join(f"disputed since {one.since}: {one.why} ({one.reference})" for one in mine)
+    mine = [dispute for dispute in told(store, case) if dispute.engine == engine and dispute.axis in ("", axis)]
+    return "; ".join(f"disputed since {dispute.since}: {dispute.why} ({dispute.reference})" for dispute in mine)

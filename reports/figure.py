@@ -73,7 +73,7 @@ def thin(rows: Sequence[dict[str, Any]], x: str, y: str, limit: int = POINTS) ->
     stretches = limit // 2
     kept: list[dict[str, Any]] = []
     for k in range(stretches):
-        part = ordered[k * len(ordered) // stretches : (k + 1) * len(ordered) // stretches]
-        low, high = min(part, key=lambda row: row[y]), max(part, key=lambda row: row[y])
+        stretch = ordered[k * len(ordered) // stretches : (k + 1) * len(ordered) // stretches]
+        low, high = min(stretch, key=lambda row: row[y]), max(stretch, key=lambda row: row[y])
         kept += [low] if low is high else sorted((low, high), key=lambda row: (row[x], row[y]))
     return kept

@@ -60,11 +60,11 @@ class Film:
     dt: float
 
 
-def film_of(store: "Store", one: "Agreement") -> Film | None:
+def film_of(store: "Store", agreement: "Agreement") -> Film | None:
     """The strip of the finest run of the side whose limit is known best; None where no run has an answer to draw."""
     yardsticks = ours(store)
     ranked = sorted(
-        (side for side in one.sides if any(rung.run is not None for rung in side.limit.rungs)),
+        (side for side in agreement.sides if any(rung.run is not None for rung in side.limit.rungs)),
         key=lambda side: (
             side.engine in yardsticks,
             side.word != "agrees",
@@ -78,9 +78,9 @@ def film_of(store: "Store", one: "Agreement") -> Film | None:
     side = ranked[0]
     rung = [rung for rung in side.limit.rungs if rung.run is not None][-1]
     trials = store.trials
-    told = trials.loc[trials["trial"] == rung.trial, "trajectory_hash"]
-    arrays = store.trajectory(str(told.iloc[0]), ("scene", "time", "p_WB", "q_WB"))
-    scene = dressed(json.loads(str(arrays["scene"])), looks_of(store.folder, one.case))
+    hashes = trials.loc[trials["trial"] == rung.trial, "trajectory_hash"]
+    arrays = store.trajectory(str(hashes.iloc[0]), ("scene", "time", "p_WB", "q_WB"))
+    scene = dressed(json.loads(str(arrays["scene"])), looks_of(store.folder, agreement.case))
     frames = _frames(scene.get("bodies", []), arrays)
     return Film(frames, side.engine, side.track, rung.dt) if frames else None
 
@@ -98,15 +98,19 @@ def _frames(bodies: Sequence[Mapping[str, Any]], arrays: Mapping[str, Any]) -> t
     if not len(time) or not 0 < sum(map(len, solids)) <= MOST:
         return ()
     places = sorted({int(k) for k in np.linspace(0, len(time) - 1, FRAMES).round()})
-    paint = np.concatenate([np.broadcast_to(_colour(body), (len(part), 3)) for body, part in zip(bodies, solids, strict=True)])
-    posed = [np.concatenate([_posed(part, p[k, b], q[k, b]) for b, part in enumerate(solids)]) for k in places]
-    moving = np.concatenate([part.reshape(-1, 3) for part in posed])
+    paint = np.concatenate(
+        [np.broadcast_to(_colour(body), (len(triangles), 3)) for body, triangles in zip(bodies, solids, strict=True)]
+    )
+    posed = [np.concatenate([_posed(triangles, p[k, b], q[k, b]) for b, triangles in enumerate(solids)]) for k in places]
+    moving = np.concatenate([triangles.reshape(-1, 3) for triangles in posed])
     floor = _floor(bodies, moving)
     view = view_of(np.concatenate([moving, floor.reshape(-1, 3)]) if len(floor) else moving, WIDTH, HEIGHT)
     ground = np.broadcast_to(np.array(GROUND), (len(floor), 3))
     return tuple(
-        Frame(Markup(data_uri(_pixels(view, np.concatenate([floor, one]), np.concatenate([ground, paint])))), float(time[k]))
-        for one, k in zip(posed, places, strict=True)
+        Frame(
+            Markup(data_uri(_pixels(view, np.concatenate([floor, triangles]), np.concatenate([ground, paint])))), float(time[k])
+        )
+        for triangles, k in zip(posed, places, strict=True)
     )
 
 
@@ -123,8 +127,8 @@ def _colour(body: Mapping[str, Any]) -> Floats:
     stated = body.get("appearance", {}).get("colour", STATED)
     if list(stated) == STATED:
         return np.array(GROUND if body["motion"] == "static" else PLAIN)
-    found: Floats = np.clip(np.array(stated, dtype=np.float64), 0.0, 1.0) ** (1 / 2.2)
-    return found
+    colour: Floats = np.clip(np.array(stated, dtype=np.float64), 0.0, 1.0) ** (1 / 2.2)
+    return colour
 
 
 def _floor(bodies: Sequence[Mapping[str, Any]], points: Floats) -> Floats:

@@ -78,12 +78,12 @@ def ratios(frame: pd.DataFrame, yardsticks: Collection[str] = ()) -> dict[str, f
 @lru_cache(maxsize=1)
 def glances(store: "Store") -> list[Glance]:
     """All engines on all tracks that were run. One with fewer than half of the cases has no ratios."""
-    rows, found, yardsticks = answers(store), [], ours(store)
+    rows, entries, yardsticks = answers(store), [], ours(store)
     fewer = [name for name, case in cases(store).items() if not more_is_better(case)]
     own, counts = at_own_step(store, rows), totals(store)
     for track in named_tracks(store):
-        part = own[own["track"] == track]
-        errors, costs = table(part[part["case"].isin(fewer)], "error"), table(part, "cpu_per_sim_s")
+        on_track = own[own["track"] == track]
+        errors, costs = table(on_track[on_track["case"].isin(fewer)], "error"), table(on_track, "cpu_per_sim_s")
         scales = pd.Series({name: case["scale"] or 1.0 for name, case in cases(store).items()}, dtype=np.float64)
         notable = errors.div(scales.reindex(errors.index), axis=0).clip(lower=EXACT)
         even, priced = (shared_cases(frame, regular(frame, engines(store))) for frame in (notable, costs))
@@ -92,7 +92,7 @@ def glances(store: "Store") -> list[Glance]:
         winners = deployed.idxmin(axis=1) if not deployed.empty else pd.Series(dtype=object)
         for engine in engines(store):
             if (engine, track) in counts:
-                found.append(
+                entries.append(
                     Glance(
                         engine=engine,
                         track=track,
@@ -103,4 +103,4 @@ def glances(store: "Store") -> list[Glance]:
                         best=None if engine in yardsticks else int((winners == engine).sum()),
                     )
                 )
-    return sorted(found, key=lambda one: list(engines(store)).index(one.engine))
+    return sorted(entries, key=lambda glance: list(engines(store)).index(glance.engine))

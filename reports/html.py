@@ -23,11 +23,11 @@ FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|cs
 def rendered(store: Store) -> Mapping[str, str]:
     """The texts of all pages by file name; a page that fails is one that says so."""
     texts: dict[str, str] = {}
-    found = pages()
-    for page in found:
+    registered = pages()
+    for page in registered:
         if asked(page, store):
             try:
-                texts |= _texts(page, store, {*texts, *(f"{one.name}.html" for one in found if one is not page)})
+                texts |= _texts(page, store, {*texts, *(f"{other.name}.html" for other in registered if other is not page)})
             except Exception as error:
                 print(one_line(f"page '{page.name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
                 texts |= failed(page.name, page.title, f"{type(error).__name__}: {error}", store)

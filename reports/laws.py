@@ -42,36 +42,41 @@ class Law:
     made: tuple[Made, ...] = ()
 
 
-def _law(engine: Mapping[str, Any], feature: str, found: list[Made]) -> Law:
+def _law(engine: Mapping[str, Any], feature: str, emulations: list[Made]) -> Law:
     if feature not in engine["features"]:
         return Law("not offered")
-    mine = tuple(one for one in found if one.feature == feature)
+    mine = tuple(emulation for emulation in emulations if emulation.feature == feature)
     if not mine:
         return Law("own")
-    whole = not any(one.where for one in mine) and set(engine["tracks"]) <= {track for one in mine for track in one.tracks}
+    whole = not any(emulation.where for emulation in mine) and set(engine["tracks"]) <= {
+        track for emulation in mine for track in emulation.tracks
+    }
     return Law("emulated" if whole else "in part emulated", mine)
 
 
 def _told(store: "Store") -> dict[str, dict[str, Any]]:
     """The engines that tell their features, ours last: on a narrow screen the first columns are read."""
-    told = {name: engine for name, engine in engines(store).items() if engine["features"]}
-    return dict(sorted(told.items(), key=lambda pair: bool(pair[1]["ours"])))
+    described = {name: engine for name, engine in engines(store).items() if engine["features"]}
+    return dict(sorted(described.items(), key=lambda pair: bool(pair[1]["ours"])))
 
 
 def _table(store: "Store", features: list[str]) -> list[tuple[str, Mapping[str, Law]]]:
-    told = _told(store)
-    found = {name: made(store.catalogue, name) for name in told}
+    described = _told(store)
+    emulations = {name: made(store.catalogue, name) for name in described}
     return [
-        (NAMES.get(feature, feature.replace("_", " ")), {name: _law(told[name], feature, found[name]) for name in told})
+        (
+            NAMES.get(feature, feature.replace("_", " ")),
+            {name: _law(described[name], feature, emulations[name]) for name in described},
+        )
         for feature in features
     ]
 
 
 def _batches(store: "Store") -> tuple[str, Mapping[str, Law]]:
     """Who steps many worlds in a call of its own."""
-    told = _told(store)
-    turns = {name: (Made(name, BATCH, IN_TURNS, "", tuple(engine["tracks"])),) for name, engine in told.items()}
-    return BATCH, {name: Law("own") if engine["batch"] else Law("emulated", turns[name]) for name, engine in told.items()}
+    described = _told(store)
+    turns = {name: (Made(name, BATCH, IN_TURNS, "", tuple(engine["tracks"])),) for name, engine in described.items()}
+    return BATCH, {name: Law("own") if engine["batch"] else Law("emulated", turns[name]) for name, engine in described.items()}
 
 
 def _features(store: "Store") -> list[str]:

@@ -47,15 +47,15 @@ class Lead:
 def leads(store: "Store") -> dict[tuple[str, str], Lead]:
     """By (case, track). What lies below a millionth of the case's scale is equal: rounding leads nobody."""
     rows = at_own_step(store, answers(store))
-    found = {}
+    leading = {}
     for (case, track), group in rows.groupby(["case", "track"], sort=False):
         if case not in by_case(store) and track in named_tracks(store) and group["engine"].nunique() > 1:
             medians = group.groupby("engine", sort=False)["error"].median().dropna()
             for name in ours(store):
                 lead = _lead(cases(store)[case], str(track), name, medians, engines(store)[name]["advantages"])
                 if lead is not None:
-                    found[str(case), str(track)] = lead
-    return found
+                    leading[str(case), str(track)] = lead
+    return leading
 
 
 def _better(mine: float, rival: float, more: bool, least: float) -> bool:
@@ -63,14 +63,16 @@ def _better(mine: float, rival: float, more: bool, least: float) -> bool:
     return rival < EVEN * mine if more else max(mine, least) < EVEN * max(rival, least)
 
 
-def _lead(case: Mapping[str, Any], track: str, mine: str, errors: "pd.Series[float]", told: Mapping[str, Any]) -> Lead | None:
+def _lead(
+    case: Mapping[str, Any], track: str, mine: str, errors: "pd.Series[float]", advantages: Mapping[str, Any]
+) -> Lead | None:
     if mine not in errors:
         return None
     others, more = errors.drop(mine), more_is_better(case)
     rival = "" if others.empty else str(others.idxmax() if more else others.idxmin())
     if rival and not _better(float(errors[mine]), float(others[rival]), more, EXACT * (case["scale"] or 1.0)):
         return None
-    reason = told.get(f"{track}/{case['name']}", {"by": NO_REASON, "why": ""})
+    reason = advantages.get(f"{track}/{case['name']}", {"by": NO_REASON, "why": ""})
     return Lead(
         case=case["name"],
         track=track,

@@ -162,12 +162,12 @@ def ticks(drawn: Iterable[Row], field: str) -> Row:
 
 def decades(numbers: Iterable[float | None]) -> Row:
     """Ticks at powers of ten, with 2 and 5 between them where there are few, and all digits within one decade."""
-    found = [value for value in numbers if value]
-    if not found:
+    nonzero = [value for value in numbers if value]
+    if not nonzero:
         return {"values": []}
-    low, high = math.floor(math.log10(min(found))), math.ceil(math.log10(max(found)))
+    low, high = math.floor(math.log10(min(nonzero))), math.ceil(math.log10(max(nonzero)))
     every = max(1, math.ceil((high - low) / 8))
-    steps = tuple(range(1, 10)) if max(found) < 10 * min(found) else (1, 2, 5) if high - low <= 2 else (1,)
+    steps = tuple(range(1, 10)) if max(nonzero) < 10 * min(nonzero) else (1, 2, 5) if high - low <= 2 else (1,)
     values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
     small = "datum.value < 0.001 || datum.value >= 100000 ? format(datum.value, '~e') : format(datum.value, '~g')"
     return {"values": values, "labelExpr": small, "labelOverlap": "greedy"}

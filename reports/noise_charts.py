@@ -20,12 +20,12 @@ LAW = "#8a93a0"
 """Of what the law says; no engine has this colour."""
 
 
-def noise_charts(store: "Store", found: Iterable[Finding]) -> list[Figure]:
+def noise_charts(store: "Store", findings: Iterable[Finding]) -> list[Figure]:
     """A chart for each noisy channel of each scene."""
     groups: dict[tuple[str, str, str, str], list[Finding]] = {}
-    for one in found:
-        if one.allan is not None or one.histogram is not None or one.levels is not None:
-            groups.setdefault((one.case, one.where, one.sensor, one.channel), []).append(one)
+    for finding in findings:
+        if finding.allan is not None or finding.histogram is not None or finding.levels is not None:
+            groups.setdefault((finding.case, finding.where, finding.sensor, finding.channel), []).append(finding)
     return [_drawn(group)(store, group) for group in groups.values()]
 
 
@@ -33,17 +33,17 @@ def _drawn(group: Sequence[Finding]) -> "Callable[[Store, Sequence[Finding]], Fi
     return _allan if group[0].allan is not None else _histogram if group[0].histogram is not None else _depth
 
 
-def _said(store: "Store", one: Finding) -> Row:
+def _said(store: "Store", finding: Finding) -> Row:
     return {
-        "engine": labels(store)[one.engine],
-        "track": visible(one.track)[:30],
-        "series": f"{one.engine} {one.track}",
-        "trial": one.trial,
+        "engine": labels(store)[finding.engine],
+        "track": visible(finding.track)[:30],
+        "series": f"{finding.engine} {finding.track}",
+        "trial": finding.trial,
     }
 
 
-def _name(kind: str, one: Finding) -> str:
-    return slug(f"{kind}-{one.case}-{one.where}-{one.sensor}-{one.channel}".replace(" ", "-"))
+def _name(kind: str, finding: Finding) -> str:
+    return slug(f"{kind}-{finding.case}-{finding.where}-{finding.sensor}-{finding.channel}".replace(" ", "-"))
 
 
 def _layers(
@@ -52,7 +52,7 @@ def _layers(
     law: Sequence[Row],
     x: Any,
     y: Callable[[str], Any],
-    told: Sequence[Any],
+    tooltips: Sequence[Any],
     joined: bool = False,
 ) -> list[Any]:
     """The law as a line, in its band where it has one, then every engine's findings; y: the upright axis on a field."""
@@ -64,7 +64,7 @@ def _layers(
     if joined:
         line = chart(rows).mark_line(strokeWidth=1.2)
         layers.append(line.encode(x=x, y=y("value"), detail="series:N", color=style.colour(), strokeDash=style.dash()))
-    channels = style.channels() | {"tooltip": list(told)}
+    channels = style.channels() | {"tooltip": list(tooltips)}
     layers.append(chart(rows).mark_point(**POINT | {"size": 42}).encode(x=x, y=y("value"), **channels))
     return layers
 
@@ -82,26 +82,28 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
     first, known = group[0], group[0].noise.law
     rows: list[Row] = []
     law: list[Row] = []
-    for one in group:
-        if one.allan is None:
+    for finding in group:
+        if finding.allan is None:
             continue
-        told = zip(one.allan.time, one.allan.found, one.allan.law, one.allan.low, one.allan.high, strict=True)
-        mine = [dict(zip(("tau", "value", "law", "low", "high"), map(float, point), strict=True)) for point in told]
+        points = zip(
+            finding.allan.time, finding.allan.found, finding.allan.law, finding.allan.low, finding.allan.high, strict=True
+        )
+        mine = [dict(zip(("tau", "value", "law", "low", "high"), map(float, point), strict=True)) for point in points]
         law = law or mine
-        rows += [_said(store, one) | point for point in mine]
+        rows += [_said(store, finding) | point for point in mine]
     x = logarithmic(alt.X, "tau", "averaging time [s]", decades(row["tau"] for row in rows))
     span = decades(row[key] for row in rows for key in ("value", "low", "high"))
 
     def y(field: str) -> Any:
         return logarithmic(alt.Y, field, f"Allan deviation [{first.unit}]", span)
 
-    told_over = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
+    tooltips = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
     caption = (
         f"Overlapping Allan deviation of the noise, root mean square over the axes. Grey: the law ({known}), exactly, with "
         "the band in which 19 of 20 findings lie. The same stream of noise is laid over every engine's signal, so marks lie on "
         "one another where an engine adds nothing of its own."
     )
-    spec = finished(_layers(store, rows, law, x, y, told_over, joined=True), height=280)
+    spec = finished(_layers(store, rows, law, x, y, tooltips, joined=True), height=280)
     columns = ("engine", "setting", "averaging time [s]", f"found [{first.unit}]", "by law", "trial")
     cells = [[r["engine"], r["track"], amount(r["tau"]), amount(r["value"]), amount(r["law"]), r["trial"]] for r in rows]
     return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, columns, cells)
@@ -113,27 +115,27 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
     first = group[0]
     rows: list[Row] = []
     law: list[Row] = []
-    for one in group:
-        if one.histogram is None:
+    for finding in group:
+        if finding.histogram is None:
             continue
-        h = one.histogram
+        h = finding.histogram
         mine = [
             dict(zip(("at", "value", "law", "low", "high"), map(float, point), strict=True))
             for point in zip(h.middle, h.density, h.law, h.low, h.high, strict=True)
         ]
         law = law or mine
-        rows += [_said(store, one) | point | {"count": h.count, "beyond": h.beyond} for point in mine]
+        rows += [_said(store, finding) | point | {"count": h.count, "beyond": h.beyond} for point in mine]
     x = alt.X("at:Q", title="range error over its standard deviation by law", scale=alt.Scale(domain=[-4, 4], nice=False))
 
     def y(field: str) -> Any:
         return alt.Y(f"{field}:Q", title="density")
 
-    told_over = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
+    tooltips = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
     caption = (
         f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.noise.law}). Grey: the "
         "normal law, with the band in which 19 of 20 bins lie."
     )
-    spec = finished(_layers(store, rows, law, x, y, told_over), height=260)
+    spec = finished(_layers(store, rows, law, x, y, tooltips), height=260)
     columns = ("engine", "setting", "error, in sigmas", "density", "normal law", "returns", "beyond 4 sigmas", "trial")
     cells = [
         [r["engine"], r["track"], amount(r["at"]), amount(r["value"]), amount(r["law"]), r["count"], r["beyond"], r["trial"]]
@@ -148,27 +150,29 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
     first = group[0]
     rows: list[Row] = []
     law: list[Row] = []
-    for one in group:
-        if one.levels is None:
+    for finding in group:
+        if finding.levels is None:
             continue
-        told = zip(one.levels.depth, one.levels.sigma, one.levels.low, one.levels.high, one.levels.law, strict=True)
-        mine = [dict(zip(("depth", "value", "least", "most", "law"), map(float, point), strict=True)) for point in told]
+        points = zip(
+            finding.levels.depth, finding.levels.sigma, finding.levels.low, finding.levels.high, finding.levels.law, strict=True
+        )
+        mine = [dict(zip(("depth", "value", "least", "most", "law"), map(float, point), strict=True)) for point in points]
         law = law or [{key: point[key] for key in ("depth", "law")} for point in mine]
-        rows += [_said(store, one) | point for point in mine]
+        rows += [_said(store, finding) | point for point in mine]
     x = alt.X("depth:Q", title="depth [m]", scale=alt.Scale(zero=False, padding=14))
     span = decades(row["value"] for row in rows)
 
     def y(field: str) -> Any:
         return logarithmic(alt.Y, field, "spread of the depth error [m]", span)
 
-    told_over = _tooltips(
+    tooltips = _tooltips(
         ("depth", "depth [m]"), ("value", "found [m]"), ("law", "by law [m]"), ("least", "95 % from"), ("most", "to")
     )
     caption = (
         "Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law "
         f"({first.noise.law})."
     )
-    spec = finished(_layers(store, rows, law, x, y, told_over), height=280)
+    spec = finished(_layers(store, rows, law, x, y, tooltips), height=280)
     columns = ("engine", "setting", "depth [m]", "spread [m]", "95 % from", "to", "by law", "trial")
     keys = ("depth", "value", "least", "most", "law")
     cells = [[r["engine"], r["track"], *(amount(r[key]) for key in keys), r["trial"]] for r in rows]

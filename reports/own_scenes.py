@@ -29,18 +29,18 @@ TIME = "time [s]"
 @lru_cache(maxsize=2)
 def by_case(store: "Store") -> Mapping[str, tuple[Agreement, ...]]:
     """The agreements on each scene that is judged by them: one for each set of parameters."""
-    found: dict[str, tuple[Agreement, ...]] = {}
-    for one in agreements(store):
-        found[one.case] = (*found.get(one.case, ()), one)
-    return found
+    by_scene: dict[str, tuple[Agreement, ...]] = {}
+    for agreement in agreements(store):
+        by_scene[agreement.case] = (*by_scene.get(agreement.case, ()), agreement)
+    return by_scene
 
 
 def chips(store: "Store") -> Mapping[tuple[str, str, str], tuple[Outcome, str]]:
     """By case, engine and track: the verdict, and it in words."""
     return {
-        (one.case, side.engine, side.track): (VERDICTS[side.word], side_words(side, one))
-        for one in agreements(store)
-        for side in one.sides
+        (agreement.case, side.engine, side.track): (VERDICTS[side.word], side_words(side, agreement))
+        for agreement in agreements(store)
+        for side in agreement.sides
     }
 
 
@@ -51,7 +51,7 @@ def titles(store: "Store") -> Mapping[str, str]:
 
 def summary(store: "Store", case: str) -> list[str]:
     """What is known of a scene, in sentences."""
-    return [sentence for one in by_case(store).get(case, ()) for sentence in scene_words(one, titles(store))]
+    return [sentence for agreement in by_case(store).get(case, ()) for sentence in scene_words(agreement, titles(store))]
 
 
 def shown(name: str) -> Outcome:
@@ -75,11 +75,11 @@ def _rows(store: "Store", engine: str, track: str, time: Any, share: Any) -> lis
     ]
 
 
-def horizon_chart(store: "Store", one: Agreement) -> Figure | None:
+def horizon_chart(store: "Store", agreement: Agreement) -> Figure | None:
     """What the last halving of the step moves, over time, with the tolerance that ends the horizon."""
     drawn = [
         row
-        for side in one.sides
+        for side in agreement.sides
         if side.limit.time is not None
         for row in _rows(store, side.engine, side.track, side.limit.time, side.limit.moved)
     ]
@@ -88,20 +88,22 @@ def horizon_chart(store: "Store", one: Agreement) -> Figure | None:
         "what moves. The grey line is the tolerance, a hundredth: where a curve crosses it, that engine's horizon ends. A "
         "straight rise on this axis is chaos."
     )
-    return _over_time(store, drawn, f"case-{slug(one.case)}-horizon", "Horizon: what a smaller step still moves", caption, 0.01)
+    return _over_time(
+        store, drawn, f"case-{slug(agreement.case)}-horizon", "Horizon: what a smaller step still moves", caption, 0.01
+    )
 
 
-def parting_chart(store: "Store", one: Agreement) -> Figure | None:
+def parting_chart(store: "Store", agreement: Agreement) -> Figure | None:
     """How far each engine's limit lies from the one that is agreed, over time."""
-    base, series = ways(one)
+    base, series = ways(agreement)
     drawn = [row for (engine, track), (time, share) in series.items() for row in _rows(store, engine, track, time, share)]
-    against = "the agreed limit" if one.agreed else f"the limit of {base}, since none is agreed"
+    against = "the agreed limit" if agreement.agreed else f"the limit of {base}, since none is agreed"
     caption = (
         f"Distance of each engine's own limit, at a step of zero, from {against}, the largest up to each instant, as a share "
         "of the size of what moves. The grey line is how far that limit itself may be off: who stays about it agrees. A curve "
         "ends where its limit is no longer known; one that is the limit itself has none."
     )
-    return _over_time(store, drawn, f"case-{slug(one.case)}-parting", "Who parts, and when", caption, one.bar)
+    return _over_time(store, drawn, f"case-{slug(agreement.case)}-parting", "Who parts, and when", caption, agreement.bar)
 
 
 def _over_time(store: "Store", drawn: Sequence[Row], name: str, title: str, caption: str, line: float | None) -> Figure | None:
@@ -113,10 +115,10 @@ def _over_time(store: "Store", drawn: Sequence[Row], name: str, title: str, capt
     series: dict[str, list[Row]] = {}
     for row in drawn:
         series.setdefault(row["series"], []).append(row)
-    placed = [row for part in series.values() for row in thin(part, "time", "share", 400)]
+    placed = [row for curve in series.values() for row in thin(curve, "time", "share", 400)]
     x = alt.X("time:Q", title=TIME, axis=alt.Axis(grid=True, tickCount=6))
     y = logarithmic(alt.Y, "share", "share of the size", decades([row["share"] for row in placed]))
-    told = [
+    tooltips = [
         alt.Tooltip("engine:N"),
         alt.Tooltip("track:N"),
         alt.Tooltip("time:Q", format=".3f"),
@@ -130,10 +132,10 @@ def _over_time(store: "Store", drawn: Sequence[Row], name: str, title: str, capt
     layers.append(
         chart(placed)
         .mark_line(strokeWidth=1.6)
-        .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash(), tooltip=told)
+        .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash(), tooltip=tooltips)
     )
-    marked = [part[k] for part in series.values() for k in sorted({len(part) // 3, 2 * len(part) // 3, len(part) - 1})]
-    channels = style.channels() | {"tooltip": told}
+    marked = [curve[k] for curve in series.values() for k in sorted({len(curve) // 3, 2 * len(curve) // 3, len(curve) - 1})]
+    channels = style.channels() | {"tooltip": tooltips}
     layers.append(chart(marked).mark_point(filled=True, size=55, strokeWidth=1.6, opacity=1).encode(x=x, y=y, **channels))
     cells = [[row["engine"], row["track"], amount(row["time"]), amount(row["share"])] for row in marked]
     return Figure(name, title, caption, finished(layers, height=320), ("engine", "track", TIME, "share of the size"), cells)

@@ -46,14 +46,14 @@ def pages() -> tuple[Page, ...]:
     """
     import reports.pages as package
 
-    found: list[Page] = [
+    loaded: list[Page] = [
         importlib.import_module(f"reports.pages.{module.name}").PAGE for module in pkgutil.iter_modules(package.__path__)
     ]
-    found += [_outside(name) for name in points("plumbline.pages")]
-    names = [page.name for page in found]
+    loaded += [_outside(name) for name in points("plumbline.pages")]
+    names = [page.name for page in loaded]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"pages: name {twice[0]!r} is taken twice, expected each name once")
-    return tuple(sorted(found, key=lambda page: (page.order, page.name)))
+    return tuple(sorted(loaded, key=lambda page: (page.order, page.name)))
 
 
 PLAIN = re.compile(r"[A-Za-z0-9_-]{1,40}")
@@ -62,13 +62,13 @@ PLAIN = re.compile(r"[A-Za-z0-9_-]{1,40}")
 def _outside(name: str) -> Page:
     """A third party's page, or one in its place that says why it is not there."""
     point = points("plumbline.pages")[name]
-    said = trouble(point)
-    if said:
-        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, said))
+    reason = trouble(point)
+    if reason:
+        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, reason))
     page = point.load()
     if not isinstance(page, Page) or not PLAIN.fullmatch(page.name):
-        said = f"{point.value}: got {page!r:.100}, expected a Page with a plain name"
-        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, said))
+        reason = f"{point.value}: got {page!r:.100}, expected a Page with a plain name"
+        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, reason))
     return page
 
 

@@ -56,5 +56,5 @@ def looks(names: Iterable[str]) -> dict[str, Look]:
     """A look for each engine, in the order given; spare ones repeat only beyond the last."""
     listed = list(names)
     strangers = sorted(name for name in listed if name not in ENGINES)
-    spare = {name: SPARE[place % len(SPARE)] for place, name in enumerate(strangers)}
+    spare = {name: SPARE[index % len(SPARE)] for index, name in enumerate(strangers)}
     return {name: ENGINES.get(name) or spare[name] for name in listed}

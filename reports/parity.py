@@ -101,14 +101,14 @@ def _weight(row: Mapping[str, Any]) -> tuple[float, float]:
 def _worst(rows: Sequence[Mapping[str, Any]]) -> str:
     torques = [row for row in rows if row["torque"]]
     motions = [row for row in rows if row["motion"]]
-    said = []
+    phrases = []
     if torques:
-        row = max(torques, key=lambda one: float(one["torque"]))
-        said.append(f"{amount(row['torque'])} {row['torque_unit']}")
+        row = max(torques, key=lambda candidate: float(candidate["torque"]))
+        phrases.append(f"{amount(row['torque'])} {row['torque_unit']}")
     if motions:
-        row = max(motions, key=lambda one: float(one["motion"]))
-        said.append(f"{amount(row['motion'])} {row['motion_unit']} after a second")
-    return ", ".join(said)
+        row = max(motions, key=lambda candidate: float(candidate["motion"]))
+        phrases.append(f"{amount(row['motion'])} {row['motion_unit']} after a second")
+    return ", ".join(phrases)
 
 
 def _row(row: Mapping[str, Any], most: float) -> Row:
@@ -148,7 +148,7 @@ def _kinds(panels: Sequence[Panel]) -> list[tuple[str, list[tuple[int, bool]]]]:
             if row.kind:
                 names[row.kind] = names.get(row.kind, 0) + 1
     table = []
-    for name in sorted(names, key=lambda one: (-names[one], one)):
+    for name in sorted(names, key=lambda kind: (-names[kind], kind)):
         cells = [[row for row in panel.causes if row.kind == name] for panel in panels]
         table.append((name, [(len(rows), bool(rows) and all(row.documented for row in rows)) for rows in cells]))
     return table

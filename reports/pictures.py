@@ -48,18 +48,18 @@ class Shot:
     tiles: Sequence[Tile]
 
 
-def shots(store: "Store", found: Iterable[Finding]) -> list[Shot]:
+def shots(store: "Store", findings: Iterable[Finding]) -> list[Shot]:
     """One for each camera and channel that was seen."""
     groups: dict[tuple[str, str, str, str], list[Finding]] = {}
-    for one in found:
-        if one.picture is not None:
-            groups.setdefault((one.case, one.where, one.sensor, one.channel), []).append(one)
+    for finding in findings:
+        if finding.picture is not None:
+            groups.setdefault((finding.case, finding.where, finding.sensor, finding.channel), []).append(finding)
     return [_shot(store, group) for group in groups.values()]
 
 
 def _shot(store: "Store", group: Sequence[Finding]) -> Shot:
     first = group[0]
-    pictures = [one.picture for one in group if one.picture is not None]
+    pictures = [finding.picture for finding in group if finding.picture is not None]
     truth = next((picture.truth for picture in pictures if picture.truth is not None), None)
     low, high = _bounds(pictures, truth) if first.channel == "depth" else (0.0, 1.0)
 
@@ -67,12 +67,12 @@ def _shot(store: "Store", group: Sequence[Finding]) -> Shot:
         return Markup(data_uri(shaded(pixels, low, high) if first.channel == "depth" else srgb(pixels)))
 
     tiles = [] if truth is None else [Tile(engine="", tracks=(), what="truth", address=address(truth), trial="")]
-    for one, tracks in _alike(group):
-        assert one.picture is not None
-        same: dict[str, Any] = {"engine": one.engine, "tracks": tracks, "trial": one.trial}
-        tiles.append(Tile(**same, what="seen", address=address(one.picture.seen)))
-        if truth is None and one.picture.ideal is not None:
-            tiles.append(Tile(**same, what="without noise", address=address(one.picture.ideal)))
+    for finding, tracks in _alike(group):
+        assert finding.picture is not None
+        same: dict[str, Any] = {"engine": finding.engine, "tracks": tracks, "trial": finding.trial}
+        tiles.append(Tile(**same, what="seen", address=address(finding.picture.seen)))
+        if truth is None and finding.picture.ideal is not None:
+            tiles.append(Tile(**same, what="without noise", address=address(finding.picture.ideal)))
     return Shot(
         case=first.case,
         title=titled(store, first.case, first.where),
@@ -87,8 +87,8 @@ def _shot(store: "Store", group: Sequence[Finding]) -> Shot:
 
 def _bounds(pictures: Sequence[Picture], truth: Floats | None) -> tuple[float, float]:
     """Nearest and farthest depth [m] of the truth or, without one, of all that was seen without noise; outliers left out."""
-    told = [truth] if truth is not None else [p.seen if p.ideal is None else p.ideal for p in pictures]
-    finite = np.concatenate([one[np.isfinite(one)].ravel() for one in told])
+    depths = [truth] if truth is not None else [p.seen if p.ideal is None else p.ideal for p in pictures]
+    finite = np.concatenate([depth[np.isfinite(depth)].ravel() for depth in depths])
     if len(finite) == 0:
         return 0.0, 1.0
     low, high = np.percentile(finite, (1.0, 99.0))
@@ -98,15 +98,15 @@ def _bounds(pictures: Sequence[Picture], truth: Floats | None) -> tuple[float, f
 def _alike(group: Sequence[Finding]) -> list[tuple[Finding, Sequence[str]]]:
     """Engine by engine the pictures that differ, each with the settings under which it was seen."""
     made: list[tuple[Finding, list[str]]] = []
-    for one in group:
+    for finding in group:
         twin = next(
-            (tracks for other, tracks in made if other.engine == one.engine and _same(other.picture, one.picture)), None
+            (tracks for other, tracks in made if other.engine == finding.engine and _same(other.picture, finding.picture)), None
         )
         if twin is None:
-            made.append((one, [one.track]))
+            made.append((finding, [finding.track]))
         else:
-            twin.append(one.track)
-    return [(one, tuple(tracks)) for one, tracks in made]
+            twin.append(finding.track)
+    return [(finding, tuple(tracks)) for finding, tracks in made]
 
 
 def _same(a: Picture | None, b: Picture | None) -> bool:

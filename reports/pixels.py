@@ -34,9 +34,9 @@ def shaded(depth: NDArray[np.floating], near: float, far: float) -> Pixels:
     """Depth (h, w) m as colours (h, w, 3) from `near` to `far` [m]; NaN and infinities in colours of their own."""
     share = np.clip((np.nan_to_num(depth, nan=far, posinf=far, neginf=near) - near) / max(far - near, 1e-12), 0.0, 1.0)
     anchors = np.linspace(0.0, 1.0, len(SHADES))
-    pixels: Pixels = np.rint(np.stack([np.interp(share, anchors, part) for part in zip(*SHADES, strict=True)], axis=-1)).astype(
-        np.uint8
-    )
+    pixels: Pixels = np.rint(
+        np.stack([np.interp(share, anchors, channel) for channel in zip(*SHADES, strict=True)], axis=-1)
+    ).astype(np.uint8)
     pixels[np.isinf(depth)] = BEYOND
     pixels[np.isnan(depth)] = INVALID
     return pixels

@@ -20,12 +20,12 @@ Row = dict[str, Any]
 
 def labels(store: "Store") -> Mapping[str, str]:
     """What an engine is called in charts: its title, with its name where two share one, and a mark where it is ours."""
-    found = engines(store)
-    titles = [engine["title"] for engine in found.values()]
+    known = engines(store)
+    titles = [engine["title"] for engine in known.values()]
     return {
         name: visible(engine["title"] if titles.count(engine["title"]) == 1 else f"{engine['title']} ({name})")[:60]
         + (" (ours)" if engine["ours"] else "")
-        for name, engine in found.items()
+        for name, engine in known.items()
     }
 
 
@@ -43,12 +43,12 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
         0, 'outcome' where there is no error.
     """
     names = labels(store)
-    found = []
+    drawn = []
     for row in rows.to_dict("records"):
         error, cpu = number(row["error"]), number(row["cpu_per_sim_s"])
         cpu = cpu if cpu is not None and cpu > 0 else None
         low, high = number(row["cpu_low"]), number(row["cpu_high"])
-        found.append(
+        drawn.append(
             {
                 "engine": names[row["engine"]],
                 "track": visible(str(row["track"]))[:30],
@@ -68,4 +68,4 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
                 "edge": "outcome" if error is None else "exact" if error == 0 else "none",
             }
         )
-    return found
+    return drawn

@@ -54,11 +54,11 @@ class Line:
 
 def price_list(store: "Store") -> list[Line]:
     """All lines, from coarse to fine; below the first error from `SHOWN` on that no engine reaches nothing is left to say."""
-    found: dict[tuple[str, str], dict[float, dict[str, Price]]] = {}
+    by_scene: dict[tuple[str, str], dict[float, dict[str, Price]]] = {}
     for price in priced(store).prices:
-        found.setdefault((price.case, price.where), {}).setdefault(price.target, {})[price.engine] = price
+        by_scene.setdefault((price.case, price.where), {}).setdefault(price.target, {})[price.engine] = price
     lines: list[Line] = []
-    for (case, where), targets in found.items():
+    for (case, where), targets in by_scene.items():
         title = titled(store, case, where)
         for target, prices in sorted(targets.items(), reverse=True):
             last = target <= SHOWN and all(price.verdict in ("not within the ladder", "no answer") for price in prices.values())
@@ -83,11 +83,11 @@ class Tried:
 
 def tried(store: "Store") -> list[Tried]:
     """A row for each scene."""
-    found: dict[tuple[str, str], dict[str, Price]] = {}
+    by_scene: dict[tuple[str, str], dict[str, Price]] = {}
     for price in priced(store).prices:
-        found.setdefault((price.case, price.where), {}).setdefault(price.engine, price)
+        by_scene.setdefault((price.case, price.where), {}).setdefault(price.engine, price)
     made = []
-    for (case, where), engines in found.items():
+    for (case, where), engines in by_scene.items():
         counts = [price.tried for price in engines.values() if price.verdict != "no answer"]
         apart = max(counts) / max(1, min(counts)) if counts else 1.0
         made.append(Tried(case, titled(store, case, where), engines, apart))

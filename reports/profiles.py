@@ -21,7 +21,7 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
     """One line an engine, with the band that leaving one case out spans; None without a share."""
     import altair as alt  # late: half a second that only a report needs
 
-    told_of = {share.within for share in shares if share.limit == limit and share.share > 0}
+    reached = {share.within for share in shares if share.limit == limit and share.share > 0}
     rows: list[Row] = [
         {
             "engine": labels(store)[share.engine],
@@ -34,7 +34,7 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
             "without_high": visible(share.without_high)[:60],
         }
         for share in shares
-        if share.limit == limit and share.within in told_of
+        if share.limit == limit and share.within in reached
     ]
     if not rows:
         return None
@@ -45,7 +45,7 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
     y = alt.Y("share:Q", title="share of the answers", scale=scale, axis=alt.Axis(format=".0%"))
     low = alt.Y("low:Q", title="share of the answers", scale=scale)
     shape = alt.Shape("engine:N", title=None, scale=alt.Scale(domain=style.engines, range=style.paths))
-    told = [
+    tooltips = [
         alt.Tooltip("engine:N"),
         alt.Tooltip("within:Q", title=limit, format=".3~g"),
         alt.Tooltip("share:Q", format=".1%"),
@@ -56,7 +56,7 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
     ]
     layers = [
         chart(rows).mark_line(strokeWidth=1.8).encode(x=x, y=y, detail="engine:N", color=style.colour()),
-        chart(rows).mark_point(**POINT | {"size": 45}).encode(x=x, y=y, color=style.colour(), shape=shape, tooltip=told),
+        chart(rows).mark_point(**POINT | {"size": 45}).encode(x=x, y=y, color=style.colour(), shape=shape, tooltip=tooltips),
         chart(rows).mark_area(opacity=0.18).encode(x=x, y=low, y2="high:Q", detail="engine:N", color=style.colour()),
     ]
     pairs = max(share.pairs for share in shares if share.limit == limit)

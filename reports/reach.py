@@ -59,44 +59,47 @@ class Tally:
 
 def lines(store: "Store", searches: Sequence[Search]) -> list[Line]:
     """A line for each axis; what was sought for a map stands there alone."""
-    mapped = {(one.experiment, one.case) for group in _mapped(searches) for one in group}
-    found: dict[tuple[str, str, str], list[Search]] = {}
-    for one in searches:
-        if (one.experiment, one.case) not in mapped:
-            found.setdefault((one.experiment, one.case, one.where), []).append(one)
+    mapped = {(search.experiment, search.case) for group in _mapped(searches) for search in group}
+    by_axis: dict[tuple[str, str, str], list[Search]] = {}
+    for search in searches:
+        if (search.experiment, search.case) not in mapped:
+            by_axis.setdefault((search.experiment, search.case, search.where), []).append(search)
     made = []
-    for (_, case, where), group in found.items():
+    for (_, case, where), group in by_axis.items():
         first = group[0]
         unit = "" if first.unit == "1" else f" {first.unit}"
         title = cases(store)[case]["title"] + (f", {where}" if where else "")
         axis = f"{first.axis.replace('_', ' ')} {amount(first.easy)} … {amount(first.extreme)}{unit}"
-        laws = {(one.engine, one.track): whose(store.catalogue, one.engine, case, one.track) for one in group}
-        against = {one.engine: disputed(store, one.engine, case, one.axis) for one in group}
-        cells = {(one.engine, one.setting): cell(one, laws[one.engine, one.track]) for one in sorted(group, key=_order)}
-        cells |= {(one.engine, worded(one)): _within(one) for one in reaches(group) if one.at == "equal time"}
-        cells = {key: marked(one, against[key[0]]) for key, one in cells.items()}
+        laws = {(search.engine, search.track): whose(store.catalogue, search.engine, case, search.track) for search in group}
+        against = {search.engine: disputed(store, search.engine, case, search.axis) for search in group}
+        cells = {
+            (search.engine, search.setting): cell(search, laws[search.engine, search.track])
+            for search in sorted(group, key=_order)
+        }
+        cells |= {(reach.engine, worded(reach)): _within(reach) for reach in reaches(group) if reach.at == "equal time"}
+        cells = {key: marked(unmarked, against[key[0]]) for key, unmarked in cells.items()}
         made.append(Line(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
     return made
 
 
-def _order(one: Search) -> tuple[bool, int, str]:
+def _order(search: Search) -> tuple[bool, int, str]:
     """Equal sub-steps first, the coarsest of them at the top; then tracks as they come."""
-    return not one.parts, one.parts, one.track
+    return not search.parts, search.parts, search.track
 
 
-def worded(one: Reach) -> str:
+def worded(reach: Reach) -> str:
     """A condition in words."""
-    if one.parts:
-        return "sub-step dt" + (f"/{one.parts}" if one.parts > 1 else "")
-    return f"≤ {amount(1e3 * one.condition)} ms a step"
+    if reach.parts:
+        return "sub-step dt" + (f"/{reach.parts}" if reach.parts > 1 else "")
+    return f"≤ {amount(1e3 * reach.condition)} ms a step"
 
 
-def _within(one: Reach) -> Cell:
+def _within(reach: Reach) -> Cell:
     """What an engine held for so much time, and how."""
-    if one.held is None or one.cost is None:
+    if reach.held is None or reach.cost is None:
         return Cell(0.0, "none", "", "nothing was held at this price")
-    hint = f"{one.setting}; {amount(1e3 * one.cost)} ms of CPU time for a time step of the case, roughly"
-    return Cell(one.reach, amount(one.held), one.setting, hint)
+    hint = f"{reach.setting}; {amount(1e3 * reach.cost)} ms of CPU time for a time step of the case, roughly"
+    return Cell(reach.reach, amount(reach.held), reach.setting, hint)
 
 
 def _first_clause(reason: str) -> str:
@@ -104,33 +107,34 @@ def _first_clause(reason: str) -> str:
     return reason.partition(":")[0]
 
 
-def cell(one: Search, law: str = "") -> Cell:
+def cell(search: Search, law: str = "") -> Cell:
     """One search in words; law: whose laws it is about, where they are not all the engine's own."""
-    if one.verdict == "beyond the extreme":
-        text, why = f"≥ {amount(one.held)}", ""
-    elif one.held is None:
-        text = VERDICTS.get(one.verdict, one.verdict) if one.broke is None else f"< {amount(one.easy)}"
-        why = one.signs.brief or _first_clause(one.reason)
+    if search.verdict == "beyond the extreme":
+        text, why = f"≥ {amount(search.held)}", ""
+    elif search.held is None:
+        text = VERDICTS.get(search.verdict, search.verdict) if search.broke is None else f"< {amount(search.easy)}"
+        why = search.signs.brief or _first_clause(search.reason)
     else:
-        text, why = amount(one.held), one.signs.brief if one.broke is not None else one.verdict
-    share = "" if one.share is None else f"; {100 * one.share:.0f} % held at {amount(one.broke)}"
-    cost = "" if one.step_cost is None else f"; {amount(1e3 * one.step_cost)} ms of CPU time a time step at the limit"
-    taken = "" if one.substep is None else f"; steps of {amount(1e3 * one.substep)} ms taken"
-    verdict = VERDICTS.get(one.verdict, one.verdict)
-    hint = f"{verdict}{share}{cost}{taken}; {one.values} values, {one.members} starts each; {one.reason or one.signs.text}"
+        text, why = amount(search.held), search.signs.brief if search.broke is not None else search.verdict
+    share = "" if search.share is None else f"; {100 * search.share:.0f} % held at {amount(search.broke)}"
+    cost = "" if search.step_cost is None else f"; {amount(1e3 * search.step_cost)} ms of CPU time a time step at the limit"
+    taken = "" if search.substep is None else f"; steps of {amount(1e3 * search.substep)} ms taken"
+    verdict = VERDICTS.get(search.verdict, search.verdict)
+    whole_reason = search.reason or search.signs.text
+    hint = f"{verdict}{share}{cost}{taken}; {search.values} values, {search.members} starts each; {whole_reason}"
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
-    own = "the case's own start holds" if one.own_holds and one.broke is not None else ""
-    hint = "; ".join(word for word in (hint, own, *map(str, one.noticed)) if word)
+    own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
+    hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
     words = "; ".join(word for word in (why[:40], own, law) if word)
-    return Cell(one.reach, text, words, f"{hint}; {law}" if law else hint)
+    return Cell(search.reach, text, words, f"{hint}; {law}" if law else hint)
 
 
-def marked(one: Cell, against: str) -> Cell:
+def marked(unmarked: Cell, against: str) -> Cell:
     """A cell with what is said against it, where it is disputed."""
     if not against:
-        return one
-    words, hint = (", ".join(word for word in (one.why, "disputed") if word), f"{one.hint}; {against}")
-    return replace(one, why=words, hint=hint)
+        return unmarked
+    words, hint = (", ".join(word for word in (unmarked.why, "disputed") if word), f"{unmarked.hint}; {against}")
+    return replace(unmarked, why=words, hint=hint)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,14 +153,14 @@ class Standing:
 
 def standings(leads: Sequence[Lead]) -> list[Standing]:
     """A row for each condition."""
-    found: dict[tuple[str, str, str], dict[str, dict[bool, Lead]]] = {}
-    for one in leads:
-        found.setdefault((one.what, one.at, one.condition), {}).setdefault(one.engine, {})[one.ours] = one
+    by_condition: dict[tuple[str, str, str], dict[str, dict[bool, Lead]]] = {}
+    for lead in leads:
+        by_condition.setdefault((lead.what, lead.at, lead.condition), {}).setdefault(lead.engine, {})[lead.ours] = lead
     rows: list[Standing] = []
-    for (what, at, condition), by in found.items():
-        of_with_ours = max(one[True].of for one in by.values())
-        of = max((one[False].of for one in by.values() if False in one), default=of_with_ours)
-        engines = {engine: (one[True], one.get(False)) for engine, one in by.items()}
+    for (what, at, condition), by in by_condition.items():
+        of_with_ours = max(rankings[True].of for rankings in by.values())
+        of = max((rankings[False].of for rankings in by.values() if False in rankings), default=of_with_ours)
+        engines = {engine: (rankings[True], rankings.get(False)) for engine, rankings in by.items()}
         rows.append(Standing(what, f"{at}{f': {condition}' if condition else ''}", of, of_with_ours, engines))
     return rows
 
@@ -164,14 +168,14 @@ def standings(leads: Sequence[Lead]) -> list[Standing]:
 def _mapped(searches: Sequence[Search]) -> list[list[Search]]:
     """The searches of each experiment and case that ran at three or more values of one thing beside its axis."""
     groups: dict[tuple[str, str], list[Search]] = {}
-    for one in searches:
-        groups.setdefault((one.experiment, one.case), []).append(one)
-    return [group for group in groups.values() if len({_beside(one)[1] for one in group if _beside(one)[0]}) >= 3]
+    for search in searches:
+        groups.setdefault((search.experiment, search.case), []).append(search)
+    return [group for group in groups.values() if len({_beside(search)[1] for search in group if _beside(search)[0]}) >= 3]
 
 
-def _beside(one: Search) -> tuple[str, float | None]:
+def _beside(search: Search) -> tuple[str, float | None]:
     """Name and value of the number that stands beside the axis, the time step in seconds; '' where it is none."""
-    numbers = ((name, value) for name, value in one.beside if isinstance(value, int | float) and not isinstance(value, bool))
+    numbers = ((name, value) for name, value in search.beside if isinstance(value, int | float) and not isinstance(value, bool))
     return next(numbers, ("", None))
 
 
@@ -184,26 +188,34 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
     import altair as alt  # late: half a second that only a report needs
 
     first = group[0]
-    rest = sorted({(_rest(one), one.parts) for one in group})
+    rest = sorted({(_rest(search), search.parts) for search in group})
     figures = []
-    for told, parts in rest:
+    for flags, parts in rest:
         rows: list[Row] = []
-        other = ", ".join(word for word in (told, f"sub-step dt/{parts}" if parts > 1 else "") if word)
-        for one in group:
-            name, value = _beside(one)
-            if (_rest(one), one.parts) != (told, parts) or value is None or one.verdict in ("unsupported", "unavailable"):
+        other = ", ".join(word for word in (flags, f"sub-step dt/{parts}" if parts > 1 else "") if word)
+        for search in group:
+            name, value = _beside(search)
+            if (
+                (_rest(search), search.parts) != (flags, parts)
+                or value is None
+                or search.verdict in ("unsupported", "unavailable")
+            ):
                 continue
             rows.append(
                 {
-                    "engine": labels(store)[one.engine],
-                    "track": one.track,
-                    "series": f"{one.engine} {one.setting}",
+                    "engine": labels(store)[search.engine],
+                    "track": search.track,
+                    "series": f"{search.engine} {search.setting}",
                     "beside": 1e3 * value if name == STEP else value,
-                    "held": one.held if one.held is not None else one.easy,
-                    "broke": one.broke if one.broke is not None else one.extreme,
-                    "mark": "held" if one.verdict == "beyond the extreme" else "none holds" if one.held is None else "limit",
-                    "signs": one.signs.text,
-                    "verdict": VERDICTS.get(one.verdict, one.verdict),
+                    "held": search.held if search.held is not None else search.easy,
+                    "broke": search.broke if search.broke is not None else search.extreme,
+                    "mark": "held"
+                    if search.verdict == "beyond the extreme"
+                    else "none holds"
+                    if search.held is None
+                    else "limit",
+                    "signs": search.signs.text,
+                    "verdict": VERDICTS.get(search.verdict, search.verdict),
                 }
             )
         if not rows:
@@ -235,11 +247,11 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
             .encode(x=x, y=y, y2="broke:Q", color=style.colour()),
             chart(rows).mark_point(**POINT | {"size": 60}).encode(x=x, y=y, **channels),
         ]
-        told_title = cases(store)[first.case]["title"] + (f", {other}" if other else "")
+        title = cases(store)[first.case]["title"] + (f", {other}" if other else "")
         figures.append(
             Figure(
                 f"map-{slug(first.experiment)}-{slug(first.case)}{'-' + slug(other) if other else ''}",
-                told_title,
+                title,
                 f"The hardest {title_y} that every start held, over {title_x}; bars span to the first that not all held. "
                 f"At {amount(first.easy)} nothing harder than the start of the axis held, at {amount(first.extreme)} its end.",
                 finished(layers, height=300),
@@ -261,22 +273,22 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
     return figures
 
 
-def _rest(one: Search) -> str:
+def _rest(search: Search) -> str:
     """What stands beside the axis and is no number, in words: 'continuous True'."""
-    return in_words([(name, value) for name, value in one.beside if isinstance(value, bool)])
+    return in_words([(name, value) for name, value in search.beside if isinstance(value, bool)])
 
 
 def tally(remedies: Sequence[Remedied]) -> list[tuple[str, Mapping[str, Tally]]]:
     """By remedy and engine, how often it helped where it was tried; the most helpful first."""
-    found: dict[str, dict[str, list[Remedied]]] = {}
-    for one in remedies:
-        if one.share_after is not None:
-            found.setdefault(one.remedy, {}).setdefault(one.engine, []).append(one)
-    told = {remedy: {engine: _counted(tried) for engine, tried in by.items()} for remedy, by in found.items()}
-    return sorted(told.items(), key=lambda item: -sum(one.helped for one in item[1].values()))
+    by_remedy: dict[str, dict[str, list[Remedied]]] = {}
+    for remedied in remedies:
+        if remedied.share_after is not None:
+            by_remedy.setdefault(remedied.remedy, {}).setdefault(remedied.engine, []).append(remedied)
+    counted = {remedy: {engine: _counted(tried) for engine, tried in by.items()} for remedy, by in by_remedy.items()}
+    return sorted(counted.items(), key=lambda item: -sum(count.helped for count in item[1].values()))
 
 
 def _counted(tried: Sequence[Remedied]) -> Tally:
-    helped = [one for one in tried if one.verdict == "helps"]
-    costs = [one.cost_ratio for one in helped if one.cost_ratio is not None]
+    helped = [remedied for remedied in tried if remedied.verdict == "helps"]
+    costs = [remedied.cost_ratio for remedied in helped if remedied.cost_ratio is not None]
     return Tally(len(helped), len(tried), median(costs) if costs else None)

@@ -20,25 +20,25 @@ __all__ = ["matrix", "savings_chart"]
 Row = dict[str, Any]
 
 
-def _priced(found: Sequence[Verdict]) -> list[Verdict]:
-    return [one for one in found if one.verdict == EVERYTHING and one.cost is not None]
+def _priced(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    return [verdict for verdict in verdicts if verdict.verdict == EVERYTHING and verdict.cost is not None]
 
 
-def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
+def savings_chart(store: "Store", verdicts: Sequence[Verdict]) -> Figure | None:
     """The cost of everything on over that of each scene as it is, engine under engine; None where nothing was clocked."""
     import altair as alt  # late: half a second that only a report needs
 
     rows: list[Row] = [
         {
-            "engine": labels(store)[one.engine],
-            "track": one.track,
-            "cost": one.cost,
-            "low": one.low,
-            "high": one.high,
-            "case": f"{called(one.case)} {one.where}".strip(),
-            "trial": one.trial,
+            "engine": labels(store)[verdict.engine],
+            "track": verdict.track,
+            "cost": verdict.cost,
+            "low": verdict.low,
+            "high": verdict.high,
+            "case": f"{called(verdict.case)} {verdict.where}".strip(),
+            "trial": verdict.trial,
         }
-        for one in _priced(found)
+        for verdict in _priced(verdicts)
     ]
     if not rows:
         return None
@@ -46,7 +46,7 @@ def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
     spread = [row[key] for row in rows for key in ("low", "high")]
     x = logarithmic(alt.X, "cost", "CPU time, everything on over the scene as it is", decades(spread))
     y = alt.Y("engine:N", title=None, sort=style.engines, axis=alt.Axis(labelLimit=210))
-    told = [
+    tooltips = [
         alt.Tooltip("case:N", title="scene"),
         alt.Tooltip("engine:N"),
         alt.Tooltip("cost:Q", title="ratio", format=".3~g"),
@@ -59,7 +59,7 @@ def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
         chart(rows).mark_rule(opacity=0.35).encode(x=alt.X("low:Q"), x2="high:Q", y=y, yOffset=shift, color=style.colour()),
         chart(rows)
         .mark_point(**POINT | {"size": 40})
-        .encode(x=x, y=y, yOffset=shift, **(style.channels() | {"tooltip": told})),
+        .encode(x=x, y=y, yOffset=shift, **(style.channels() | {"tooltip": tooltips})),
     ]
     caption = (
         "A mark for each scene: CPU time of a step with every other effect of the engine present, so faintly that it changes "
@@ -71,13 +71,13 @@ def savings_chart(store: "Store", found: Sequence[Verdict]) -> Figure | None:
     return Figure("savings", "What everything on costs", caption, finished(layers, height=420), columns, cells)
 
 
-def matrix(store: "Store", found: Sequence[Verdict]) -> list[tuple[str, str, Mapping[str, Sequence[Verdict]]]]:
+def matrix(store: "Store", verdicts: Sequence[Verdict]) -> list[tuple[str, str, Mapping[str, Sequence[Verdict]]]]:
     """By scene (name, title) and engine, the verdicts that are worth a word: all but what is needed and on, or not and off."""
     quiet = ("needed and on", "left out", EVERYTHING, "left out together", "needed together")
     made: dict[tuple[str, str], dict[str, list[Verdict]]] = {}
-    for one in found:
-        title = cases(store)[one.case]["title"] + (f", {one.where}" if one.where else "")
-        row = made.setdefault((one.case, title), {})
-        if one.verdict not in quiet:
-            row.setdefault(one.engine, []).append(one)
+    for verdict in verdicts:
+        title = cases(store)[verdict.case]["title"] + (f", {verdict.where}" if verdict.where else "")
+        row = made.setdefault((verdict.case, title), {})
+        if verdict.verdict not in quiet:
+            row.setdefault(verdict.engine, []).append(verdict)
     return [(case, title, row) for (case, title), row in made.items() if row]

@@ -25,33 +25,33 @@ LINES: Row = {"labelExpr": "split(datum.label, ': ')", "labelLimit": 230, "grid"
 """Of an axis of names: what stands after a colon goes to a line of its own."""
 
 
-def named(store: "Store", one: Finding) -> str:
+def named(store: "Store", finding: Finding) -> str:
     """A channel in words: its case, its sensor and what it reads."""
-    return visible(f"{titled(store, one.case, one.where)}: {one.sensor} {one.channel}")[:90]
+    return visible(f"{titled(store, finding.case, finding.where)}: {finding.sensor} {finding.channel}")[:90]
 
 
-def _row(store: "Store", one: Finding) -> Row:
+def _row(store: "Store", finding: Finding) -> Row:
     return {
-        "engine": labels(store)[one.engine],
-        "track": visible(one.track)[:30],
-        "signal": named(store, one),
-        "error": one.error,
-        "bound": one.at_most,
-        "metric": one.metric or f"{one.channel} error, largest",
-        "unit": one.unit,
-        "median": one.error_median,
-        "verdict": "" if one.passed is None else "holds" if one.passed else "fails",
-        "symbol": outcome(one.status).symbol,
-        "reason": visible(one.reason)[:200],
-        "trial": one.trial,
+        "engine": labels(store)[finding.engine],
+        "track": visible(finding.track)[:30],
+        "signal": named(store, finding),
+        "error": finding.error,
+        "bound": finding.at_most,
+        "metric": finding.metric or f"{finding.channel} error, largest",
+        "unit": finding.unit,
+        "median": finding.error_median,
+        "verdict": "" if finding.passed is None else "holds" if finding.passed else "fails",
+        "symbol": outcome(finding.status).symbol,
+        "reason": visible(finding.reason)[:200],
+        "trial": finding.trial,
     }
 
 
-def error_charts(store: "Store", found: Sequence[Finding]) -> list[Figure]:
+def error_charts(store: "Store", findings: Sequence[Finding]) -> list[Figure]:
     """A chart for each unit; channels without a truth are left out."""
     charts = []
     for unit, title in UNITS.items():
-        rows = [_row(store, one) for one in found if one.unit == unit and one.error is not None]
+        rows = [_row(store, finding) for finding in findings if finding.unit == unit and finding.error is not None]
         if any(row["error"] > 0 for row in rows):
             charts.append(_errors(store, rows, unit, title))
     return charts
@@ -69,7 +69,7 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
     x = logarithmic(alt.X, "error", across, decades(spread))
     y = alt.Y("signal:N", title=None, scale=alt.Scale(domain=signals), axis=alt.Axis(**LINES))
     beside = alt.YOffset("engine:N", scale=alt.Scale(domain=style.engines))
-    told = [
+    tooltips = [
         alt.Tooltip("signal:N"),
         alt.Tooltip("engine:N"),
         alt.Tooltip("track:N"),
@@ -81,7 +81,7 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
         alt.Tooltip("reason:N"),
         alt.Tooltip("trial:N"),
     ]
-    channels = style.channels() | {"tooltip": told}
+    channels = style.channels() | {"tooltip": tooltips}
     layers = []
     if bounds:
         grey: Row = {"color": "#8a93a0", "thickness": 2.5, "orient": "vertical", "size": 34}
@@ -104,18 +104,22 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
     return Figure(name, title, caption, finished(layers, height=40 + 44 * len(signals)), columns, cells)
 
 
-def rays_chart(store: "Store", found: Sequence[Finding]) -> Figure | None:
+def rays_chart(store: "Store", findings: Sequence[Finding]) -> Figure | None:
     """Rays a CPU second, bare and with all that makes a reading of them; None where nothing was clocked."""
     import altair as alt
 
     rows: list[Row] = []
-    for one in found:
-        same = {"engine": labels(store)[one.engine], "track": one.track, "scene": titled(store, one.case, one.where)}
-        if one.channel not in ("range", "depth", "colour"):
+    for finding in findings:
+        same = {
+            "engine": labels(store)[finding.engine],
+            "track": finding.track,
+            "scene": titled(store, finding.case, finding.where),
+        }
+        if finding.channel not in ("range", "depth", "colour"):
             continue
         for kind, rate, trial in (
-            ("read, with noise", one.rays_per_s, one.trial_sensing),
-            ("bare", one.bare_rays_per_s, one.trial_bare),
+            ("read, with noise", finding.rays_per_s, finding.trial_sensing),
+            ("bare", finding.bare_rays_per_s, finding.trial_bare),
         ):
             if rate:
                 row = same | {"kind": kind, "rate": rate, "trial": trial}
@@ -131,7 +135,7 @@ def rays_chart(store: "Store", found: Sequence[Finding]) -> Figure | None:
     labelled = [label for label in labelled if any(row["label"] == label for row in rows)]
     x = logarithmic(alt.X, "rate", "rays a CPU second", decades(row["rate"] for row in rows))
     y = alt.Y("label:N", title=None, scale=alt.Scale(domain=labelled), axis=alt.Axis(**LINES))
-    told = [
+    tooltips = [
         alt.Tooltip("scene:N"),
         alt.Tooltip("kind:N", title="rays"),
         alt.Tooltip("engine:N"),
@@ -139,7 +143,7 @@ def rays_chart(store: "Store", found: Sequence[Finding]) -> Figure | None:
         alt.Tooltip("rate:Q", title="a CPU second", format=".3~s"),
         alt.Tooltip("trial:N"),
     ]
-    layer = chart(rows).mark_point(**POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": told}))
+    layer = chart(rows).mark_point(**POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": tooltips}))
     caption = (
         "Beams of range finders and pixels of cameras, on one thread. Bare rays are cast and no more; what is read has been "
         "stepped for, cast, made into ranges, depths and intensities, and had its noise laid over. Farther right is cheaper."

@@ -16,15 +16,15 @@ AROUND, ALONG = 20, 8
 
 def triangles_of(body: Mapping[str, Any]) -> Floats:
     """The triangles (m, 3, 3) m of what is drawn of a body, in B, counter-clockwise from outside; planes are left out."""
-    found = []
+    surfaces = []
     for placed in placed_shapes(body):
         shape = placed["shape"]
         if shape["type"] == "plane":
             continue
         corners = _triangles(shape)
         turned = rotate(np.broadcast_to(frame(placed), (*corners.shape[:2], 4)), corners)
-        found.append(turned + np.asarray(placed.get("p_BS", (0.0, 0.0, 0.0))))
-    return np.concatenate(found) if found else np.zeros((0, 3, 3))
+        surfaces.append(turned + np.asarray(placed.get("p_BS", (0.0, 0.0, 0.0))))
+    return np.concatenate(surfaces) if surfaces else np.zeros((0, 3, 3))
 
 
 def _triangles(shape: Mapping[str, Any]) -> Floats:
@@ -64,5 +64,5 @@ def _about(profile: Floats) -> Floats:
     a, b, c, d = ring[:-1, :-1], ring[:-1, 1:], ring[1:, 1:], ring[1:, :-1]
     both = np.concatenate([np.stack([a, b, c], axis=2).reshape(-1, 3, 3), np.stack([a, c, d], axis=2).reshape(-1, 3, 3)])
     area = np.linalg.norm(np.cross(both[:, 1] - both[:, 0], both[:, 2] - both[:, 0]), axis=1)
-    found: Floats = both[area > 0]
-    return found
+    faces: Floats = both[area > 0]
+    return faces

@@ -28,8 +28,8 @@ class Outcome:
 
 
 STATUSES: dict[str, Outcome] = {
-    one.name: one
-    for one in (
+    status.name: status
+    for status in (
         Outcome(name="passed", symbol="✓", meaning="every check of the case holds", rank=0, answered=True),
         Outcome(name="failed", symbol="✕", meaning="at least one check does not hold", rank=4, answered=True),
         Outcome(
@@ -58,8 +58,8 @@ FINITE = Outcome(
 """What 'passed' means in a scene of one's own, whose trials are asked nothing else."""
 
 VERDICTS: dict[str, Outcome] = {
-    one.name: one
-    for one in (
+    verdict.name: verdict
+    for verdict in (
         Outcome(name="agrees", symbol="✓", meaning="ends, as its step goes to zero, where two engines or more agree", rank=0),
         Outcome(name="converges", symbol="→", meaning="draws together as its step goes to zero; no limit is agreed", rank=3),
         Outcome(name="converges elsewhere", symbol="≠", meaning="draws together, but not at the limit that is agreed", rank=4),
@@ -82,4 +82,4 @@ def outcome(name: str) -> Outcome:
 
 def worst(names: Iterable[str]) -> Outcome:
     """The one that a reader must not miss."""
-    return max((outcome(name) for name in names), key=lambda one: one.rank)
+    return max((outcome(name) for name in names), key=lambda candidate: candidate.rank)

@@ -33,11 +33,11 @@ class Allowance:
 
 def allowances(store: "Store", steps: Sequence[Step]) -> list[Allowance]:
     """Steps of one scene and engine in one row, engines in their usual order within a scene."""
-    found: dict[tuple[str, str, str], list[Step]] = {}
+    by_engine: dict[tuple[str, str, str], list[Step]] = {}
     scenes = list(dict.fromkeys((step.case, step.where) for step in steps))
     order = list(engines(store))
     for step in sorted(steps, key=lambda step: (scenes.index((step.case, step.where)), order.index(step.engine))):
-        found.setdefault((step.case, step.where, step.engine), []).append(step)
+        by_engine.setdefault((step.case, step.where, step.engine), []).append(step)
     return [
         Allowance(
             case=case,
@@ -46,7 +46,7 @@ def allowances(store: "Store", steps: Sequence[Step]) -> list[Allowance]:
             tracks={step.track: step for step in mine if step.track in TRACKS},
             fastest=max((step for step in mine if step.realtime), key=lambda step: step.realtime or 0.0, default=None),
         )
-        for (case, where, engine), mine in found.items()
+        for (case, where, engine), mine in by_engine.items()
     ]
 
 
@@ -58,14 +58,14 @@ def survival(steps: Sequence[Step]) -> list[tuple[float, float, int]]:
 
     Source: E. L. Kaplan & P. Meier, J. Am. Stat. Assoc. 53 (1958) 457; a scene good at its coarsest step is censored there.
     """
-    share, found = 1.0, []
+    share, curve = 1.0, []
     for dt in sorted({step.accurate or 0.0 for step in steps}):
         left = sum((step.accurate or 0.0) >= dt for step in steps)
         if dt > 0:
-            found.append((dt, share, left))
+            curve.append((dt, share, left))
         ended = sum((step.accurate or 0.0) == dt and step.accurate != step.coarsest for step in steps)
         share *= 1 - ended / left
-    return found
+    return curve
 
 
 def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
@@ -83,9 +83,9 @@ def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
     x = logarithmic(alt.X, "dt", "time step [ms]", decades(row["dt"] for row in rows))
     scale = alt.Scale(domain=[0, 1], nice=False, padding=6)
     y = alt.Y("share:Q", title="share of the scenes within 1 %", scale=scale, axis=alt.Axis(format=".0%"))
-    told = [alt.Tooltip("engine:N"), alt.Tooltip("track:N"), alt.Tooltip("dt:Q", title="time step [ms]", format=".3~g")]
-    told += [alt.Tooltip("share:Q", format=".1%"), alt.Tooltip("run:Q", title="scenes left")]
-    channels = style.channels() | {"tooltip": told}
+    tooltips = [alt.Tooltip("engine:N"), alt.Tooltip("track:N"), alt.Tooltip("dt:Q", title="time step [ms]", format=".3~g")]
+    tooltips += [alt.Tooltip("share:Q", format=".1%"), alt.Tooltip("run:Q", title="scenes left")]
+    channels = style.channels() | {"tooltip": tooltips}
     line = chart(rows).mark_line(strokeWidth=1.6, interpolate="step-before")
     layers = [
         line.encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash()),

@@ -33,7 +33,7 @@ def sentences(store: "Store") -> list[str]:
         return ["The store holds no trial."]
     own = by_case(store)
     seen, cells = glances(store), {key: cell for key, cell in verdicts(store).items() if key[0] not in own}
-    agreed = [f"{cases(store)[name]['title']}: {told}" for name in own for told in summary(store, name)]
+    agreed = [f"{cases(store)[name]['title']}: {sentence}" for name in own for sentence in summary(store, name)]
     if not cells:
         return [*agreed, *studied(store), *silence(store), size(store)]
     written = [
@@ -50,43 +50,43 @@ def sentences(store: "Store") -> list[str]:
 def studied(store: "Store") -> list[str]:
     """What the studies of limits, effects and determinism say in a line each; their pages say the rest."""
     written = []
-    if told := farthest(store):
-        written.append(told)
-    if found := effects.rows(store):
+    if sentence := farthest(store):
+        written.append(sentence)
+    if rows := effects.rows(store):
         titles = {name: str(engine["title"]) for name, engine in engines(store).items()}
-        written += effects.sentences(found, accusing=False, titles=titles)
-    if found := determinism.rows(store):
-        written += determinism.sentences(found)
+        written += effects.sentences(rows, accusing=False, titles=titles)
+    if rows := determinism.rows(store):
+        written += determinism.sentences(rows)
     return written
 
 
 def farthest(store: "Store") -> str:
     """How often each engine that people can deploy goes farthest at equal sub-steps, and ours among them; '' without limits."""
-    found = [one for one in axis_leads(reaches(searches(store))) if one.at == "equal sub-step"]
-    if not found:
+    at_equal = [lead for lead in axis_leads(reaches(searches(store))) if lead.at == "equal sub-step"]
+    if not at_equal:
         return ""
-    titles, condition = engines(store), found[-1].condition
-    level = [one for one in found if one.condition == condition]
-    ranked = sorted((one for one in level if not one.ours), key=lambda one: -(one.alone + one.shared))
-    counted = ", ".join(f"{titles[one.engine]['title']} {one.alone + one.shared}" for one in ranked)
+    titles, condition = engines(store), at_equal[-1].condition
+    level = [lead for lead in at_equal if lead.condition == condition]
+    ranked = sorted((lead for lead in level if not lead.ours), key=lambda lead: -(lead.alone + lead.shared))
+    counted = ", ".join(f"{titles[lead.engine]['title']} {lead.alone + lead.shared}" for lead in ranked)
     beside = "".join(
-        f"; the yardstick, {titles[one.engine]['title']}, as far or farther on {one.alone + one.shared}"
-        for one in level
-        if one.ours and one.engine in yardsticks(store)
+        f"; the yardstick, {titles[lead.engine]['title']}, as far or farther on {lead.alone + lead.shared}"
+        for lead in level
+        if lead.ours and lead.engine in yardsticks(store)
     )
     return (
-        f"Of {plural(max(one.of for one in level), 'axis', 'axes')} along which cases were made harder, at sub-steps of "
+        f"Of {plural(max(lead.of for lead in level), 'axis', 'axes')} along which cases were made harder, at sub-steps of "
         f"{condition}, farthest alone or with others: {counted}{beside}."
     )
 
 
 def leading(store: "Store") -> list[str]:
     """In how many cases our own engine errs least, and by what: nobody should take the ruler for a contestant."""
-    found: dict[str, Counter[str]] = {}
+    by_track: dict[str, Counter[str]] = {}
     for lead in leads(store).values():
-        found.setdefault(lead.track, Counter())[lead.by] += 1
+        by_track.setdefault(lead.track, Counter())[lead.by] += 1
     written = []
-    for track, counts in found.items():
+    for track, counts in by_track.items():
         given = [f"{WORDS.get(by, by)} in {count}" for by, count in counts.most_common() if by != NO_REASON]
         parts = [f"by {join_words(given)}"] if given else []
         parts += [f"with {NO_REASON} in {counts[NO_REASON]}"] if counts[NO_REASON] else []
@@ -113,20 +113,20 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
     for track in reversed(named_tracks(store)):
-        answered = [one for one in seen if one.track == track and one.counts["passed"] + one.counts["failed"]]
-        judged = [one for one in answered if one.engine not in yardsticks(store)]
+        answered = [glance for glance in seen if glance.track == track and glance.counts["passed"] + glance.counts["failed"]]
+        judged = [glance for glance in answered if glance.engine not in yardsticks(store)]
         if len(judged) < 2:
             continue
         beside = "".join(
-            f"; the yardstick, {titles[one.engine]}, {one.counts['passed']}/{one.trials}"
-            for one in answered
-            if one.engine in yardsticks(store)
+            f"; the yardstick, {titles[glance.engine]}, {glance.counts['passed']}/{glance.trials}"
+            for glance in answered
+            if glance.engine in yardsticks(store)
         )
-        share = {one.engine: one.counts["passed"] / one.trials for one in judged}
-        order = sorted(judged, key=lambda one: -share[one.engine])
-        first = [one for one in order if share[one.engine] == share[order[0].engine]]
-        names = join_words(titles[one.engine] for one in first)
-        rest = "; ".join(f"{titles[one.engine]} {one.counts['passed']}/{one.trials}" for one in order[len(first) :])
+        share = {glance.engine: glance.counts["passed"] / glance.trials for glance in judged}
+        order = sorted(judged, key=lambda glance: -share[glance.engine])
+        first = [glance for glance in order if share[glance.engine] == share[order[0].engine]]
+        names = join_words(titles[glance.engine] for glance in first)
+        rest = "; ".join(f"{titles[glance.engine]} {glance.counts['passed']}/{glance.trials}" for glance in order[len(first) :])
         written.append(
             f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most: "
             f"{first[0].counts['passed']} of {plural(first[0].trials, 'trial')}{' each' if len(first) > 1 else ''}"
@@ -138,12 +138,17 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
 def price(store: "Store", seen: list[Glance]) -> list[str]:
     """Who is cheapest where all answered, and in the same breath whose errors are the smallest; ours on the others' scale."""
     track = named_tracks(store)[-1]
-    priced = [one for one in seen if one.track == track and one.relative_cost is not None]
+    priced = [glance for glance in seen if glance.track == track and glance.relative_cost is not None]
     if len(priced) < 2:
         return []
-    cost = ranked(store, {one.engine: one.relative_cost for one in priced if one.relative_cost is not None})
+    cost = ranked(store, {glance.engine: glance.relative_cost for glance in priced if glance.relative_cost is not None})
     error = ranked(
-        store, {one.engine: one.relative_error for one in seen if one.track == track and one.relative_error is not None}
+        store,
+        {
+            glance.engine: glance.relative_error
+            for glance in seen
+            if glance.track == track and glance.relative_error is not None
+        },
     )
     shared = plural(priced[0].shared, "case")
     return [f"What accuracy costs, {track}, over the {shared} that all of them share: in CPU time {cost}; in error {error}."]
@@ -153,9 +158,9 @@ def ranked(store: "Store", ratios: dict[str, float]) -> str:
     """'A 1x, B 2.3x (the yardstick C 0.5x)': from the best, relative to the best of each case, ours in brackets."""
     titles, beside = engines(store), [name for name in ratios if name in yardsticks(store)]
     order = sorted((name for name in ratios if name not in beside), key=lambda name: ratios[name])
-    told = {name: f"{titles[name]['title']} {amount(value, 2)}{TIMES}" for name, value in ratios.items()}
-    yard = "".join(f" (the yardstick, {told[name]})" for name in beside)
-    return (", ".join(told[name] for name in order) or "none measured") + yard
+    words = {name: f"{titles[name]['title']} {amount(value, 2)}{TIMES}" for name, value in ratios.items()}
+    yard = "".join(f" (the yardstick, {words[name]})" for name in beside)
+    return (", ".join(words[name] for name in order) or "none measured") + yard
 
 
 def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
@@ -168,8 +173,8 @@ def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[s
         gained = sum(bool(d and t and d.worst.name != "passed" and t.worst.name == "passed") for d, t in pairs)
         lost = sum(bool(d and t and d.worst.name == "passed" and t.worst.name != "passed") for d, t in pairs)
         if gained or lost:
-            told = [f"{verb} {count}" for verb, count in (("gains", gained), ("loses", lost)) if count]
-            changed.append(f"{engine['title']} {' and '.join(told)}")
+            changes = [f"{verb} {count}" for verb, count in (("gains", gained), ("loses", lost)) if count]
+            changed.append(f"{engine['title']} {' and '.join(changes)}")
     if not changed:
         return ["Tuning changes no case from not passed to passed, on any engine."]
     return [f"Cases that pass in full once an engine is tuned, against its defaults: {'; '.join(changed)}."]
@@ -197,25 +202,27 @@ def extremes(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list
 
 def promises(store: "Store") -> list[str]:
     """Whose errors do not shrink with the step as the integrator promises; each has a sentence on its case's page."""
-    told = [row for row in convergences(store) if row.promised is not None and row.verdict != "open"]
+    ladders = [row for row in convergences(store) if row.promised is not None and row.verdict != "open"]
     broken: dict[tuple[str, str], list[str]] = {}
-    for row in told:
+    for row in ladders:
         if row.verdict == "broken":
             law = whose(store.catalogue, row.engine, row.case, row.track)
             words = ", ".join(word for word in (law, "disputed" if disputed(store, row.engine, row.case) else "") if word)
-            told_case = f"“{cases(store)[row.case]['title']}”{f' ({words})' if words else ''}"
-            broken.setdefault((row.engine, row.track), []).append(told_case)
-    if not told:
+            quoted = f"“{cases(store)[row.case]['title']}”{f' ({words})' if words else ''}"
+            broken.setdefault((row.engine, row.track), []).append(quoted)
+    if not ladders:
         return []
     if not broken:
-        return [f"The order of convergence that an integrator promises is kept on all {plural(len(told), 'ladder')} that tell."]
+        return [
+            f"The order of convergence that an integrator promises is kept on all {plural(len(ladders), 'ladder')} that tell."
+        ]
     parts = [
         f"{engines(store)[engine]['title']} ({track}) in {join_words(titles[:4])}{more(titles)}"
         for (engine, track), titles in broken.items()
     ]
     count = sum(map(len, broken.values()))
     return [
-        f"Errors shrink less with the time step than the integrator promises on {count} of {plural(len(told), 'ladder')}: "
+        f"Errors shrink less with the time step than the integrator promises on {count} of {plural(len(ladders), 'ladder')}: "
         f"{'; '.join(parts)}."
     ]
 

@@ -31,11 +31,11 @@ def case_file(name: str) -> str:
 def cite(text: str) -> Markup:
     """A source with its web addresses as links; any other scheme stays text."""
     shown, parts, end = visible(text), [], 0
-    for found in ADDRESS.finditer(shown):
-        address = escape(found.group())
-        parts += [escape(shown[end : found.start()]), Markup('<a rel="noreferrer noopener" href="')]
+    for match in ADDRESS.finditer(shown):
+        address = escape(match.group())
+        parts += [escape(shown[end : match.start()]), Markup('<a rel="noreferrer noopener" href="')]
         parts += [address, Markup('">'), address, Markup("</a>")]
-        end = found.end()
+        end = match.end()
     return Markup("").join([*parts, escape(shown[end:])])
 
 

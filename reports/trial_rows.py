@@ -26,11 +26,11 @@ def numbered(measured: pd.DataFrame) -> pd.DataFrame:
 
 def in_order(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> pd.DataFrame:
     """Engine by engine, track by track, from coarse to fine."""
-    place = [sides.index(side) for side in zip(rows["engine"], rows["track"], strict=True)]
+    ranks = [sides.index(side) for side in zip(rows["engine"], rows["track"], strict=True)]
     return (
-        rows.assign(place=place)
-        .sort_values(["place", "dt", "seed"], ascending=[True, False, True], kind="stable")
-        .drop(columns="place")
+        rows.assign(side=ranks)
+        .sort_values(["side", "dt", "seed"], ascending=[True, False, True], kind="stable")
+        .drop(columns="side")
     )
 
 
@@ -45,7 +45,10 @@ def is_file(path: Any) -> bool:
 def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """A row of the table of trials."""
     nothing = {name: None for name, value in row.items() if pd.api.types.is_scalar(value) and pd.isna(value)}
-    values = {name: {**one, "passed": None if pd.isna(one["passed"]) else bool(one["passed"])} for name, one in values.items()}
+    values = {
+        name: {**measured, "passed": None if pd.isna(measured["passed"]) else bool(measured["passed"])}
+        for name, measured in values.items()
+    }
     return {
         **row,
         **nothing,

@@ -36,17 +36,17 @@ def verdicts(store: "Store") -> dict[tuple[str, str, str], Verdict]:
         reasons = [reason for status, reason in zip(group["status"], group["reason"], strict=True) if outcome(status) == bad]
         cells[key] = Verdict(counted(Counter(group["status"])), bad, str(reasons[0]))
     # That all numbers of a scene of one's own are finite is no verdict on it.
-    return cells | {key: Verdict(((word, 1),), word, told) for key, (word, told) in chips(store).items()}
+    return cells | {key: Verdict(((word, 1),), word, sentence) for key, (word, sentence) in chips(store).items()}
 
 
 def totals(store: "Store") -> Mapping[tuple[str, str], Mapping[str, int]]:
     """Counts of every status by (engine, track), zeros included, over the cases whose checks say what is right."""
     judged = store.asked[~store.asked["case"].isin(list(by_case(store)))]
     rows = judged.groupby(["engine", "track", "status"], sort=False).size()
-    found: dict[tuple[str, str], dict[str, int]] = {}
+    counts: dict[tuple[str, str], dict[str, int]] = {}
     for (engine, track, status), count in rows.items():
-        found.setdefault((engine, track), dict.fromkeys(STATUSES, 0))[outcome(status).name] = int(count)
-    return found
+        counts.setdefault((engine, track), dict.fromkeys(STATUSES, 0))[outcome(status).name] = int(count)
+    return counts
 
 
 def counted(counts: Mapping[str, int]) -> tuple[tuple[Outcome, int], ...]:

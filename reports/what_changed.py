@@ -44,7 +44,7 @@ def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
             changes=changes,
             gated=sorted(gated),
             barred=len(changes.regressions(gated)),
-            sections=[one for one in sections if one["all"]],
+            sections=[section for section in sections if section["all"]],
             rows=[(row, _STYLE[row.sense], sentence(row)) for row in changes.rows[:_MOST_ROWS]],
         )
     )

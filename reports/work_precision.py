@@ -60,15 +60,15 @@ def scenes(store: "Store") -> tuple[Scene, ...]:
     by_scene: dict[tuple[str, str], list[Point]] = {}
     for point in priced(store).points:
         by_scene.setdefault((point.case, point.where), []).append(point)
-    found: list[Scene] = []
-    for case, where, part in priced(store).groups():
+    listed: list[Scene] = []
+    for case, where, trials in priced(store).groups():
         points = by_scene.get((case, where), [])
         if any(point.clocked for point in points):
-            place = sum(scene.case == case for scene in found)
-            name = f"case-{slug(case)}-price" + (f"-{place}" if place else "")
-            silent = part[~part["trial"].isin([point.trial for point in points])]
-            found.append(Scene(case, where, name, unit_of(part), points, silent))
-    return tuple(found)
+            earlier = sum(scene.case == case for scene in listed)
+            name = f"case-{slug(case)}-price" + (f"-{earlier}" if earlier else "")
+            silent = trials[~trials["trial"].isin([point.trial for point in points])]
+            listed.append(Scene(case, where, name, unit_of(trials), points, silent))
+    return tuple(listed)
 
 
 def drawn(store: "Store", point: Point) -> Row:
@@ -104,9 +104,9 @@ def hover() -> list[Any]:
         "low": "95 % from",
         "high": "to",
     }
-    told = [alt.Tooltip(f"{key}:Q", title=title, format=".4~g") for key, title in numbers.items()]
+    quantities = [alt.Tooltip(f"{key}:Q", title=title, format=".4~g") for key, title in numbers.items()]
     named = [alt.Tooltip(f"{key}:N", title=title) for key, title in words.items()]
-    return [*named[:2], *told, *named[2:]]
+    return [*named[:2], *quantities, *named[2:]]
 
 
 def cost_title(unit: str) -> str:
@@ -143,8 +143,8 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
     if rough:
         faint = chart(thin(rough, "error", "cost")).mark_point(filled=False, size=22, strokeWidth=1.2, opacity=0.55)
         layers.append(faint.encode(x=x, y=y, **{k: channels[k] for k in ("color", "shape", "tooltip")}))
-    told = [alt.Tooltip("engine:N"), alt.Tooltip("reason:N")]
-    layers += [*lane_texts(lanes, "text", alt.value("width"), style, told, align="right"), *lane_names(lanes)]
+    tooltips = [alt.Tooltip("engine:N"), alt.Tooltip("reason:N")]
+    layers += [*lane_texts(lanes, "text", alt.value("width"), style, tooltips, align="right"), *lane_names(lanes)]
     caption = (
         "The lower left corner is where one wants to be. Each point is one trial, open for the vendor's defaults; lines join "
         "what no other setting of the same engine beats, grey rings what no setting of any engine beats. Upright bars are 95 % "
@@ -176,17 +176,17 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
 
 def tallies(store: "Store", scene: Scene) -> list[Row]:
     """For each engine with trials that have no place on the chart: how many there are of each outcome."""
-    found: list[Row] = []
-    for engine, part in scene.silent.groupby("engine", sort=False):
-        counts = Counter(outcome(status).symbol for status in part["status"])
+    rows: list[Row] = []
+    for engine, trials in scene.silent.groupby("engine", sort=False):
+        counts = Counter(outcome(status).symbol for status in trials["status"])
         reasons = dict.fromkeys(
             f"{outcome(s).name}: {'no error or no cost' if outcome(s).answered else r}"
-            for s, r in zip(part["status"], part["reason"], strict=True)
+            for s, r in zip(trials["status"], trials["reason"], strict=True)
         )
         text = "  ".join(f"{symbol}{TIMES}{count}" if count > 1 else symbol for symbol, count in counts.items())
-        name, lane, reason = labels(store)[str(engine)], -10 - LANE * len(found), visible("; ".join(reasons))[:300]
-        found.append({"engine": name, "label": name, "track": "", "lane": lane, "text": text, "reason": reason})
-    return found
+        name, lane, reason = labels(store)[str(engine)], -10 - LANE * len(rows), visible("; ".join(reasons))[:300]
+        rows.append({"engine": name, "label": name, "track": "", "lane": lane, "text": text, "reason": reason})
+    return rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,12 +250,12 @@ def share(log: float, low: int, high: int) -> float:
 
 def placed(store: "Store", front: Sequence[Point], across: Any, up: Any) -> Mapping[str, list[tuple[float, float]]]:
     """The places of each engine's front, by its colour, from accurate to cheap."""
-    found: dict[str, list[tuple[float, float]]] = {}
+    fronts: dict[str, list[tuple[float, float]]] = {}
     colours = looks(engines(store))
     for point in sorted(front, key=lambda point: point.error):
-        place = (across(math.log10(point.error)), up(math.log10(point.cost)))
-        found.setdefault(colours[point.engine].colour, []).append(place)
-    return found
+        position = (across(math.log10(point.error)), up(math.log10(point.cost)))
+        fronts.setdefault(colours[point.engine].colour, []).append(position)
+    return fronts
 
 
 def line(places: Sequence[tuple[float, float]], colour: str) -> tuple[str, str, Sequence[tuple[float, float]]]:

@@ -41,7 +41,7 @@ def render(store: "Store") -> Mapping[str, str]:
     prices = price_list(store) if scenes(store) else []
     names = [name for name in known if name not in by_case(store)]
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
-    for place, name in enumerate(names):
+    for index, name in enumerate(names):
         case, mine = known[name], in_order(rows[rows["case"] == name], sides)
         measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
         values: dict[str, dict[str, Any]] = {}
@@ -62,8 +62,8 @@ def render(store: "Store") -> Mapping[str, str]:
             title=case["title"],
             case=case,
             family=FAMILIES.get(case["family"], case["family"]),
-            before=known[names[place - 1]] if place else None,
-            after=known[names[place + 1]] if place + 1 < len(names) else None,
+            before=known[names[index - 1]] if index else None,
+            after=known[names[index + 1]] if index + 1 < len(names) else None,
             figures=figures,
             prices=listed,
             several=len({line.title for line in listed}) > 1,
@@ -90,8 +90,8 @@ def render(store: "Store") -> Mapping[str, str]:
 
 def orders(ladders: list[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:
     """The ladders that have a fit or need none, engine by engine and track by track."""
-    told = [row for row in ladders if row.order is not None or row.verdict == "exact"]
-    return sorted(told, key=lambda row: sides.index((row.engine, row.track)))
+    listed = [row for row in ladders if row.order is not None or row.verdict == "exact"]
+    return sorted(listed, key=lambda row: sides.index((row.engine, row.track)))
 
 
 PAGE = Page(name="case", title="Cases", order=50, render=render, listed=False)

@@ -24,25 +24,25 @@ def concerns(store: "Store") -> bool:
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page and its table as CSV."""
-    found = agreements(store)
-    ways = list(dict.fromkeys(one.way for one in found if one.way not in (FIRST, "nudged")))
+    rows = agreements(store)
+    ways = list(dict.fromkeys(row.way for row in rows if row.way not in (FIRST, "nudged")))
     counted = {
-        (engine, way): [one.verdict for one in found if one.engine == engine and one.way == way]
-        for engine in dict.fromkeys(one.engine for one in found)
+        (engine, way): [row.verdict for row in rows if row.engine == engine and row.way == way]
+        for engine in dict.fromkeys(row.engine for row in rows)
         for way in ways
     }
-    growth = [one for one in found if one.way == "nudged" and one.doubles_in is not None]
+    growth = [row for row in rows if row.way == "nudged" and row.doubles_in is not None]
     page = fill(
         "determinism.html",
         store,
         title="Determinism",
-        names=[name for name in engines(store) if any(one.engine == name for one in found)],
+        names=[name for name in engines(store) if any(row.engine == name for row in rows)],
         ways=ways,
         counted=counted,
         growth=growth,
-        found=found,
+        found=rows,
     )
-    return {"determinism.html": page, "determinism.csv": sheet(determinism_table.COLUMNS, map(asdict, found))}
+    return {"determinism.html": page, "determinism.csv": sheet(determinism_table.COLUMNS, map(asdict, rows))}
 
 
 PAGE = Page(name="determinism", title="Determinism", order=16, render=render, concerns=concerns)

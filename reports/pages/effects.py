@@ -27,19 +27,19 @@ def concerns(store: "Store") -> bool:
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page, its chart and its table as CSV."""
-    found = verdicts(store)
-    rows = [asdict(one) for one in found]
-    figure = savings_chart(store, found)
+    judged = verdicts(store)
+    rows = [asdict(verdict) for verdict in judged]
+    figure = savings_chart(store, judged)
     page = fill(
         "effects.html",
         store,
         title="Effects",
-        names=[name for name in engines(store) if any(one.engine == name for one in found)],
+        names=[name for name in engines(store) if any(verdict.engine == name for verdict in judged)],
         savings=savings(rows),
         figure=figure,
         audit=audit(rows),
-        matrix=matrix(store, found),
-        found=[one for one in found if one.verdict != EVERYTHING],
+        matrix=matrix(store, judged),
+        found=[verdict for verdict in judged if verdict.verdict != EVERYTHING],
     )
     sheets = {"effects.csv": sheet(effects_table.COLUMNS, rows)}
     return {"effects.html": page} | sheets | ({figure.path: figure.svg} if figure is not None else {})

@@ -46,14 +46,14 @@ def render(store: "Store") -> Mapping[str, str]:
     ]
     cells = verdicts(store)
     judged = {case for case, _, _ in cells}
-    told = [(family, [case for case in listed if case["name"] in judged]) for family, listed in families(store)]
+    by_family = [(family, [case for case in listed if case["name"] in judged]) for family, listed in families(store)]
     page = fill(
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
         sentences=sentences(store),
         glances=glances(store),
-        families=[(family, listed) for family, listed in told if listed],
+        families=[(family, listed) for family, listed in by_family if listed],
         cells=cells,
         meanings=(VERDICTS if by_case(store) else {}) | (STATUSES if len(by_case(store)) < len(judged) else {}),
         laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},
@@ -68,10 +68,10 @@ def render(store: "Store") -> Mapping[str, str]:
 
 def by_reason(known_failures: Mapping[str, str]) -> list[tuple[str, list[str]]]:
     """Checks that fail for one reason stand together under it."""
-    found: dict[str, list[str]] = {}
+    checks: dict[str, list[str]] = {}
     for check, reason in known_failures.items():
-        found.setdefault(reason, []).append(check)
-    return list(found.items())
+        checks.setdefault(reason, []).append(check)
+    return list(checks.items())
 
 
 PAGE = Page(name="index", title="Overview", order=0, render=render)

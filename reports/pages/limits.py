@@ -28,7 +28,7 @@ def concerns(store: "Store") -> bool:
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page, its maps and its tables as CSV."""
-    plain = [one for one in searches(store) if not one.remedied]
+    plain = [search for search in searches(store) if not search.remedied]
     helped = remedied(store)
     shown, drawn = lines(store, plain), maps(store, plain)
     page = fill(
@@ -53,9 +53,9 @@ def render(store: "Store") -> Mapping[str, str]:
 
 def _names(store: "Store", shown: Sequence[Search]) -> list[str]:
     """The engines that were sought on, the yardstick last: on a narrow screen the first columns are read."""
-    told = engines(store)
+    known = engines(store)
     return sorted(
-        (name for name in told if any(one.engine == name for one in shown)), key=lambda name: bool(told[name]["ours"])
+        (name for name in known if any(search.engine == name for search in shown)), key=lambda name: bool(known[name]["ours"])
     )
 
 

@@ -58,8 +58,8 @@ def render(store: "Store") -> Mapping[str, str]:
 
 def leads(store: "Store", costs: Sequence[Cost]) -> list[Cost]:
     """Each rival's fastest setting whose checks hold; its row names our fastest that is no worse."""
-    told = engines(store)
-    return [row for row in costs if row.best and not told[row.engine]["ours"]]
+    known = engines(store)
+    return [row for row in costs if row.best and not known[row.engine]["ours"]]
 
 
 PAGE = Page(name="scaling", title="Scaling", order=20, render=render, concerns=concerns)

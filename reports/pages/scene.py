@@ -56,16 +56,22 @@ def render(store: "Store") -> Mapping[str, str]:
         folder: (table, [list(fidelity_table.brief({"robot": "", **row}))[1:] for row in table["rows"]])
         for folder, table in kept_by(store.folder)
     }
-    for name, found in by_case(store).items():
+    for name, agreements in by_case(store).items():
         case, mine, plain = known[name], in_order(rows[rows["case"] == name], sides), slug(name)
         measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
         values: dict[str, dict[str, Any]] = {}
         for row in measured.to_dict("records"):
             values.setdefault(row["trial"], {})[row["metric"]] = row
-        ladder = mine[mine["trial"].isin([rung.trial for one in found for side in one.sides for rung in side.limit.rungs])]
+        ladder = mine[
+            mine["trial"].isin(
+                [rung.trial for agreement in agreements for side in agreement.sides for rung in side.limit.rungs]
+            )
+        ]
         by_step = error_by_step(store, ladder, f"case-{plain}", "distance from the limit", "of its size", caption=CAPTION)
         figures = [by_step, *(work_precision(store, scene) for scene in scenes(store) if scene.case == name)]
-        figures += [drawn for one in found for drawn in (horizon_chart(store, one), parting_chart(store, one))]
+        figures += [
+            drawn for agreement in agreements for drawn in (horizon_chart(store, agreement), parting_chart(store, agreement))
+        ]
         charts = [figure for figure in figures if figure is not None]
         recording = store.folder / "recordings" / file_name(name)
         listed = [line for line in prices if line.case == name]
@@ -82,8 +88,8 @@ def render(store: "Store") -> Mapping[str, str]:
             family=FAMILIES["scene"],
             file=file_of(name),
             robot=robots.get(folder_of(name)),
-            found=[judged(store, one) for one in found],
-            film=film_of(store, found[0]),
+            found=[judged(store, agreement) for agreement in agreements],
+            film=film_of(store, agreements[0]),
             summary=summary(store, name),
             meanings=VERDICTS,
             figures=charts,
@@ -94,7 +100,7 @@ def render(store: "Store") -> Mapping[str, str]:
             trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],
             departures=departures(mine),
             shown=shown,
-            meant={FINITE.name: FINITE} | {name: one for name, one in STATUSES.items() if name != "passed"},
+            meant={FINITE.name: FINITE} | {name: status for name, status in STATUSES.items() if name != "passed"},
             csv=f"trials/{plain}.csv",
             sheet=f"trials/{plain}-agreement.csv",
             recording=f"../recordings/{file_name(name)}" if is_file(recording) else None,
@@ -113,28 +119,28 @@ def folder_of(name: str) -> str:
     return PurePath(name.partition(":")[2] or name).parent.name
 
 
-def judged(store: "Store", one: Agreement) -> dict[str, Any]:
+def judged(store: "Store", agreement: Agreement) -> dict[str, Any]:
     """One agreement for the template: verdicts in words, and what stays defined beyond the horizon."""
     laws: dict[str, dict[tuple[str, str], Any]] = {}
-    for balance in balances(store, one):
+    for balance in balances(store, agreement):
         laws.setdefault(LAWS[balance.law], {})[balance.engine, balance.track] = balance
     return {
-        "one": one,
-        "sides": [(side, VERDICTS[side.word]) for side in one.sides],
+        "one": agreement,
+        "sides": [(side, VERDICTS[side.word]) for side in agreement.sides],
         "away": {
-            (side.engine, side.track): (side.distance, metres(side.distance, one))
-            for side in one.sides
+            (side.engine, side.track): (side.distance, metres(side.distance, agreement))
+            for side in agreement.sides
             if side.distance is not None
         },
         "known": {
-            (side.engine, side.track): (bar := side.limit.bar_at(side.limit.until), metres(bar, one))
-            for side in one.sides
+            (side.engine, side.track): (bar := side.limit.bar_at(side.limit.until), metres(bar, agreement))
+            for side in agreement.sides
             if side.limit.bar is not None
         },
-        "bar": None if one.bar is None else (one.bar, metres(one.bar, one)),
-        "laws": {law: found for law in LAWS.values() if (found := laws.get(law))},
-        "outlooks": outlooks(store, one),
-        "horizon": horizon_of(one),
+        "bar": None if agreement.bar is None else (agreement.bar, metres(agreement.bar, agreement)),
+        "laws": {law: by_side for law in LAWS.values() if (by_side := laws.get(law))},
+        "outlooks": outlooks(store, agreement),
+        "horizon": horizon_of(agreement),
     }
 
 

@@ -26,8 +26,8 @@ def concerns(store: "Store") -> bool:
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page, its charts and its table as CSV."""
-    found, rows = findings(store), sensors_table.rows(store)
-    errors, noises, rays = error_charts(store, found), noise_charts(store, found), rays_chart(store, found)
+    measured, rows = findings(store), sensors_table.rows(store)
+    errors, noises, rays = error_charts(store, measured), noise_charts(store, measured), rays_chart(store, measured)
     page = fill(
         "sensors.html",
         store,
@@ -36,9 +36,11 @@ def render(store: "Store") -> Mapping[str, str]:
         errors=errors,
         noises=noises,
         rays=rays,
-        shots=shots(store, found),
-        found=found,
-        names=[named(store, one) if one.channel else titled(store, one.case, one.where) for one in found],
+        shots=shots(store, measured),
+        found=measured,
+        names=[
+            named(store, finding) if finding.channel else titled(store, finding.case, finding.where) for finding in measured
+        ],
     )
     figures = [*errors, *noises, *([rays] if rays is not None else [])]
     sheets = {"sensors.csv": sheet(sensors_table.COLUMNS, rows)}

@@ -8,7 +8,7 @@ import numpy as np
 from reports.recordings.colour import GRID, GROUND, Rgba
 from reports.recordings.layout import STAGE
 from reports.recordings.rotation import Floats, compose, rotate
-from reports.recordings.shapes import CROWD, Batch, batches, drawn
+from reports.recordings.shapes import CROWD, Batch, Paint, batches, drawn
 from reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
@@ -35,10 +35,7 @@ def log_moving(
     places: Sequence[int],
     arrays: Mapping[str, Floats],
     steps: Floats,
-    *,
-    colour: Rgba,
-    extent: float,
-    fill: str | None,
+    paint: Paint,
 ) -> None:
     """Log the bodies at these places below `root`: shapes once, poses in columns."""
     import rerun as rr
@@ -48,7 +45,7 @@ def log_moving(
         path = f"{root}/{batch.path}"
         p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
         checked(path, time, p_WS, q_WS)
-        rec.log(path, *drawn(batch, colour, extent, fill), static=True)
+        rec.log(path, *drawn(batch, paint), static=True)
         pose = rr.InstancePoses3D.columns(
             translations=p_WS.reshape(-1, 3).astype(np.float32),
             quaternions=q_WS.reshape(-1, 4)[:, [1, 2, 3, 0]].astype(np.float32),
@@ -74,7 +71,7 @@ def log_stage(rec: "rr.RecordingStream", scene: Mapping[str, Any], middle: Float
     import rerun as rr
 
     bodies = scene.get("bodies", [])
-    still = [place for place, body in enumerate(bodies) if body["motion"] == "static"]
+    still = [index for index, body in enumerate(bodies) if body["motion"] == "static"]
     for batch in batches(bodies, still):
         p_WB = np.array([bodies[k].get("p_WB", (0.0, 0.0, 0.0)) for k in batch.bodies], dtype=np.float64)
         q_WB = np.array([bodies[k].get("q_WB", (1.0, 0.0, 0.0, 0.0)) for k in batch.bodies], dtype=np.float64)
@@ -85,11 +82,8 @@ def log_stage(rec: "rr.RecordingStream", scene: Mapping[str, Any], middle: Float
             # A plane has no middle: it is drawn around the bodies.
             p_WS = middle - np.sum((middle - p_WS) * normals, axis=1, keepdims=True) * normals
             log_grid(rec, f"{path}/grid", p_WS, q_WS, extent)
-        rec.log(
-            path,
-            *drawn(batch, GROUND, extent, "Solid" if batch.kind == "plane" and fill != "MajorWireframe" else fill),
-            static=True,
-        )
+        paint = Paint(GROUND, extent, "Solid" if batch.kind == "plane" and fill != "MajorWireframe" else fill)
+        rec.log(path, *drawn(batch, paint), static=True)
         rec.log(path, rr.InstancePoses3D(translations=p_WS, quaternions=q_WS[:, [1, 2, 3, 0]]), static=True)
     held = [joint for joint in scene.get("joints", []) if joint["parent"] == "world" and "anchor_W" in joint]
     if held:

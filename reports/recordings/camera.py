@@ -85,12 +85,12 @@ def half_sides(body: Mapping[str, Any]) -> Floats:
 
 def framing(stage: Stage) -> Framing:
     """The framing of a stage: from its truth, else from the runs, of which a diverged one cannot take the view away."""
-    told = told_places(stage)
-    places = told or [int(place) for place in stage.moving] or list(range(len(stage.bodies)))
-    paths = [stage.truth["p_WB"][:, places]] if told else [run.arrays["p_WB"][:, places] for run in stage.runs]
+    with_truth = told_places(stage)
+    places = with_truth or [int(index) for index in stage.moving] or list(range(len(stage.bodies)))
+    paths = [stage.truth["p_WB"][:, places]] if with_truth else [run.arrays["p_WB"][:, places] for run in stage.runs]
     if not places or not paths:
         return Framing(np.zeros(3), 1.0, np.array([2.0, -2.0, 1.5]), np.zeros(3), -1.0, 1.0)
-    low, high = bounds(paths, np.array([reach(stage.bodies[place]) for place in places]))
+    low, high = bounds(paths, np.array([reach(stage.bodies[index]) for index in places]))
     for joint in stage.scene.get("joints", []):
         if joint["parent"] == "world" and "anchor_W" in joint:
             low, high = np.minimum(low, joint["anchor_W"]), np.maximum(high, joint["anchor_W"])

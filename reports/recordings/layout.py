@@ -64,6 +64,6 @@ def recording_of(folder: Path, case: str) -> Path:
     path = recordings / file_name(case)
     if path.is_file():
         return path
-    there = sorted(found.stem for found in recordings.glob("*.rrd")) if recordings.is_dir() else []
+    there = sorted(recording.stem for recording in recordings.glob("*.rrd")) if recordings.is_dir() else []
     listed = f"there are: {', '.join(there)}" if there else "the folder has none; run the study again with recordings = true"
     raise NoRun(f"{path}: no recording of case '{case}'; {listed}")

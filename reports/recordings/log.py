@@ -42,7 +42,7 @@ def text(store: Store, stage: Stage, newtons: float, notes: Sequence[str] = ()) 
     lines += [f"Truth: {cell(case['truth'])}. Source: {cell(case.get('source', ''))}", ""] if case.get("truth") else []
     if newtons:
         lines += [f"Contact forces: 1 m of arrow is {amount(newtons)} N; arrows end at three times the typical largest.", ""]
-    lines += [part for note in notes for part in (cell(note), "")]
+    lines += [line for note in notes for line in (cell(note), "")]
     if not stage.runs:
         lines += ["No trial of this case left a trajectory; nothing can be drawn.", ""]
     shown = {run.trial["trial"] for run in stage.runs}

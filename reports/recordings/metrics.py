@@ -65,7 +65,7 @@ def motion(stage: Stage, arrays: Mapping[str, Floats]) -> dict[str, Floats]:
 
 def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:
     """Instants and largest distance [m] and angle [rad] from the truth over all moving bodies, where the truth is told."""
-    found: dict[str, tuple[Floats, Floats]] = {}
+    by_metric: dict[str, tuple[Floats, Floats]] = {}
     places = stage.moving
     kept, p_WB, q_WB = truth_at(stage.truth, run.time)
     if not len(kept) or not len(places):
@@ -74,44 +74,44 @@ def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:
         ("position_error", np.linalg.norm(run.arrays["p_WB"][kept][:, places] - p_WB[:, places], axis=2)),
         ("attitude_error", angle(run.arrays["q_WB"][kept][:, places], q_WB[:, places])),
     ):
-        told = np.isfinite(apart)
-        rows = told.any(axis=1)
+        known = np.isfinite(apart)
+        rows = known.any(axis=1)
         if rows.any():
-            found[name] = run.time[kept][rows], np.where(told, apart, -np.inf)[rows].max(axis=1)
-    return found
+            by_metric[name] = run.time[kept][rows], np.where(known, apart, -np.inf)[rows].max(axis=1)
+    return by_metric
 
 
 def curves(stage: Stage) -> tuple[Curve, ...]:
     """All curves of a stage, without what is not finite."""
-    found: list[Curve] = []
+    collected: list[Curve] = []
     for run in stage.runs:
         drawn = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()} | errors(stage, run)
         for metric, (time, values) in drawn.items():
             kept = np.isfinite(values)
             look = rgba(run.colour), 2.5 if run.track == "tuned" else 1.2
             steps = run.steps_at(time[kept])
-            found.append(Curve(metric, run.path, f"{run.engine} {run.track}", *look, time[kept], steps, values[kept]))
+            collected.append(Curve(metric, run.path, f"{run.engine} {run.track}", *look, time[kept], steps, values[kept]))
     if "v_WB" in stage.truth:
         for metric, values in motion(stage, stage.truth).items():
             kept = np.isfinite(values)
             time = stage.truth["time"][kept]
-            found.append(Curve(metric, TRUTH, "truth", TRUTH_LINE, 3.5, time, stage.steps_at(time), values[kept]))
-    return tuple(curve for curve in found if len(curve.time))
+            collected.append(Curve(metric, TRUTH, "truth", TRUTH_LINE, 3.5, time, stage.steps_at(time), values[kept]))
+    return tuple(curve for curve in collected if len(curve.time))
 
 
-def ranked(found: Iterable[Curve]) -> list[str]:
+def ranked(drawn: Iterable[Curve]) -> list[str]:
     """The metrics that have a curve, those first in which the runs differ most visibly from nothing."""
     largest: dict[str, float] = {}
-    for curve in found:
+    for curve in drawn:
         largest[curve.metric] = max(largest.get(curve.metric, 0.0), float(np.abs(curve.values).max()))
     return sorted(largest, key=lambda metric: (largest[metric] < NOTHING, list(TITLES).index(metric)))
 
 
-def log_curves(rec: "rr.RecordingStream", found: Iterable[Curve]) -> None:
+def log_curves(rec: "rr.RecordingStream", drawn: Iterable[Curve]) -> None:
     """Log all curves below metrics/."""
     import rerun as rr
 
-    for curve in found:
+    for curve in drawn:
         path = f"{METRICS}/{curve.metric}/{curve.path}"
         checked(path, curve.time, curve.values)
         rec.log(path, rr.SeriesLines(colors=[curve.colour], names=[curve.name], widths=[curve.width]), static=True)

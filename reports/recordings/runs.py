@@ -77,8 +77,8 @@ class Stage:
     @property
     def bodies(self) -> list[dict[str, Any]]:
         """The scene's bodies."""
-        found: list[dict[str, Any]] = self.scene.get("bodies", [])
-        return found
+        bodies: list[dict[str, Any]] = self.scene.get("bodies", [])
+        return bodies
 
     @property
     def moving(self) -> Floats:
@@ -152,7 +152,7 @@ def stage_of(store: Store, name: str) -> Stage:
     trials: list[dict[str, Any]] = frame[frame["case"] == name].to_dict("records")
     engines = list(store.catalogue.get("engines", {})) or sorted(set(frame["engine"]))
     colours = looks(dict.fromkeys([*engines, *frame["engine"]]))
-    order = {engine: place for place, engine in enumerate(colours)}
+    order = {engine: rank for rank, engine in enumerate(colours)}
     runs: list[Run] = []
     notes: dict[str, str] = {}
     for trial in sorted(chosen(trials, case), key=lambda t: (order[t["engine"]], t["track"] != "tuned", t["track"])):
@@ -199,8 +199,8 @@ def dressed(scene: dict[str, Any], drawn: Mapping[str, Any]) -> dict[str, Any]:
 
 def _truth(runs: list[Run]) -> dict[str, Floats]:
     """The longest truth among the runs; all of them are about the same scene."""
-    told = [run.arrays for run in runs if "truth_time" in run.arrays]
-    if not told:
+    truths = [run.arrays for run in runs if "truth_time" in run.arrays]
+    if not truths:
         return {}
-    longest = max(told, key=lambda arrays: len(arrays["truth_time"]))
+    longest = max(truths, key=lambda arrays: len(arrays["truth_time"]))
     return {name.removeprefix("truth_"): array for name, array in longest.items() if name.startswith("truth_")}

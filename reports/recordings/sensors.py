@@ -61,13 +61,13 @@ def sensed(stage: Stage) -> Sensed:
 
 
 def _views(sensor: Mapping[str, Any], tellers: Sequence[Source]) -> list[View]:
-    found = []
+    views = []
     for channel in ("colour", "depth"):
-        told = [source for source in tellers if channel in pictured(sensor, source)]
-        if told:
-            paths = {source.name: f"{camera_path(sensor, source.path)}/{channel}" for source in told}
-            found.append(View(f"{sensor['name']} {channel}", paths))
-    return found
+        showing = [source for source in tellers if channel in pictured(sensor, source)]
+        if showing:
+            paths = {source.name: f"{camera_path(sensor, source.path)}/{channel}" for source in showing}
+            views.append(View(f"{sensor['name']} {channel}", paths))
+    return views
 
 
 def _notes(sensor: Mapping[str, Any], tellers: Sequence[Source]) -> list[str]:

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from reports.recordings.colour import Rgba
 from reports.recordings.layout import part
 from reports.recordings.rotation import Floats, product
 
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["Batch", "batches", "drawn"]
+__all__ = ["Batch", "Paint", "batches", "drawn"]
 
 CROWD = 24
 """With more bodies than this, bodies of one kind of shape share a path: a viewer lists and draws hundreds of paths slowly."""
@@ -38,19 +39,33 @@ class Batch:
     q_BS: Floats
 
 
+@dataclass(frozen=True, slots=True)
+class Paint:
+    """How shapes are drawn.
+
+    Terms:
+        colour: red, green, blue, opacity, 0..255. extent: half the side [m] that an unbounded plane is drawn with.
+        fill: rerun's fill mode; None leaves it to the view.
+    """
+
+    colour: Rgba
+    extent: float
+    fill: str | None = None
+
+
 def placed_shapes(body: Mapping[str, Any]) -> list[dict[str, Any]]:
     """What is drawn of a body: its visual shapes, its collision shapes where it has none."""
     visual = body.get("visual")
-    found: list[dict[str, Any]] = body.get("collision", []) if visual is None else visual
-    return found
+    shapes: list[dict[str, Any]] = body.get("collision", []) if visual is None else visual
+    return shapes
 
 
 def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[Batch]:
     """The shapes of the bodies at these places, one path a body, or one a kind of shape in a crowd."""
     crowd = len(places) > CROWD
     gathered: dict[str, list[tuple[int, str, Mapping[str, Any]]]] = {}
-    for place in places:
-        body = bodies[place]
+    for index in places:
+        body = bodies[index]
         placed = placed_shapes(body)
         kinds = {p["shape"]["type"] for p in placed}
         for number, p in enumerate(placed):
@@ -61,12 +76,12 @@ def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[
                 path = f"{part(body['name'])}/{kind}_{number}"
             elif not crowd and len(kinds) > 1:
                 path = f"{path}/{kind}"
-            gathered.setdefault(path, []).append((place, body["name"], p))
+            gathered.setdefault(path, []).append((index, body["name"], p))
     return [
         Batch(
             path=path,
             kind=members[0][2]["shape"]["type"],
-            bodies=np.array([place for place, _, _ in members], dtype=np.int64),
+            bodies=np.array([index for index, _, _ in members], dtype=np.int64),
             names=tuple(name for _, name, _ in members),
             shapes=tuple(p["shape"] for _, _, p in members),
             p_BS=np.array([p.get("p_BS", (0.0, 0.0, 0.0)) for _, _, p in members], dtype=np.float64),
@@ -109,39 +124,33 @@ def facets(shape: Mapping[str, Any]) -> tuple[Floats, Floats]:
     return corners, np.arange(len(corners)).reshape(-1, 3)
 
 
-def drawn(batch: Batch, colour: tuple[int, int, int, int], extent: float, fill: str | None) -> "list[rr.AsComponents]":
-    """The shapes of a batch without their poses.
-
-    Args:
-        colour: red, green, blue, opacity, 0..255.
-        extent: half the side [m] that an unbounded plane is drawn with.
-        fill: rerun's fill mode; None leaves it to the view.
-    """
+def drawn(batch: Batch, paint: Paint) -> "list[rr.AsComponents]":
+    """The shapes of a batch without their poses."""
     import rerun as rr
 
-    paint: dict[str, Any] = {"colors": [colour], "labels": list(batch.names), "show_labels": False}
-    if fill is not None:
-        paint["fill_mode"] = fill
+    shown: dict[str, Any] = {"colors": [paint.colour], "labels": list(batch.names), "show_labels": False}
+    if paint.fill is not None:
+        shown["fill_mode"] = paint.fill
     shapes = batch.shapes
     match batch.kind:
         case "sphere":
-            return [rr.Ellipsoids3D(half_sizes=[[s["radius"]] * 3 for s in shapes], **paint)]
+            return [rr.Ellipsoids3D(half_sizes=[[s["radius"]] * 3 for s in shapes], **shown)]
         case "box":
-            return [rr.Boxes3D(half_sizes=[s["half_extents"] for s in shapes], **paint)]
+            return [rr.Boxes3D(half_sizes=[s["half_extents"] for s in shapes], **shown)]
         case "cylinder":
             lengths = [2 * s["half_length"] for s in shapes]
-            return [rr.Cylinders3D(lengths=lengths, radii=[s["radius"] for s in shapes], **paint)]
+            return [rr.Cylinders3D(lengths=lengths, radii=[s["radius"] for s in shapes], **shown)]
         case "capsule":
             # rerun's capsule starts at its origin, ours is centred there.
             lengths, start = [2 * s["half_length"] for s in shapes], [[0.0, 0.0, -s["half_length"]] for s in shapes]
-            return [rr.Capsules3D(lengths=lengths, radii=[s["radius"] for s in shapes], translations=start, **paint)]
+            return [rr.Capsules3D(lengths=lengths, radii=[s["radius"] for s in shapes], translations=start, **shown)]
         case "plane":
             # Its top lies in the plane; the way that the normal is turned is part of the pose (`frame`).
-            thickness = extent / 400
-            half, middle = [[extent, extent, thickness]] * len(shapes), [[0.0, 0.0, -thickness]] * len(shapes)
-            return [rr.Boxes3D(half_sizes=half, centers=middle, **paint)]
+            thickness = paint.extent / 400
+            half, middle = [[paint.extent, paint.extent, thickness]] * len(shapes), [[0.0, 0.0, -thickness]] * len(shapes)
+            return [rr.Boxes3D(half_sizes=half, centers=middle, **shown)]
         case "convex_hull" | "triangle_mesh":
             corners, triangles = facets(shapes[0])
-            return [rr.Mesh3D(vertex_positions=corners, triangle_indices=triangles, albedo_factor=colour)]
+            return [rr.Mesh3D(vertex_positions=corners, triangle_indices=triangles, albedo_factor=paint.colour)]
         case _:
             raise ValueError(f"shape '{batch.kind}' of body '{batch.names[0]}': no way to draw it")

@@ -31,8 +31,8 @@ class Source:
         """What was read, by the truth what should have been; None where it was not recorded."""
         plain, ideal = f"stream:{sensor}/{channel}", f"stream:{sensor}/{channel}_ideal"
         first, other = (ideal, plain) if self.truth else (plain, ideal)
-        found = self.arrays.get(first, self.arrays.get(other))
-        return found if found is not None and len(found) and f"stream:{sensor}/time" in self.arrays else None
+        signal = self.arrays.get(first, self.arrays.get(other))
+        return signal if signal is not None and len(signal) and f"stream:{sensor}/time" in self.arrays else None
 
     def stamps(self, sensor: str) -> Floats:
         """The times [s] of a sensor's readings."""
@@ -41,5 +41,5 @@ class Source:
 
 def sources(stage: Stage) -> list[Source]:
     """All runs of a stage, then its truth."""
-    found = [Source(run.path, f"{run.engine} {run.track}", run.arrays, rgba(run.colour), run.steps_at) for run in stage.runs]
-    return [*found, Source(TRUTH, "truth", stage.truth, (*GHOST[:3], 255), stage.steps_at, truth=True)]
+    runs = [Source(run.path, f"{run.engine} {run.track}", run.arrays, rgba(run.colour), run.steps_at) for run in stage.runs]
+    return [*runs, Source(TRUTH, "truth", stage.truth, (*GHOST[:3], 255), stage.steps_at, truth=True)]

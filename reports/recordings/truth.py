@@ -10,6 +10,7 @@ from reports.recordings.colour import GHOST
 from reports.recordings.layout import TRUTH, WORLD
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
+from reports.recordings.shapes import Paint
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -47,7 +48,7 @@ def told_places(stage: Stage) -> list[int]:
         return []
     poses = np.concatenate([stage.truth["p_WB"], stage.truth["q_WB"]], axis=2)
     finite = np.asarray(np.isfinite(poses).all(axis=(0, 2)))
-    return [int(place) for place in stage.moving if finite[place]]
+    return [int(index) for index in stage.moving if finite[index]]
 
 
 def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
@@ -57,6 +58,6 @@ def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
         return
     steps = stage.steps_at(stage.truth["time"])
     root = f"{WORLD}/{TRUTH}"
-    fill = "TransparentFillMajorWireframe"
-    log_moving(rec, root, stage.bodies, places, stage.truth, steps, colour=GHOST, extent=extent, fill=fill)
+    paint = Paint(GHOST, extent, "TransparentFillMajorWireframe")
+    log_moving(rec, root, stage.bodies, places, stage.truth, steps, paint)
     log_paths(rec, f"{root}/paths", stage.truth["p_WB"][:, places], (*GHOST[:3], 160), extent)

@@ -17,6 +17,7 @@ from reports.recordings.log import text
 from reports.recordings.metrics import curves, log_curves, ranked
 from reports.recordings.runs import Run, Stage, stage_of
 from reports.recordings.sensors import log_sensors, sensed
+from reports.recordings.shapes import Paint
 from reports.recordings.truth import log_truth
 from reports.text import slug
 
@@ -99,8 +100,8 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
 def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, frame: Framing, scale: float) -> None:
     """Log the bodies of a run, their ways and their contacts; arrows are drawn with scale [m/N]."""
     root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
-    places = [int(place) for place in stage.moving]
+    places = [int(index) for index in stage.moving]
     steps = run.steps_at(run.time)
-    log_moving(rec, root, stage.bodies, places, run.arrays, steps, colour=colour, extent=3 * frame.radius, fill=None)
+    log_moving(rec, root, stage.bodies, places, run.arrays, steps, Paint(colour, 3 * frame.radius))
     log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, places], colour, frame.size)
     log_contacts(rec, run, scale, frame.size / 4)

@@ -43,6 +43,6 @@ class Answer:
         return "".join(f"{line}\r\n" for line in (*lines, "")).encode("ascii")
 
 
-def text(status: HTTPStatus, said: str) -> Answer:
+def text(status: HTTPStatus, line: str) -> Answer:
     """A line of text."""
-    return Answer(status, PLAIN, f"{said}\n".encode())
+    return Answer(status, PLAIN, f"{line}\n".encode())

@@ -60,16 +60,16 @@ def fetched() -> dict[str, bytes]:
 
 
 def _ask(viewer: "subprocess.Popen[str]") -> dict[str, bytes]:
-    said: list[str] = []
+    output: list[str] = []
     for line in viewer.stdout or ():
-        said.append(re.sub(r"\x1b\[[0-9;]*m", "", line))
-        if address := re.search(r"web-viewer at (http://127\.0\.0\.1:\d+)", said[-1]):
+        output.append(re.sub(r"\x1b\[[0-9;]*m", "", line))
+        if address := re.search(r"web-viewer at (http://127\.0\.0\.1:\d+)", output[-1]):
             opener = build_opener(ProxyHandler({}))  # a proxy of the environment is not for loopback
             try:
                 return {name: opener.open(f"{address[1]}/{name}", timeout=PATIENCE).read() for name in FILES}
             except (URLError, HTTPException, OSError) as error:
                 raise AssetsMissing(f"web viewer at {address[1]}: {error}") from error
-    raise AssetsMissing(f"the rerun viewer did not start its web server: {''.join(said)[-2000:]}")
+    raise AssetsMissing(f"the rerun viewer did not start its web server: {''.join(output)[-2000:]}")
 
 
 def _end(viewer: "subprocess.Popen[str]") -> None:

@@ -58,7 +58,7 @@ class Connections:
 
     def _make_room(self) -> None:
         first = next(iter(self._heard))
-        out = next((one for one, heard in self._heard.items() if not heard), first)
+        out = next((task for task, heard in self._heard.items() if not heard), first)
         self._heard.pop(out)
         out.cancel()
 
@@ -87,12 +87,12 @@ async def _send(writer: asyncio.StreamWriter, answer: Answer, content: bool) -> 
             await _send_parts(writer, answer, length if content else 0, length, file.read)
     else:
         whole = memoryview(answer.content)
-        place = 0
+        offset = 0
 
         def read(count: int) -> bytes:
-            nonlocal place
-            place += count
-            return bytes(whole[place - count : place])
+            nonlocal offset
+            offset += count
+            return bytes(whole[offset - count : offset])
 
         await _send_parts(writer, answer, len(whole) if content else 0, len(whole), read)
 
@@ -102,10 +102,10 @@ async def _send_parts(
 ) -> None:
     async with asyncio.timeout(PATIENCE + left / SLOWEST):
         writer.write(answer.head(length))
-        while left and (part := read(min(left, _PART))):
-            writer.write(part)
+        while left and (block := read(min(left, _PART))):
+            writer.write(block)
             await writer.drain()
-            left -= len(part)
+            left -= len(block)
         await writer.drain()
 
 

@@ -15,21 +15,21 @@ TEMPLATES = __file__.removesuffix("pages.py") + "static"
 
 def template(name: str, **values: object) -> bytes:
     """A page with every string escaped."""
-    found = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined).get_template(name)
-    return found.render(**values).encode()
+    page = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined).get_template(name)
+    return page.render(**values).encode()
 
 
 def recordings(store: Store) -> list[dict[str, object]]:
     """A row for each case: its name and title, its recording if there is one, and how its trials ended."""
     rows = []
     for case, trials in store.trials.groupby("case", sort=False):
-        told = store.catalogue.get("cases", {}).get(case, {})
+        entry = store.catalogue.get("cases", {}).get(case, {})
         path = store.folder / "recordings" / file_name(str(case))
         counts = trials["status"].value_counts(sort=False)
         rows.append(
             {
                 "case": case,
-                "title": told.get("title") or case,
+                "title": entry.get("title") or case,
                 "address": quote(f"/recordings/{path.name}") if path.is_file() else None,
                 "megabytes": path.stat().st_size / 1e6 if path.is_file() else None,
                 "outcomes": ", ".join(f"{count} {status}" for status, count in counts.items()),

@@ -46,7 +46,7 @@ def file_of(folder: Path, address: str) -> Path | None:
     parts = unquote(address).split("/")[1:]
     if len(parts) < 2 or parts[0] not in OPEN_FOLDERS or "\0" in address or "%00" in address:
         return None
-    if any(not part or part.startswith(".") for part in parts):
+    if any(not name or name.startswith(".") for name in parts):
         return None
     try:
         base = folder.resolve() / parts[0]
@@ -79,9 +79,9 @@ class Site:
         except AssetsMissing as error:
             return text(HTTPStatus.SERVICE_UNAVAILABLE, str(error))
         except Exception as error:
-            said = f"{request.address}: {type(error).__name__}: {error}"
-            print(one_line(said, LONGEST), file=sys.stderr)
-            return text(HTTPStatus.INTERNAL_SERVER_ERROR, visible(said[:LONGEST]))
+            message = f"{request.address}: {type(error).__name__}: {error}"
+            print(one_line(message, LONGEST), file=sys.stderr)
+            return text(HTTPStatus.INTERNAL_SERVER_ERROR, visible(message[:LONGEST]))
 
     def _route(self, address: str) -> Answer:
         if address == "/":

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.findings.agreement import Agreement, agreements, ways
+from harness.findings.agreement import Agreement, agreements, omission_words, omissions, ways
 from harness.findings.agreement.words import scene_words, side_words
 from reports.contents import engines
 from reports.figure import Figure, thin
@@ -51,7 +51,14 @@ def titles(store: "Store") -> Mapping[str, str]:
 
 def summary(store: "Store", case: str) -> list[str]:
     """What is known of a scene, in sentences."""
-    return [sentence for agreement in by_case(store).get(case, ()) for sentence in scene_words(agreement, titles(store))]
+    return [
+        sentence
+        for agreement in by_case(store).get(case, ())
+        for sentence in (
+            *scene_words(agreement, titles(store)),
+            *omission_words(omissions(store, agreement), titles(store)),
+        )
+    ]
 
 
 def shown(name: str) -> Outcome:

@@ -1,4 +1,5 @@
-"""How the scene of a trial departs from its case's: effects switched on, off, or faintly there, damping added.
+"""How the scene of a trial departs from its case's: effects switched on, off, or faintly there, damping added, or what its
+user left out put back.
 
 The case stays what it is, its truth and its checks too; what the departure does to the answer is what a study asks.
 """
@@ -11,7 +12,7 @@ from harness.case.starts import perturbed
 from harness.case.symmetries import Retelling, nudged, reordered, restored
 from harness.scene import Effect, Scene
 
-__all__ = ["ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "FINEST", "REFINED", "Alteration", "departures"]
+__all__ = ["ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "FINEST", "REFINED", "UNDROPPED", "Alteration", "departures"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +26,7 @@ class Alteration:
         told: run this retelling of the scene in place of it: 'restored' (half-way), 'reordered', 'nudged' (by one bit).
         start: run this one of the scene's perturbed starts (`harness.case.starts.perturbed`), 0 for its own.
         every_step: record every step, whatever the case says.
+        undropped: kinds of elements that the case's user left out and this run has: its scene is `Case.undropped`.
     """
 
     name: str = ""
@@ -36,10 +38,11 @@ class Alteration:
     told: Literal["", "restored", "reordered", "nudged"] = ""
     start: int = 0
     every_step: bool = False
+    undropped: tuple[str, ...] = ()
 
     def of(self, scene: Scene) -> Scene:
         """The scene as it is under this alteration; the very same one where nothing departs."""
-        if self == replace(AS_IT_IS, name=self.name, told=self.told, every_step=self.every_step):
+        if self == replace(AS_IT_IS, name=self.name, told=self.told, every_step=self.every_step, undropped=self.undropped):
             return scene
         if self.start:
             scene = perturbed(scene, self.start)
@@ -87,15 +90,20 @@ class Alteration:
         for field in fields(self):
             value = getattr(self, field.name)
             if value != field.default:
-                departing[field.name] = list(value.names) if isinstance(value, Effect) else value
+                plain = list(value.names) if isinstance(value, Effect) else value
+                departing[field.name] = list(plain) if isinstance(plain, tuple) else plain
         return departing
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Alteration":
         """Read back what `plain` wrote."""
-        values: dict[str, Any] = {name: _effects(value) if isinstance(value, list) else value for name, value in plain.items()}
-        return cls(**values)
+        values: dict[str, Any] = {
+            name: _effects(v) if isinstance(v, list) else v for name, v in plain.items() if name != _KINDS
+        }
+        return cls(**values, undropped=tuple(plain.get(_KINDS, ())))
 
+
+_KINDS = "undropped"
 
 FAINT = 1e-9
 """Coefficients [1], levers [m] and rates [1/s] of effects that are to be there and do nothing; what they do
@@ -134,6 +142,8 @@ def _effects(names: Collection[str]) -> Effect:
 AS_IT_IS = Alteration()
 """No departure."""
 
+UNDROPPED = "nothing dropped"
+"""Name: the scene with what its user left out."""
 ALONE = "alone"
 """Name: the run has the machine for itself, while all others run side by side."""
 EVERYTHING, FINER, FINEST = "everything on", "half the step", "a quarter of the step"

@@ -143,6 +143,7 @@ class Case:
         insists: effects that the case declares though its own motion does not show them, by name, each with its reason.
         eased: by name, other parameters that make the scene a saner one, as a remedy where it breaks.
         worlds: the parameter that says how many equal worlds are stepped together, '' for none.
+        undropped: the scene with what its user left out of it; None where nothing was.
     """
 
     name: str
@@ -171,6 +172,7 @@ class Case:
     retellings: Callable[..., tuple[Retelling, ...]] | None = None
     rays: Callable[..., Rays] | None = None
     worlds: str = ""
+    undropped: Scene | None = None
     insists: Mapping[str, str] = field(default_factory=dict)
     eased: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 

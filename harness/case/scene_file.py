@@ -9,6 +9,7 @@ from pathlib import Path
 
 from harness.case import Case, Check
 from harness.case.own_titles import title_of
+from harness.case.undropped import kinds_left_out, undropped_scene
 from harness.intake.documents import named
 from harness.intake.refusal import RobotError
 from harness.metrics import contact_residuals, divergence, energy, joint_gap, limits, momentum, own_readings, penetration
@@ -49,6 +50,7 @@ def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
     scene: Scene = read(path, companion=companion).scene
     duration, dt = companion.duration or duration, companion.dt or LADDER[0]
     _check_rates(scene, dt, named(path))
+    whole = undropped_scene(path)
     return Case(
         name=f"{prefix}{path}",
         title=title_of(path),
@@ -71,6 +73,7 @@ def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
         headline=HEADLINE,
         ladder=tuple(dt / (LADDER[0] / step) for step in LADDER),
         with_contacts=Effect.CONTACT in scene.effects,
+        undropped=whole if whole is not None and kinds_left_out(scene, whole) else None,
     )
 
 

@@ -98,6 +98,7 @@ def _timing(
         if trial.experiment.timing
         and trial.alteration.name not in REFINED
         and not trial.alteration.start
+        and not trial.alteration.undropped
         and (not trial.experiment.sweep or trial.trial in near)
         and journal.timings.get(trial.trial) != here
         and trial.trial in records

@@ -163,7 +163,8 @@ def _in_words(error: Exception) -> str:
 
 def roughly_clocked(trial: Trial, record: Record) -> bool:
     """Is a rough cost wanted of what came of a trial?"""
-    wanted = trial.experiment.sweep or (trial.experiment.refine is not None and not trial.alteration.start)
+    departs = trial.alteration.start or trial.alteration.undropped
+    wanted = trial.experiment.sweep or (trial.experiment.refine is not None and not departs)
     return bool(wanted) and trial.members == 1 and bool(record.measurements)
 
 

@@ -8,18 +8,22 @@ time alike: a ladder ends before the step that would, by the cost of the one bef
 Where fewer than two engines that people can deploy have a limit up to the end, motion is not to be foreseen, by chaos or
 contacts, and single runs say little of it. There each engine is run from several perturbed starts at one step, so that means
 can be compared.
+
+Where a robot's user left out what not every engine has (`--drop`), each engine is also run once with it, at the finest step
+that it answered: what the omission does is a number then. Such a run counts for nothing else.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 
 from harness.adapter import Adapter
 from harness.case import Case
-from harness.case.alteration import Alteration
+from harness.case.alteration import AS_IT_IS, UNDROPPED, Alteration
+from harness.case.undropped import kinds_left_out
 from harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
 from harness.store.record import Record
 from harness.store.store import Store
 from harness.study.refinement import Refinement
-from harness.study.trial import Trial
+from harness.study.trial import Trial, question_of
 from harness.trajectory.parting import Extent, extent
 
 __all__ = ["is_ours", "next_trials", "start_name"]
@@ -70,7 +74,7 @@ def _of_scene(
 ) -> Iterator[Trial]:
     ladders: dict[tuple[str, str], list[Trial]] = {}
     for trial in scene:
-        if not trial.alteration.start:
+        if trial.alteration == AS_IT_IS:
             ladders.setdefault((trial.engine, trial.track), []).append(trial)
     scale, share = extent(case.scene(**scene[0].parameters)), asked.budget / len(ladders)
     number = max(trial.round for trial in scene) + 1
@@ -83,6 +87,8 @@ def _of_scene(
     if more:
         yield from more
         return
+    if case.undropped is not None and not any(trial.alteration.undropped for trial in scene):
+        yield from _undropped(ladders, records, case, number)
     if any(trial.alteration.start for trial in scene) or not asked.members:
         return
     # An engine's tuned answer counts, where it has one: what a vendor's default adds may well calm a motion that is chaotic.
@@ -129,6 +135,26 @@ def _halved(
     if spent + 2 * _cost(record, case) > share:
         return None
     return last.probing(case, settings=last.settings.with_dt(finer), round=number)
+
+
+def _undropped(
+    ladders: Mapping[tuple[str, str], Sequence[Trial]], records: Mapping[str, Record], case: Case, number: int
+) -> Iterator[Trial]:
+    """Each engine with what the user left out, at the finest step that it answered without, tuned where it answered so."""
+    assert case.undropped is not None
+    finest: dict[str, Trial] = {}
+    for (engine, _), ladder in sorted(ladders.items(), key=lambda item: item[0][1] != "tuned"):
+        answered = [trial for trial in ladder if trial.trial in records and records[trial.trial].status in ANSWERED]
+        if answered:
+            finest.setdefault(engine, min(answered, key=lambda trial: trial.settings.dt))
+    for trial in finest.values():
+        kinds = kinds_left_out(case.scene(**trial.parameters), case.undropped)
+        yield trial.probing(
+            case,
+            alteration=Alteration(name=UNDROPPED, undropped=kinds),
+            question=question_of(case, trial.parameters, case.undropped),
+            round=number,
+        )
 
 
 def _starts(

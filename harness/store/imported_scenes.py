@@ -11,6 +11,7 @@ import tomli_w
 from pydantic import TypeAdapter
 
 from harness.case.own_titles import OWN
+from harness.case.undropped import beside as undropped_beside
 from harness.scene import PlacedShape
 from harness.scene.file import dump_toml
 from harness.scene.importers.fidelity import plain
@@ -44,10 +45,14 @@ def keep(folder: Path, imported: Imported) -> Path:
     if imported.look_at:
         wishes["look_at"] = list(imported.look_at)
     scene = dump_toml(imported.scene)
-    digest = hashlib.sha256(json.dumps([scene, table, wishes]).encode()).hexdigest()[:12]
+    whole = [] if imported.undropped is None else [dump_toml(imported.undropped)]
+    digest = hashlib.sha256(json.dumps([scene, table, wishes, *whole]).encode()).hexdigest()[:12]
     directory = folder / FOLDER / digest
     disk.make_folder(directory)
     files = {f"{name}.toml": sealed_toml(f"{name}.toml", scene), _TABLE: sealed_json(_TABLE, table)}
+    for text in whole:
+        file = undropped_beside(directory / f"{name}.toml").name
+        files[file] = sealed_toml(file, text)
     if imported.looks:
         files[_LOOKS] = sealed_json(_LOOKS, _SHAPES.dump_python(dict(imported.looks), mode="json"))
     if wishes:

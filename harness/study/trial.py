@@ -57,7 +57,8 @@ class Trial:
 
     def scene(self, case: Case) -> Scene:
         """What is put to the engine."""
-        return self.alteration.of(case.scene(**self.parameters))
+        whole = case.undropped if self.alteration.undropped else None
+        return self.alteration.of(case.scene(**self.parameters) if whole is None else whole)
 
     def named(self) -> "Trial":
         """The trial with its name: a digest of all that decides its answer, question, versions and sources included."""

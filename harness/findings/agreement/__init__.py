@@ -5,6 +5,7 @@ from harness.findings.agreement.beyond import Balance, Outlook, balances, horizo
 from harness.findings.agreement.errors import Errors, errors_of, ways
 from harness.findings.agreement.found import AGREED_TRUTH, agreements, scenes_to_judge
 from harness.findings.agreement.judgement import judged
+from harness.findings.agreement.omissions import Omission, omission_words, omissions
 from harness.findings.agreement.values import Agreement, Difference, Side, Word
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "Balance",
     "Difference",
     "Errors",
+    "Omission",
     "Outlook",
     "Side",
     "Word",
@@ -21,6 +23,8 @@ __all__ = [
     "errors_of",
     "horizon_of",
     "judged",
+    "omission_words",
+    "omissions",
     "outlooks",
     "scenes_to_judge",
     "ways",

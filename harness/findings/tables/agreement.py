@@ -10,7 +10,18 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.agreement import Agreement, Side, agreements, balances, errors_of, outlooks, scenes_to_judge
+from harness.findings.agreement import (
+    Agreement,
+    Omission,
+    Side,
+    agreements,
+    balances,
+    errors_of,
+    omission_words,
+    omissions,
+    outlooks,
+    scenes_to_judge,
+)
 from harness.findings.agreement.words import beyond_words, scene_words, side_sentence
 from harness.store.store import Store
 
@@ -32,6 +43,8 @@ class Row:
         finding: the verdict in a sentence; summary: what is known of the scene, in sentences.
         steps [s], errors, offs, costs, trials: of each run from coarse to fine; error: from the agreed limit, from the
         engine's own where none is; off: of that limit; cost: CPU seconds per simulated second, None where it was not clocked.
+        left_out: kinds of elements that the user dropped and that the engine was also run with, '' where it was not.
+        omission [m], omission_turn [rad]: how far that moves any body up to omission_until [s]; None where it is not known.
     """
 
     case: str
@@ -60,6 +73,10 @@ class Row:
     offs: list[float | None]
     costs: list[float | None]
     trials: list[str]
+    left_out: str
+    omission: float | None
+    omission_turn: float | None
+    omission_until: float | None
 
 
 COLUMNS = tuple(field.name for field in fields(Row))
@@ -74,17 +91,37 @@ def verdicts(store: Store) -> list[Row]:
     titles = {name: str(about.get("title") or name) for name, about in store.catalogue.get("engines", {}).items()}
     table = []
     for agreement in agreements(store):
+        lost = omissions(store, agreement)
         summary = [
             *scene_words(agreement, titles),
             *beyond_words(balances(store, agreement), outlooks(store, agreement), titles),
+            *omission_words(lost, titles),
         ]
+        by_side = {(omission.engine, omission.track): omission for omission in lost}
         table += [
-            _row(store, agreement, side, costs, side_sentence(side, agreement, titles), summary) for side in agreement.sides
+            _row(
+                store,
+                agreement,
+                side,
+                costs,
+                side_sentence(side, agreement, titles),
+                summary,
+                by_side.get((side.engine, side.track)),
+            )
+            for side in agreement.sides
         ]
     return table
 
 
-def _row(store: Store, agreement: Agreement, side: Side, costs: Mapping[str, float], finding: str, summary: list[str]) -> Row:
+def _row(
+    store: Store,
+    agreement: Agreement,
+    side: Side,
+    costs: Mapping[str, float],
+    finding: str,
+    summary: list[str],
+    lost: Omission | None,
+) -> Row:
     limit, errors = side.limit, errors_of(store)
     known = [errors.get(rung.trial) for rung in limit.rungs]
     clocked = [costs.get(rung.trial) for rung in limit.rungs]
@@ -115,6 +152,10 @@ def _row(store: Store, agreement: Agreement, side: Side, costs: Mapping[str, flo
         offs=[None if each is None else each.off for each in known],
         costs=[None if each is None or pd.isna(each) else float(each) for each in clocked],
         trials=[rung.trial for rung in limit.rungs],
+        left_out="" if lost is None else " ".join(lost.kinds),
+        omission=None if lost is None else lost.position,
+        omission_turn=None if lost is None else lost.angle,
+        omission_until=None if lost is None or lost.position is None else lost.until,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from harness.intake.documents import named
-from harness.intake.import_wishes import Wishes
+from harness.intake.import_wishes import Drop, Wishes
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
 from harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
@@ -29,7 +29,7 @@ from harness.scene.importers.merging import Group, grouped
 from harness.scene.importers.mounting import mounted
 from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from harness.scene.importers.robot import Robot
-from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped
+from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
 from harness.scene.importers.sweeping import poses_of, swept
 from harness.scene.importers.ties import tied, untied
 from harness.scene.importers.units import scaled, suspected
@@ -116,7 +116,8 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
 
     Raises: RobotError.
     """
-    rows = [*robot.rows, *suspected(robot, companion.units)]
+    whole, unknown = _undropped(robot, companion, wishes, commands)
+    rows = [*robot.rows, *unknown, *suspected(robot, companion.units)]
     if companion.units is not None:
         robot = scaled(robot, companion.units)
     if companion.base is not None and robot.gravity is not None:
@@ -171,11 +172,31 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
         links=links,
         looks=looks,
         dropped=tuple(sorted(wishes.drop)),
+        undropped=None if whole == scene else whole,
         duration=companion.duration,
         dt=companion.dt,
         look_at=companion.look_at,
         seed=companion.seed,
     )
+
+
+_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic"))
+"""What may be dropped although a scene has words for it, as far as joints and ties have it."""
+
+
+def _undropped(
+    robot: Robot, companion: Companion, wishes: Wishes, commands: Mapping[str, Samples]
+) -> tuple[Scene | None, list[Fidelity]]:
+    """The scene as it would be without what the user drops of `_WORDED`, and a row that says why where there is none."""
+    back = (wishes.drop & _WORDED) - wordless_kinds(robot)
+    if not back:
+        return None, []
+    try:
+        return imported(robot, companion, replace(wishes, drop=wishes.drop - back, looks=False), commands).scene, []
+    except RobotError as error:
+        kinds = listed(sorted(back))
+        why = f"what that changes is not measured, since it cannot be read with them: {error}"
+        return None, [Fidelity(element="drop", name=kinds, outcome="left_out", consequence=why)]
 
 
 class _Made:

@@ -13,7 +13,7 @@ from harness.scene.importers.companion import Companion, JointWish
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
 
-__all__ = ["followed", "rooted", "settled", "undropped", "valid_name"]
+__all__ = ["followed", "rooted", "settled", "undropped", "valid_name", "wordless_kinds"]
 
 NONE: Mapping[str, Samples] = MappingProxyType({})
 
@@ -67,6 +67,11 @@ def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
         )
         for need in needs
     ]
+
+
+def wordless_kinds(robot: Robot) -> frozenset[str]:
+    """The kinds of those elements of the robot that a scene has no word for."""
+    return frozenset(need.kind for need in (*robot.needs, *_of_coordinates(robot)))
 
 
 def _said(need: Need) -> str:

@@ -1,0 +1,41 @@
+"""What a robot's user left out of its scene (`--drop`): the scene that has it, and which kinds of elements those are.
+
+The import keeps that scene beside the one that is run, as `NAME.undropped.toml`.
+"""
+
+from pathlib import Path
+
+from harness.scene import Prismatic, Revolute, Scene
+from harness.scene.importers.companion import Companion
+from harness.scene.importers.reading import read
+
+__all__ = ["beside", "kinds_left_out", "undropped_scene"]
+
+KINDS = {"armature": "armature", "friction_loss": "friction_loss", "coupling": "mimic"}
+"""What `--drop` calls what a joint may lack, by the name of the joint's field."""
+
+
+def beside(path: Path) -> Path:
+    """Where the scene with nothing dropped lies, of a scene file."""
+    return path.with_name(f"{path.stem}.undropped.toml")
+
+
+def undropped_scene(path: Path) -> Scene | None:
+    """The scene with nothing dropped that lies beside a scene file; None where none does. Raises: SceneError."""
+    whole = beside(path)
+    return read(whole, companion=Companion()).scene if whole.is_file() else None
+
+
+def kinds_left_out(scene: Scene, undropped: Scene) -> tuple[str, ...]:
+    """The kinds of elements that joints of the scene lack and the same ones of the other have."""
+    had = {joint.name: joint for joint in undropped.joints}
+    pairs = [(joint, had[joint.name]) for joint in scene.joints if joint.name in had]
+    return tuple(
+        kind
+        for field, kind in KINDS.items()
+        if any(
+            getattr(here, field) != getattr(there, field)
+            for here, there in pairs
+            if isinstance(here, Revolute | Prismatic) and isinstance(there, Revolute | Prismatic)
+        )
+    )

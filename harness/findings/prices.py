@@ -22,6 +22,7 @@ import pandas as pd
 
 from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
+from harness.findings.samples import Block, samples_by_block
 from harness.findings.where import in_words, other_values
 from harness.statistics.bootstrap import interval_of_drawn
 from harness.statistics.order import fit_order
@@ -153,12 +154,10 @@ class Prices:
         return "" if higher else headline
 
     @cached_property
-    def _samples(self) -> Mapping[str, Mapping[tuple[int, int], float]]:
+    def _samples(self) -> Mapping[str, Mapping[Block, float]]:
         """CPU seconds of a unit by trial and (process, block)."""
-        samples: dict[str, dict[tuple[int, int], float]] = {}
-        for s in self._store.samples.to_dict("records"):
-            samples.setdefault(s["trial"], {})[s["process"], s["block"]] = s["cpu"] / (s["steps"] * s["units"])
-        return samples
+        timed = samples_by_block(self._store)
+        return {trial: {block: sample.of_a_unit() for block, sample in blocks.items()} for trial, blocks in timed.items()}
 
     def groups(self) -> Iterator[tuple[str, str, pd.DataFrame]]:
         """The trials of one case at one set of parameters; where: what differs from the case's own, in words."""
@@ -335,7 +334,7 @@ class Draws:
     Source: A. C. Davison & D. V. Hinkley, Bootstrap Methods and their Application (1997), section 3.8.
     """
 
-    def __init__(self, points: Sequence[Point], samples: Mapping[str, Mapping[tuple[int, int], float]]) -> None:
+    def __init__(self, points: Sequence[Point], samples: Mapping[str, Mapping[Block, float]]) -> None:
         rng = np.random.default_rng(0)
         keys = sorted({key for point in points for key in samples.get(point.trial, {})})
         processes = sorted({process for process, _ in keys})

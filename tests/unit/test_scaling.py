@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from harness.findings.costs import Cost, no_worse
-from harness.findings.tables.scaling import COLUMNS, Scaling, brief, ratio
+from harness.findings.tables.scaling import COLUMNS, Scaling, brief
+from harness.statistics.ratio import ratio
 from harness.store.journal import Journal
 from harness.store.record import Measurement, Record, Sample, Timing
 from harness.store.store import Store

@@ -20,9 +20,10 @@ from harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
+from harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from harness.findings.where import differing, in_words
 from harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
-from harness.statistics.ratio import Ratio, ratio
+from harness.statistics.ratio import Ratio
 from harness.store.store import Store
 
 __all__ = [
@@ -85,7 +86,7 @@ def _verdicts(store: Store) -> Iterator[Verdict]:
     trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
     altered = set(trials.loc[trials["departure"] == EVERYTHING, "experiment"])
     chosen = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
-    samples = _sampled(store)
+    samples = samples_by_block(store)
     for case, cells in chosen.groupby("case", sort=False):
         named = _where(cells["parameters"], store.catalogue["cases"][case]["parameters"])
         for parameters, scenes in cells.groupby("parameters", sort=False):
@@ -94,16 +95,7 @@ def _verdicts(store: Store) -> Iterator[Verdict]:
                 yield from _of_side(store, str(engine), str(track), named[str(parameters)], group, needed, samples)
 
 
-Sampled = Mapping[str, pd.Series]
-
-
-def _sampled(store: Store) -> Sampled:
-    """By trial, the CPU seconds of a unit in each of its samples, by process and block."""
-    by_trial = {}
-    for trial, group in store.samples.groupby("trial"):
-        blocks = group.set_index(["process", "block"])
-        by_trial[str(trial)] = blocks["cpu"] / (blocks["steps"] * blocks["units"])
-    return by_trial
+Sampled = Mapping[str, Mapping[Block, BlockSample]]
 
 
 def _where(parameters: Iterable[str], own: Mapping[str, Any]) -> dict[str, str]:
@@ -234,11 +226,7 @@ def _of_side(
 
 def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     """CPU time of a unit of one run over that of another, in the blocks that both were sampled in."""
-    cost_samples, base_samples = samples.get(cost.trial), samples.get(base.trial)
-    if cost_samples is None or base_samples is None:
-        return None
-    both = cost_samples.index.intersection(base_samples.index)
-    return None if both.empty else ratio(cost_samples[both].to_numpy(), base_samples[both].to_numpy())
+    return ratio_in_blocks(samples.get(cost.trial, {}), samples.get(base.trial, {}))
 
 
 def rows(store: Store) -> list[dict[str, Any]]:

@@ -18,9 +18,10 @@ import numpy as np
 import pandas as pd
 
 from harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
+from harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
 from harness.findings.where import differing, other_values
 from harness.statistics.order import FEWEST
-from harness.statistics.ratio import Ratio, ratio
+from harness.statistics.ratio import Ratio
 from harness.store.store import Store
 
 __all__ = [
@@ -64,21 +65,16 @@ class Scaling:
         self._ours = {name for name, engine in engines.items() if engine.get("ours")}
 
     @cached_property
+    def _samples(self) -> Mapping[str, Mapping[Block, BlockSample]]:
+        return samples_by_block(self._store)
+
+    @cached_property
     def _values(self) -> Mapping[str, Mapping[str, float]]:
         """Metric values by trial; of a metric that is checked twice the first."""
         by_trial: dict[str, dict[str, float]] = {}
         table = self._store.measurements
         for trial, metric, value in zip(table["trial"], table["metric"], table["value"], strict=True):
             by_trial.setdefault(trial, {}).setdefault(metric, value)
-        return by_trial
-
-    @cached_property
-    def _samples(self) -> Mapping[str, Mapping[tuple[int, int], Mapping[str, Any]]]:
-        """Samples by trial and (process, block)."""
-        by_trial: dict[str, dict[tuple[int, int], Mapping[str, Any]]] = {}
-        for s in self._store.samples.to_dict("records"):
-            units = int(s["units"]) if pd.notna(s.get("units")) else 1
-            by_trial.setdefault(s["trial"], {})[s["process"], s["block"]] = s | {"units": units}
         return by_trial
 
     def _own(self, case: str) -> Mapping[str, Any]:
@@ -140,21 +136,16 @@ class Scaling:
             experiment=row["experiment"],
             clocks=row.get("clocks", "work"),
             workers=workers,
-            units=next((s["units"] for s in self._samples.get(row["trial"], {}).values()), workers) // workers,
+            units=next((s.units for s in self._samples.get(row["trial"], {}).values()), workers) // workers,
         )
 
-    def _ratio(self, row: Cost, base: Cost, clock: str = "cpu") -> Ratio | None:
-        mine, other = self._samples.get(row.trial, {}), self._samples.get(base.trial, {})
-        both = sorted(mine.keys() & other.keys())
-        if not both:
-            return None
-        cost, other_cost = ([of[k][clock] / (of[k]["steps"] * of[k]["units"]) for k in both] for of in (mine, other))
-        return ratio(np.array(cost), np.array(other_cost))
+    def _ratio(self, row: Cost, base: Cost, clock: Clock = "cpu") -> Ratio | None:
+        return ratio_in_blocks(self._samples.get(row.trial, {}), self._samples.get(base.trial, {}), clock)
 
     def _rate(self, row: Cost) -> float | None:
         """Units in a second of wall time."""
         samples = self._samples.get(row.trial, {}).values()
-        return float(np.median([s["steps"] * s["units"] / s["wall"] for s in samples])) if samples else None
+        return float(np.median([s.count / s.wall for s in samples])) if samples else None
 
     def _beside(self, rows: Sequence[Cost]) -> Iterator[Cost]:
         """What stands beside the work, compared with the plain step of one process in the same blocks."""

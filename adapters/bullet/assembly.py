@@ -22,8 +22,8 @@ class Assembly:
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
         coordinates: (number, link, position in the initial pose) of joints with a coordinate, by name. springs: those between
-        points of two bodies. address: (number, link) -> place. joints: of each that is a link's, by name, (number, link).
-        waiting: (number, link) of bodies whose contacts wait until they touch.
+        points of two bodies. address: (number, link) -> place. waiting: (number, link) of bodies whose contacts wait until they
+        touch.
         notices: what the engine computes beside the scene.
     """
 
@@ -37,6 +37,5 @@ class Assembly:
     coordinates: dict[str, tuple[int, int, float]] = field(default_factory=dict)
     springs: DistanceSprings | None = None
     address: dict[tuple[int, int], int] = field(default_factory=dict)
-    joints: dict[str, tuple[int, int]] = field(default_factory=dict)
     waiting: set[tuple[int, int]] = field(default_factory=set)
     notices: list[Notice] = field(default_factory=list)

@@ -52,11 +52,11 @@ def close_loop(plan: Plan, made: Assembly, joint: Joint) -> None:
 def couple(made: Assembly, joint: str, coupling: Coupling) -> None:
     """Tie two joint coordinates: Bullet's gear has x' + gearRatio y' = 0 along the two links' joints. Raises: Unsupported."""
     for name in (joint, coupling.joint):
-        if name not in made.joints:
+        if name not in made.coordinates:
             raise Unsupported(
                 f"joint '{joint}': coupling to '{coupling.joint}'", f"'{name}' closes a loop and has no coordinate"
             )
-    ends = (*made.joints[joint], *made.joints[coupling.joint])
+    ends = (*made.coordinates[joint][:2], *made.coordinates[coupling.joint][:2])
     gear = made.port.call("createConstraint", *ends, made.port.bullet.JOINT_GEAR, [0.0, 0.0, 1.0], [0.0] * 3, [0.0] * 3)
     made.port.call("changeConstraint", gear, gearRatio=-coupling.ratio, maxForce=LIFTED)
 

@@ -62,7 +62,6 @@ def put_multibody(plan: Plan, made: Assembly, tree: Tree) -> None:
         made.address[number, k] = link.place
         tell_body(plan, made, number, k, link.place, maximal=False)
         _tell_joint(plan, made, number, k, link, tree)
-        made.joints[link.joint.name] = number, k
     actuation = actuated(plan, made, tree)
     if actuation is not None:
         made.actuators[number] = actuation

@@ -17,7 +17,8 @@ __all__ = [
 FRESH = 8
 """Times as many sweeps for a blow and in the first sub-step of a contact, which have no impulses to start from."""
 FRESH_JOINTED = 4 * FRESH
-"""As `FRESH`, where joints pass the impulses on: sweeps over contacts and joints in turns settle so much later."""
+"""As `FRESH`, where joints pass the impulses on, and sweeps over contacts and joints in turns settle later. By trial: with 8 a
+humanoid at 1/60 s leaves its pose by .0060 rad as it is set down, with 32 by .0017."""
 STUCK = 0.999999
 """Share of the static disc from which a contact counts as slipping."""
 TOUCHING = 1e-9

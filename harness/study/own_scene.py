@@ -11,7 +11,7 @@ __all__ = ["study_of"]
 HALVED = 16
 """What part of the first step the ladder is halved down to at least."""
 BUDGET = 90.0
-"""CPU seconds of the ladder: with effects and the clock, three minutes of two cores for an arm of twenty joints."""
+"""CPU seconds of the ladder; effects and the clock come on top."""
 SAMPLE = 0.01
 """Seconds of a timing sample: runs of many engines and steps have to be clocked within the minutes that one waits."""
 

@@ -9,6 +9,7 @@ from adapters.mujoco.limits import bounds_of
 from adapters.mujoco.plan import Plan
 from adapters.mujoco.softness import hold_dry, stop
 from adapters.mujoco.trees import Link
+from adapters.mujoco.vendor import linear_law
 from harness.adapter.rotations import conjugate
 from harness.scene import Ball, Distance, Fixed, Joint, Revolute, multiply
 
@@ -64,7 +65,8 @@ def _add_joint(plan: Plan, draft: Draft, node: Any, link: Link, joint: Joint) ->
         made.limited, made.range = draft.mj.mjtLimited.mjLIMITED_TRUE, bounds
         stop(made, plan.options, plan.h)
     if joint.spring is not None:
-        made.stiffness, made.damping = [joint.spring.stiffness, 0, 0], [joint.spring.damping, 0, 0]
+        made.stiffness = linear_law(made.stiffness, joint.spring.stiffness)
+        made.damping = linear_law(made.damping, joint.spring.damping)
         made.springref = joint.spring.rest
     if joint.armature:
         made.armature = joint.armature

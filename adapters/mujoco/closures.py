@@ -8,6 +8,7 @@ from adapters.mujoco.draft import Draft
 from adapters.mujoco.limits import bounds_of
 from adapters.mujoco.plan import Plan
 from adapters.mujoco.softness import hold, stop
+from adapters.mujoco.vendor import linear_law, set_equality
 from harness.adapter import Unsupported
 from harness.adapter.carried_laws import carried, followed
 from harness.scene import WORLD, Coupling, Distance, Fixed, Joint, Prismatic, Revolute
@@ -28,7 +29,7 @@ def close_loop(plan: Plan, draft: Draft, joint: Joint) -> None:
     if isinstance(joint, Fixed):
         made = _add_equality(plan, draft, joint, kinds.mjEQ_WELD)
         # Anchor, then a relative pose of zeros (read off the initial one), then the weight of rotation [m].
-        made.data = [*([0.0] * 10), 1.0, 0.0]
+        set_equality(made, [*([0.0] * 10), 1.0])
         return
     points = [np.array(joint.anchor_W)]
     if isinstance(joint, Revolute):
@@ -36,7 +37,7 @@ def close_loop(plan: Plan, draft: Draft, joint: Joint) -> None:
         points = [points[0] + side * arm * np.array(joint.axis_W) for side in (-1.0, 1.0)]
     for point in points:
         made = _add_equality(plan, draft, joint, kinds.mjEQ_CONNECT)
-        made.data = [*(plan.R_WM[k].T @ (point - plan.p[k])), *([0.0] * 9)]
+        set_equality(made, plan.R_WM[k].T @ (point - plan.p[k]))
 
 
 def _add_equality(plan: Plan, draft: Draft, joint: Joint, kind: Any) -> Any:
@@ -55,7 +56,7 @@ def couple(plan: Plan, draft: Draft, joint: str, coupling: Coupling) -> None:
     made = draft.spec.add_equality(
         type=draft.mj.mjtEq.mjEQ_JOINT, objtype=draft.mj.mjtObj.mjOBJ_JOINT, name1=native[joint], name2=native[coupling.joint]
     )
-    made.data = [0.0, coupling.ratio, *([0.0] * 10)]
+    set_equality(made, [0.0, coupling.ratio])
     hold(made, plan.options, plan.h)
 
 
@@ -72,7 +73,8 @@ def keep_distance(plan: Plan, draft: Draft, joint: Distance) -> None:
         node.add_site(name=f"s.{joint.name}.{end}", pos=point)
         tendon.wrap_site(f"s.{joint.name}.{end}")
     if joint.spring is not None:
-        tendon.stiffness, tendon.damping = [joint.spring.stiffness, 0, 0], [joint.spring.damping, 0, 0]
+        tendon.stiffness = linear_law(tendon.stiffness, joint.spring.stiffness)
+        tendon.damping = linear_law(tendon.damping, joint.spring.damping)
         tendon.springlength = [joint.spring.rest, joint.spring.rest]
     bounds = bounds_of(joint)
     if bounds is not None:
@@ -80,5 +82,6 @@ def keep_distance(plan: Plan, draft: Draft, joint: Distance) -> None:
         stop(tendon, plan.options, plan.h)
     elif joint.spring is None:
         held = draft.spec.add_equality(type=mj.mjtEq.mjEQ_TENDON, name1=f"t.{joint.name}")
-        held.objtype, held.data = mj.mjtObj.mjOBJ_TENDON, [0.0] * 12
+        held.objtype = mj.mjtObj.mjOBJ_TENDON
+        set_equality(held, [])
         hold(held, plan.options, plan.h)

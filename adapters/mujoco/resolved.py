@@ -5,7 +5,6 @@ from typing import Any
 from adapters.mujoco.draft import Draft
 from adapters.mujoco.plan import Plan
 from adapters.mujoco.softness import LEAST_STEPS, friction_constant, time_constant
-from adapters.mujoco.vendor import flag
 from harness.adapter import Settings
 
 __all__ = ["resolved_settings"]
@@ -15,7 +14,7 @@ def resolved_settings(plan: Plan, draft: Draft, model: Any, tolerance_scale: flo
     """The settings that a compiled model has. Args: tolerance_scale: what its tolerance was multiplied by [1]."""
     mj, option = draft.mj, model.opt
     substeps, choice, own = plan.settings.substeps or 1, plan.options, plan.options.friction_steps
-    free = option.integrator == flag(mj, "mjtIntegrator", "mjINT_DISCRETE") or choice.refsafe is False
+    free = mj.mjtIntegrator(option.integrator).name == "mjINT_DISCRETE" or choice.refsafe is False
     least = 0.0 if free else LEAST_STEPS * plan.h
     contact = time_constant(choice.contact_steps, plan.h, choice.slowest)
     flags = {

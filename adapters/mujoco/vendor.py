@@ -1,10 +1,13 @@
-"""The vendor's module: how it is loaded, how its constants are named, when its state counts as lost."""
+"""The vendor's module: how it is loaded, its constants, when its state counts as lost, what older versions take."""
 
+from collections.abc import Sequence
 from typing import Any
 
-from harness.adapter import Unavailable
+import numpy as np
 
-__all__ = ["FATAL", "OPEN", "flag", "mujoco_module"]
+from harness.adapter import Unavailable, Unsupported
+
+__all__ = ["FATAL", "OPEN", "flag", "linear_law", "mujoco_module", "set_equality"]
 
 OPEN = 1e10
 """A bound that no coordinate reaches: MuJoCo calls a state above it diverged (mjMAXVAL)."""
@@ -18,13 +21,28 @@ def mujoco_module() -> Any:
         import mujoco
     except (ImportError, OSError) as error:
         raise Unavailable(f"mujoco cannot be imported ({error}); pip install mujoco") from error
-    log = mujoco.MjLogConfig.get()
-    if log.logto_file or log.logto_console:
-        log.logto_file = log.logto_console = False
-        log.set()
+    # Versions before 3.10 have no such switch: what they print goes to the log of the trial.
+    if hasattr(mujoco, "MjLogConfig"):
+        log = mujoco.MjLogConfig.get()
+        if log.logto_file or log.logto_console:
+            log.logto_file = log.logto_console = False
+            log.set()
     return mujoco
 
 
 def flag(mj: Any, kind: str, name: str) -> int:
-    """The number of a constant of one of the vendor's enumerations."""
-    return int(getattr(getattr(mj, kind), name))
+    """The number of a constant of one of the vendor's enumerations. Raises: Unsupported, where the version has none such."""
+    constant = getattr(getattr(mj, kind), name, None)
+    if constant is None:
+        raise Unsupported(name.partition("_")[2].lower(), f"MuJoCo {mj.__version__} has no {name}")
+    return int(constant)
+
+
+def linear_law(current: Any, coefficient: float) -> list[float] | float:
+    """A linear stiffness or damping in the form of the one that an element has: a polynomial, in older versions a number."""
+    return [coefficient, 0.0, 0.0] if np.ndim(current) else coefficient
+
+
+def set_equality(made: Any, parameters: Sequence[float]) -> None:
+    """Give an equality its first parameters; the others are zero: 12 in all, 11 in older versions."""
+    made.data = [*parameters, *([0.0] * (len(made.data) - len(parameters)))]

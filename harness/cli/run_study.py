@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from harness.cli.chosen_engines import chosen_engines
 from harness.cli.gate import failures
 from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from harness.cli.installed import left_out
@@ -125,7 +126,7 @@ class _Resumable(click.Command):
 
 @click.command(cls=_Resumable)
 @click.argument("study")
-@click.option("--engine", "engine_names", multiple=True, help="Only this engine; may be repeated.")
+@click.option("--engine", "engine_names", multiple=True, help="Only this engine, or its ==VERSION or =WHEEL; may be repeated.")
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
@@ -155,14 +156,13 @@ def run(
     _once("--engine", engine_names)
 
     from harness.run.campaign import carry_out
-    from harness.study import plugins
     from harness.study.experiment import StudyError
 
     try:
         plan, chosen = _study_and_cases(study, own, globs, budget)
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
-    adapters = {name: plugins.adapter(name) for name in engine_names} if engine_names else plugins.adapters()
+    adapters = chosen_engines(engine_names)
     if own:
         refuse_two_frictions(study, next(iter(chosen.values())).scene(), adapters)
     folder = out or Path("build") / plan.name

@@ -26,7 +26,7 @@ from harness.trial.accuracy import outcome, run_trial
 from harness.trial.bench import Bench, rough_cost_beside
 from harness.trial.ensemble import endure
 
-__all__ = ["answers", "confine", "end", "end_started", "exit_code", "roughly_clocked"]
+__all__ = ["answers", "confine", "end", "end_started", "exit_code", "named_signal", "roughly_clocked"]
 
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
@@ -68,6 +68,14 @@ def end(process: BaseProcess) -> None:
     with suppress(ProcessLookupError, PermissionError):
         if process.pid:
             os.killpg(process.pid, signal.SIGKILL)
+
+
+def named_signal(number: int) -> str:
+    """A signal's name; those of real time have none of their own."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def confine(log: Path) -> None:

@@ -1,5 +1,7 @@
 """Fork servers: some that have the numeric libraries and no engine, and one that has it for each engine that loads slowly.
 
+A version of an engine that has an environment of its own has servers on the interpreter of that one.
+
 Off such a server a process starts in milliseconds, where loading an engine takes up to two tenths of a second. An engine is in
 its own server alone: a library may set the mode of floating-point arithmetic, or take signals, when it is loaded, and no other
 engine is to feel that.
@@ -13,14 +15,17 @@ import atexit
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import forkserver
+from multiprocessing import forkserver, resource_tracker, spawn
 from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from typing import Any
+
+from harness.study.environments import Environment, project_folders
 
 __all__ = ["WORTH_A_SERVER", "Server", "context", "start_apart", "start_loaded"]
 
@@ -81,51 +86,57 @@ class Server:
         return True
 
 
-def start_loaded(process: BaseProcess, modules: tuple[str, ...], foreseen: int) -> Server:
+def start_loaded(
+    process: BaseProcess, modules: tuple[str, ...], foreseen: int, environment: Environment | None = None
+) -> Server:
     """Start a process of `context` in which these modules are loaded already, where that can be done and pays.
 
     Args: foreseen: how many processes will want them; few start off the plain server, unless theirs is there.
+    environment: whose interpreter it is to run on; None for this one.
     A server that dies of its modules is given up: its processes start off the plain one, and meet what is wrong themselves.
     Raises: OSError.
     """
-    if modules and (modules in _servers or foreseen >= WORTH_A_SERVER):
-        if modules not in _servers:
-            _servers[modules] = _new_server(modules)
-        server = _servers[modules]
+    key = environment, modules
+    if modules and (key in _servers or foreseen >= WORTH_A_SERVER):
+        if key not in _servers:
+            _servers[key] = _new_server(modules)
+        server = _servers[key]
         try:
             if server is not None:
-                return _start(process, server)
+                return _start(process, server, environment)
         except ConnectionError:
-            _servers[modules] = None
-    return _start(process, _PLAIN)
+            _servers[key] = None
+    return start_apart(process, 0, environment=environment)
 
 
-def start_apart(process: BaseProcess, number: int, only: str = "") -> Server:
+def start_apart(process: BaseProcess, number: int, only: str = "", environment: Environment | None = None) -> Server:
     """Start a process of `context` off the server of this number, which knows no engine: another number, another layout.
 
     Args: number: 0 for the one that `context` has anyway. only: whose server it is, beside that of all others; '' for theirs.
+    environment: as for `start_loaded`.
     Raises: OSError.
     """
-    if number == 0 and not only:
-        return _start(process, _PLAIN)
-    if (number, only) not in _apart:
-        _apart[number, only] = _new_server(())
-    return _start(process, _apart[number, only])
+    if number == 0 and not only and environment is None:
+        return _start(process, _PLAIN, None)
+    key = environment, number, only
+    if key not in _apart:
+        _apart[key] = _new_server(())
+    return _start(process, _apart[key], environment)
 
 
 _PLAIN: Any = forkserver._forkserver
 """The one behind every context."""
-_servers: dict[tuple[str, ...], Any] = {}
-"""By modules; None for those that kill a server."""
-_apart: dict[tuple[int, str], Any] = {}
-"""Those beside the plain one that know no engine, by number and by whose they are."""
+_servers: dict[tuple[Environment | None, tuple[str, ...]], Any] = {}
+"""By environment and modules; None for those that kill a server."""
+_apart: dict[tuple[Environment | None, int, str], Any] = {}
+"""Those beside the plain one that know no engine, by environment, number and whose they are."""
 
 
-def _start(process: BaseProcess, server: Any) -> Server:
+def _start(process: BaseProcess, server: Any, environment: Environment | None) -> Server:
     """Start it off a server, and off a new one where that has died. Raises: ConnectionError, where the new one dies as well."""
     for _ in range(_TRIES):
         try:
-            with _through(server), _one_thread():
+            with _through(server), _surroundings(_environ(environment)), _interpreter(environment):
                 process.start()
             return Server(server._forkserver_pid)
         except (EOFError, ConnectionError):
@@ -134,15 +145,21 @@ def _start(process: BaseProcess, server: Any) -> Server:
     raise ConnectionError(f"a process could not be started: its fork server died, {_TRIES} times")
 
 
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Where numeric libraries use one thread: so says the environment that a server, if it is new, is born with.
+def _environ(environment: Environment | None) -> dict[str, str]:
+    """What the environment variables say that a server, if it is new, is born with: numeric libraries use one thread."""
+    threads = dict.fromkeys(_THREADS, "1")
+    return threads if environment is None else threads | {"PYTHONPATH": os.pathsep.join(project_folders())}
 
-    The environment of this process is as before afterwards: Numba refuses to compile once it says another number of threads
-    than those that run.
+
+@contextmanager
+def _surroundings(variables: dict[str, str]) -> Iterator[None]:
+    """These environment variables, for once.
+
+    Those of this process are as before afterwards: Numba refuses to compile once they say another number of threads than those
+    that run.
     """
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
     try:
         yield
     finally:
@@ -151,6 +168,27 @@ def _one_thread() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+@contextmanager
+def _interpreter(environment: Environment | None) -> Iterator[None]:
+    """Python starts servers on its own interpreter and gives processes its own module path; for once, another's."""
+    if environment is None:
+        yield
+        return
+    resource_tracker.ensure_running()  # type: ignore[attr-defined]  # it serves all, on this interpreter
+    library: Any = spawn
+    usual = library.get_executable, library.get_preparation_data
+    ordered = dict.fromkeys([*project_folders(), *environment.path, *sys.path])
+
+    def prepared(name: str) -> dict[str, Any]:
+        return {**usual[1](name), "sys_path": list(ordered)}
+
+    library.get_executable, library.get_preparation_data = (lambda: os.fsencode(environment.executable)), prepared
+    try:
+        yield
+    finally:
+        library.get_executable, library.get_preparation_data = usual
 
 
 @atexit.register

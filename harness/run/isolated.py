@@ -10,7 +10,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from harness.case.alteration import ALONE
-from harness.run.child import answers, confine, end, end_started, exit_code, roughly_clocked
+from harness.run.child import answers, confine, end, end_started, exit_code, named_signal, roughly_clocked
 from harness.run.fork_servers import Server, context, start_apart, start_loaded
 from harness.run.interrupt import stop_if_asked
 from harness.run.memory_watch import MemoryWatch, kills_for_memory
@@ -18,6 +18,7 @@ from harness.run.message import BrokenMessage, Inbox, read_record, readable, sen
 from harness.store.notices import StoredNotice
 from harness.store.record import Record
 from harness.study import plugins
+from harness.study.environments import elsewhere
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
@@ -57,14 +58,6 @@ def _late(trial: Trial, log: Path) -> Record:
     return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
 
 
-def _named(number: int) -> str:
-    """A signal's name; those of real time have none of their own."""
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
-
-
 def _expired(trial: Trial, code: int | None, log: Path, seconds: float, kills: int) -> Record:
     """Terms: seconds: since it began. kills: of the system for want of memory, while the trial ran."""
     detail = _tail(log)
@@ -73,7 +66,7 @@ def _expired(trial: Trial, code: int | None, log: Path, seconds: float, kills: i
     if code == -signal.SIGKILL and kills:
         return outcome(trial, "oom", f"killed by the system, which killed {kills} times for want of memory meanwhile", detail)
     if code is not None and code < 0:
-        return outcome(trial, "crashed", f"killed by {_named(-code)}", detail)
+        return outcome(trial, "crashed", f"killed by {named_signal(-code)}", detail)
     return outcome(trial, "crashed", f"process ended with exit code {code} and no result", detail)
 
 
@@ -173,12 +166,12 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = 
     forkserver = context()
     ours, theirs = forkserver.Pipe(duplex=False)
     process = forkserver.Process(target=_answer, args=(theirs, trial, folder, log), daemon=True)
-    adapter = plugins.adapter(trial.engine)
+    adapter, environment = plugins.adapter(trial.engine), elsewhere(trial.engine)
     if trial.experiment.determinism:
         # Whether another process answers the same is asked of one that does not even have things at the same place in memory.
-        server = start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0)
+        server = start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0, environment=environment)
     else:
-        server = start_loaded(process, adapter.loads, foreseen)
+        server = start_loaded(process, adapter.loads, foreseen, environment)
     theirs.close()
     since = time.monotonic()
     until = since + trial.experiment.deadline + adapter.compile_allowance

@@ -24,6 +24,7 @@ from harness.run.memory_watch import MemoryWatch
 from harness.run.message import BrokenMessage, Inbox, read_sample, readable, send
 from harness.store.record import Sample
 from harness.study import plugins
+from harness.study.environments import elsewhere
 from harness.study.trial import Trial
 from harness.trial.bench import Bench, calibrate
 
@@ -265,7 +266,7 @@ def _start(trials: Sequence[Trial], folder: Path, server: int, apart: bool) -> I
             ours, theirs = forkserver.Pipe()
             place = Place(cores[worker % len(cores)], worker == 0, gate)
             process = forkserver.Process(target=_child, args=(theirs, served, place, log), daemon=True)
-            origin = start_apart(process, server, only=served[0].trial if apart else "")
+            origin = start_apart(process, server, served[0].trial if apart else "", elsewhere(served[0].engine))
             theirs.close()
             watch = MemoryWatch(process.pid or 0, sum(trial.experiment.memory for trial in served), _LOOKS)
             children.append(Clocked(process, origin, watch, Inbox(ours), alone=apart))

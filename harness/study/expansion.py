@@ -13,6 +13,7 @@ from harness.case.alteration import ALONE, REFINED, Alteration, departures
 from harness.intake.allowance import beyond
 from harness.scene import Scene
 from harness.study.axes import axis_of, steps_of
+from harness.study.engine_versions import engine_of, named_by
 from harness.study.experiment import Experiment, StudyError
 from harness.study.foreseen_cost import misfit, too_much
 from harness.study.trial import Trial, question_of, scene_of
@@ -37,7 +38,7 @@ def trials_of(
     """
     _check_count(study, cases, adapters)
     for experiment in study.experiments:
-        engines = [e for e in adapters.values() if any(fnmatchcase(e.name, pattern) for pattern in experiment.engines)]
+        engines = [e for e in adapters.values() if any(named_by(e.name, pattern) for pattern in experiment.engines)]
         sides = [divided for side in _sides(study, experiment, engines) for divided in _divided(experiment, side)]
         for case in cases.values():
             if not experiment.asks(case.name):
@@ -83,7 +84,7 @@ def _check_count(study: "Study", cases: Mapping[str, Case], adapters: Mapping[st
     """Refuse more trials than are allowed before the first one is made."""
     total = 0
     for experiment in study.experiments:
-        sides = sum(any(fnmatchcase(name, pattern) for pattern in experiment.engines) for name in adapters)
+        sides = sum(any(named_by(name, pattern) for pattern in experiment.engines) for name in adapters)
         sides *= len(experiment.tracks) + max(map(len, study.variants.values()), default=0)
         each = math.prod(map(len, experiment.parameters.values())) * len(experiment.clocks) * len(experiment.workers)
         asked = [case for case in cases.values() if experiment.asks(case.name)]
@@ -98,8 +99,8 @@ def _sides(study: "Study", experiment: Experiment, engines: Sequence[Adapter]) -
         for engine in engines:
             yield track, engine, engine.tracks[track]
     for engine in engines:
-        for name, variant in study.variants.get(engine.name, {}).items():
-            if any(fnmatchcase(f"{engine.name}/{name}", pattern) for pattern in experiment.variants):
+        for name, variant in study.variants.get(engine_of(engine.name), {}).items():
+            if any(fnmatchcase(f"{engine_of(engine.name)}/{name}", pattern) for pattern in experiment.variants):
                 try:
                     yield name, engine, variant.over(engine.tracks)
                 except SettingsError as error:

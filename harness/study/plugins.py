@@ -8,7 +8,7 @@ a metric is left out.
 import importlib
 import pkgutil
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,8 @@ from harness.intake.mendable import Mendable
 from harness.intake.strangers import points, trouble
 from harness.metric import Metric
 from harness.scene import Scene
+from harness.study import environments
+from harness.study.engine_versions import asked, engine_of, version_asked
 
 __all__ = [
     "SCENE_PREFIX",
@@ -71,6 +73,7 @@ def names(kind: str) -> tuple[str, ...]:
 
 def module_of(kind: str, name: str) -> str | None:
     """The module of a plug-in of a kind ('adapters' or 'cases'), which is not imported; None where there is none."""
+    name = engine_of(name) if kind == "adapters" else name
     point = points(f"plumbline.{kind}").get(name)
     return _folder(kind).get(name, None if point is None else point.module)
 
@@ -108,7 +111,14 @@ class _Lost(Adapter):
 
 
 def adapter(name: str) -> Adapter:
-    """The adapter of that name; a third party's that cannot be loaded is unavailable. Raises: PluginError."""
+    """The adapter of that name; a third party's that cannot be loaded is unavailable. Raises: PluginError.
+
+    That of a version of its own, `mujoco 3.3.0`, is the engine's under this name: all but `version_of` and what builds is the
+    same in every environment.
+    """
+    if version := version_asked(name):
+        plain = adapter(engine_of(name))
+        return replace(plain, name=name, title=f"{plain.title} {version}")
     point = None if name in _folder("adapters") else points("plumbline.adapters").get(name)
     if point is None:
         built_in: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
@@ -181,7 +191,14 @@ def metrics() -> dict[str, Metric]:
 
 
 def version_of(engine: Adapter) -> tuple[str, str | None]:
-    """The installed version and None, or 'none' and the reason why the engine is unavailable."""
+    """The installed version and None, or 'none' and the reason why the engine is unavailable.
+
+    Of an engine in an environment of its own, what was found there when that was made.
+    """
+    if version_asked(engine.name) and not environments.inside():
+        environment = environments.environment_of(engine.name)
+        reason = environment.reason if environment else f"has no environment here; plumbline run --engine {asked(engine.name)}"
+        return ("none", reason) if environment is None or reason else (environment.version, None)
     try:
         version = engine.version()
         if type(version) is not str or not version.isprintable() or not 0 < len(version) <= _LONGEST_VERSION:

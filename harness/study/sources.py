@@ -15,7 +15,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from textwrap import dedent
 
-__all__ = ["closure", "digest_of", "file_digests", "keeps", "libraries", "short_name"]
+__all__ = ["closure", "digest_of", "file_digests", "keeps", "libraries", "library_versions", "short_name"]
 
 _OURS = ("adapters", "cases", "engine", "harness")
 _WHOLE = "engine"
@@ -155,11 +155,16 @@ def _joined(modules: frozenset[str]) -> str:
 @cache
 def libraries() -> str:
     """The versions of the numeric libraries that answers pass through."""
+    return ", ".join(f"{name} {known or 'none'}" for name, known in library_versions().items())
 
-    def name_and_version(name: str) -> str:
+
+def library_versions() -> dict[str, str]:
+    """The same by name, '' for one that is not installed."""
+
+    def version_here(name: str) -> str:
         try:
-            return f"{name} {version(name)}"
+            return version(name)
         except PackageNotFoundError:
-            return f"{name} none"
+            return ""
 
-    return ", ".join(map(name_and_version, _LIBRARIES))
+    return {name: version_here(name) for name in _LIBRARIES}

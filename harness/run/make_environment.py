@@ -1,0 +1,143 @@
+"""Making the environment of an engine version: an interpreter of its own, laid over what is installed beside plumbline.
+
+The engine itself is installed into it; everything else, NumPy above all, is read from where plumbline's own packages lie, so
+that two versions of an engine are compared among the same libraries. It is made once and kept.
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from harness.intake.safe_text import one_line
+from harness.run.child import named_signal
+from harness.study import plugins, sources
+from harness.study.engine_versions import EngineVersion
+from harness.study.environments import (
+    Environment,
+    environment_of,
+    folder_of,
+    installed_folders,
+    keep,
+    project_folders,
+)
+
+__all__ = ["NotMade", "ensure"]
+
+_INSTALLS = 900.0
+_TRIES = 300.0
+"""Seconds that installing, and the checks of `harness.conformance.smoke`, may take."""
+_LONGEST = 400
+_ADDRESS = re.compile(r"\b[a-z+]+://\S+")
+_FRAME = re.compile(r"[│╰╭─▶×├]+")
+
+
+class NotMade(Exception):
+    """An environment could not be made; the text says why, in the words of who installs."""
+
+
+def ensure(version: EngineVersion, distribution: str) -> Environment:
+    """The environment of a version, made where it is not there, tried again where the adapter has changed or it was unavailable.
+
+    Args: distribution: the package that holds the engine. Raises: OSError.
+    """
+    digest = sources.digest_of(sources.closure([plugins.module_of("adapters", version.engine) or ""]))
+    known = environment_of(version.name)
+    if known is not None and not known.reason and known.sources == digest:
+        return known
+    try:
+        if known is None or not Path(known.executable).is_file():
+            _make(folder_of(version.name), str(version.wheel or f"{distribution}=={version.version}"))
+        tried = _tried(version, digest)
+    except NotMade as error:
+        tried = Environment(reason=str(error), sources=digest)
+    keep(version.name, tried)
+    return tried
+
+
+def _interpreter(folder: Path) -> Path:
+    return folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def _make(folder: Path, what: str) -> None:
+    """Make a folder with an interpreter that has this package. Raises: NotMade, OSError."""
+    draft = folder.with_name(f".{folder.name}.{os.getpid()}")
+    draft.parent.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(draft, ignore_errors=True)
+    try:
+        uv = shutil.which("uv")
+        bare = [uv, "venv", "--quiet", "--python", sys.executable] if uv else [sys.executable, "-m", "venv", "--without-pip"]
+        _run([*bare, str(draft)])
+        # First the engine alone, so that none of what it is laid over can stand for it; then what it needs beyond that.
+        _install(uv, draft, [what, "--no-deps"])
+        _lay_over(draft)
+        pins = draft / "pins.txt"
+        pins.write_text(
+            "".join(f"{name}=={pin}\n" for name, pin in sources.library_versions().items() if pin), encoding="utf-8"
+        )
+        _install(uv, draft, [what, "--constraint", str(pins)])
+        shutil.rmtree(folder, ignore_errors=True)
+        draft.replace(folder)
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def _lay_over(folder: Path) -> None:
+    """Let the interpreter find this one's packages behind its own. Raises: NotMade."""
+    ask = "import sysconfig; print(sysconfig.get_path('purelib'))"
+    own = Path(_run([str(_interpreter(folder)), "-c", ask]).strip())
+    lines = [f"import site; site.addsitedir({place!r})" for place in installed_folders()]
+    (own / "beneath.pth").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _install(uv: str | None, folder: Path, what: Sequence[str]) -> None:
+    """Raises: NotMade."""
+    if uv:
+        _run([uv, "pip", "install", "--quiet", "--python", str(_interpreter(folder)), *what])
+        return
+    pip = [sys.executable, "-m", "pip", "--python", str(_interpreter(folder))]
+    _run([*pip, "install", "--quiet", "--no-input", "--disable-pip-version-check", *what])
+
+
+def _run(command: Sequence[str]) -> str:
+    """What a command prints. Raises: NotMade, with the last that it said where it fails."""
+    try:
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=_INSTALLS, check=False)
+    except subprocess.TimeoutExpired:
+        raise NotMade(f"its environment was not made within {_INSTALLS:g} s") from None
+    if done.returncode != 0:
+        raise NotMade(_last(done.stderr.decode("utf-8", "replace")) or f"{command[0]} ended with code {done.returncode}")
+    return done.stdout.decode("utf-8", "replace")
+
+
+def _last(said: str) -> str:
+    """The last error that was told, on one line, without addresses: they may hold what is nobody's business."""
+    lines = [_FRAME.sub(" ", line).strip() for line in said.splitlines()]
+    errors = [line for line in lines if line.startswith(("ERROR", "error"))] or [line for line in lines if line]
+    return one_line(_ADDRESS.sub("<address>", errors[-1]), _LONGEST) if errors else ""
+
+
+def _tried(version: EngineVersion, digest: str) -> Environment:
+    """The environment as the smoke checks find it. Raises: NotMade, OSError."""
+    interpreter, ours = str(_interpreter(folder_of(version.name))), project_folders()
+    with TemporaryDirectory(prefix="plumbline-version-") as scratch:
+        out = Path(scratch) / "found.json"
+        command = [interpreter, "-P", "-m", "harness.conformance.smoke", version.engine, str(out)]
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(ours)}
+        try:
+            done = subprocess.run(
+                command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, timeout=_TRIES, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return Environment(interpreter, reason=f"its smoke checks did not end within {_TRIES:g} s", sources=digest)
+        if not out.is_file():
+            how = named_signal(-done.returncode) if done.returncode < 0 else _last(done.stderr.decode("utf-8", "replace"))
+            return Environment(interpreter, reason=f"its smoke checks died: {how}", sources=digest)
+        found = json.loads(out.read_text(encoding="utf-8"))
+    path = tuple(place for place in found["path"] if place not in ours)
+    return Environment(interpreter, path, found["version"], one_line(found["reason"], _LONGEST), digest)

@@ -1,0 +1,110 @@
+"""Environments of engine versions: where each lies, what was found in it, and which interpreter an engine's processes run on.
+
+An environment lies in the user's cache folder, by a digest of the engine's version or wheel, of all that is installed beside
+plumbline and of Python's version, so that a name finds it again in any process; `harness.run.make_environment` makes it.
+"""
+
+import dataclasses
+import hashlib
+import json
+import os
+import sys
+import sysconfig
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import distributions
+from pathlib import Path
+
+import platformdirs
+
+from harness.study.engine_versions import version_asked
+
+__all__ = ["Environment", "elsewhere", "environment_of", "folder_of", "inside", "installed_folders", "keep", "project_folders"]
+
+_FILE = "environment.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Environment:
+    """What was found in an environment.
+
+    Terms: executable: its interpreter; '' where none could be made. path: where that looks for modules, but for plumbline's.
+    version: that the engine's adapter reads there. reason: why the engine is unavailable; '' where it is not.
+    sources: the digest of the adapter's texts that this was found with.
+    """
+
+    executable: str = ""
+    path: tuple[str, ...] = ()
+    version: str = ""
+    reason: str = ""
+    sources: str = ""
+
+
+def _root() -> Path:
+    return Path(os.environ.get("PLUMBLINE_ENVIRONMENTS") or Path(platformdirs.user_cache_dir("plumbline")) / "environments")
+
+
+def installed_folders() -> tuple[str, ...]:
+    """Where this interpreter's packages are installed."""
+    return tuple(dict.fromkeys(sysconfig.get_path(kind) for kind in ("purelib", "platlib")))
+
+
+def project_folders() -> tuple[str, ...]:
+    """Where plumbline itself lies, unless it is installed among the others."""
+    root = str(Path(__file__).parents[2])
+    return () if root in installed_folders() else (root,)
+
+
+@cache
+def _installed() -> str:
+    """A digest of what an environment is laid over: every package here with its version, the lock file, Python."""
+    packages = sorted({f"{found.metadata['Name']}=={found.version}" for found in distributions(path=list(installed_folders()))})
+    lock = Path(__file__).parents[2] / "requirements.lock"
+    pinned = hashlib.sha256(lock.read_bytes()).hexdigest() if lock.is_file() else ""
+    said = [*packages, pinned, sys.version, *installed_folders()]
+    return hashlib.sha256("\n".join(said).encode()).hexdigest()
+
+
+def folder_of(name: str) -> Path:
+    """The folder of an engine of this name, whether it is there or not."""
+    digest = hashlib.sha256(f"{name}\n{_installed()}".encode()).hexdigest()[:16]
+    return _root() / f"{name.replace(' ', '-')}-{digest}"
+
+
+def inside() -> bool:
+    """Does this process run on the interpreter of such an environment? Then its engine is the one that is imported."""
+    return Path(sys.prefix).parent == _root()
+
+
+def keep(name: str, environment: Environment) -> None:
+    """Write down what was found. Raises: OSError."""
+    folder = folder_of(name)
+    folder.mkdir(parents=True, exist_ok=True)
+    draft = folder / f".{_FILE}.{os.getpid()}"
+    draft.write_text(json.dumps(dataclasses.asdict(environment), indent=1), encoding="utf-8")
+    draft.replace(folder / _FILE)
+
+
+def environment_of(name: str) -> Environment | None:
+    """What was found in the environment of an engine of this name; None where none was tried, or what is written is torn."""
+    path = folder_of(name) / _FILE
+    try:
+        return _read(path, path.stat().st_mtime_ns)
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+@cache
+def _read(path: Path, changed: int) -> Environment:  # noqa: ARG001  # another time, another content
+    fields = json.loads(path.read_text(encoding="utf-8"))
+    return Environment(**{**fields, "path": tuple(fields["path"])})
+
+
+def elsewhere(engine: str) -> Environment | None:
+    """The environment that an engine's processes run in; None for this one's. Raises: LookupError, where it is not there."""
+    if not version_asked(engine) or inside():
+        return None
+    environment = environment_of(engine)
+    if environment is None or not environment.executable:
+        raise LookupError(f"{engine} has no environment here")
+    return environment

@@ -10,7 +10,7 @@ from adapters.mujoco.images import Renderer
 from adapters.mujoco.inertial import Inertial
 from adapters.mujoco.joint_states import JointReader
 from adapters.mujoco.rays import cast, caster
-from adapters.mujoco.vendor import FATAL, OPEN, flag
+from adapters.mujoco.vendor import OPEN, counters, fatal, flag
 from adapters.mujoco.world import World
 from harness.adapter import Diverged, Notice, Settings
 from harness.adapter.rotations import products
@@ -20,9 +20,6 @@ from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
 __all__ = ["MujocoSimulation"]
-
-COUNTED = ("INERTIA", "CONTACTFULL", "CNSTRFULL", "BADQPOS", "BADQVEL", "BADQACC", "BADCTRL")
-"""The vendor's warnings in the order of their counters (mjtWarning)."""
 
 
 class MujocoSimulation:
@@ -60,13 +57,13 @@ class MujocoSimulation:
 
     def _examine(self) -> None:
         """Has a counter risen that says that the state is lost? Raises: Diverged."""
-        if self._numbers[FATAL].any():
+        if self._numbers[fatal(self._mj)].any():
             raise Diverged(f"NaN, Inf or a value above {OPEN:g} ({'; '.join(self._counted())}) by time {self._d.time:.9g} s")
         self._clean = self._numbers.tobytes()
 
     def _counted(self) -> list[str]:
         """The vendor's warnings, with how often each was given."""
-        return [f"{name} x{number}" for name, number in zip(COUNTED, self._numbers, strict=True) if number]
+        return [f"{name} x{number}" for name, number in zip(counters(self._mj), self._numbers, strict=True) if number]
 
     def state(self, out: State) -> None:
         """Write p_WB, q_WB, v_WB and w_WB."""

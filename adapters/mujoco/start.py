@@ -4,7 +4,7 @@ import numpy as np
 
 from adapters.mujoco.draft import Draft
 from adapters.mujoco.plan import Plan
-from adapters.mujoco.vendor import FATAL, flag
+from adapters.mujoco.vendor import fatal, flag
 from adapters.mujoco.world import World
 from harness.adapter import Simulation, Unsupported
 from harness.scene import Ball, Distance, Fixed, Revolute
@@ -42,7 +42,7 @@ def start(plan: Plan, draft: Draft, world: World) -> None:
         at_anchor = v + np.cross(w, np.array(joint.anchor_W) - plan.p[k])
         d.qvel[adr] = axis @ (w - above_w) if isinstance(joint, Revolute) else axis @ (at_anchor - above_v)
     world.mj.mj_forward(model, d)
-    if d.warning.number[FATAL].any():
+    if d.warning.number[fatal(world.mj)].any():
         raise Unsupported("initial state", "a coordinate or velocity lies above MuJoCo's bound of 1e10")
 
 

@@ -7,12 +7,11 @@ import numpy as np
 
 from harness.adapter import Unavailable, Unsupported
 
-__all__ = ["FATAL", "OPEN", "flag", "linear_law", "mujoco_module", "set_equality"]
+__all__ = ["OPEN", "counters", "fatal", "flag", "linear_law", "mujoco_module", "set_equality"]
 
 OPEN = 1e10
 """A bound that no coordinate reaches: MuJoCo calls a state above it diverged (mjMAXVAL)."""
-FATAL = slice(3, 6)
-"""Places of BADQPOS, BADQVEL and BADQACC among mjData's warning counters."""
+_FATAL = ("BADQPOS", "BADQVEL", "BADQACC")
 
 
 def mujoco_module() -> Any:
@@ -28,6 +27,17 @@ def mujoco_module() -> Any:
             log.logto_file = log.logto_console = False
             log.set()
     return mujoco
+
+
+def counters(mj: Any) -> tuple[str, ...]:
+    """The names of mjData's warning counters in their order, which is not the same in all versions."""
+    named = sorted((int(number), name) for name, number in mj.mjtWarning.__members__.items() if name != "mjNWARNING")
+    return tuple(name.removeprefix("mjWARN_") for _, name in named)
+
+
+def fatal(mj: Any) -> list[int]:
+    """The places of those among these counters that say that a state is lost."""
+    return [place for place, name in enumerate(counters(mj)) if name in _FATAL]
 
 
 def flag(mj: Any, kind: str, name: str) -> int:

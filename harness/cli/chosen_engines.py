@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 __all__ = ["chosen_engines"]
 
 
+def _package(name: str) -> str:
+    """The package of a wheel or distribution of this name, spelled as wheels do."""
+    return name.partition("-")[0].lower() if name.endswith(".whl") else name.replace("-", "_").lower()
+
+
 def chosen_engines(texts: "Sequence[str]") -> "dict[str, Adapter]":
     """The adapters that these texts name; all that there are for none. Environments that are not there are made.
 
@@ -33,10 +38,8 @@ def chosen_engines(texts: "Sequence[str]") -> "dict[str, Adapter]":
         distribution = plugins.adapter(version.engine).distribution
         if distribution in ("", "plumbline"):
             raise click.BadParameter(f"{quoted(text)}: {version.engine} has no versions of its own", param_hint="--engine")
-        if version.wheel is not None and version.wheel.name.partition("-")[0].lower() != distribution.replace("-", "_").lower():
-            raise click.BadParameter(
-                f"{quoted(text)}: a wheel of another package, expected {distribution}'s", param_hint="--engine"
-            )
+        if version.wheel is not None and _package(version.wheel.name) != _package(distribution):
+            raise click.BadParameter(f"{quoted(text)}: another package's, expected {distribution}'s", param_hint="--engine")
         say(f"{version.name}: looking for its environment, which is made on first use", err=True)
         environment = ensure(version, distribution)
         say(f"{version.name}: {f'unavailable: {environment.reason}' if environment.reason else 'ready'}", err=True)

@@ -34,7 +34,7 @@ _TRIES = 300.0
 """Seconds that installing, and the checks of `harness.conformance.smoke`, may take."""
 _LONGEST = 400
 _ADDRESS = re.compile(r"\b[a-z+]+://\S+")
-_FRAME = re.compile(r"[│╰╭─▶×├]+")
+_FRAME = re.compile(r"[^\x00-\x7f]+")
 
 
 class NotMade(Exception):
@@ -42,7 +42,7 @@ class NotMade(Exception):
 
 
 def ensure(version: EngineVersion, distribution: str) -> Environment:
-    """The environment of a version, made where it is not there, tried again where the adapter has changed or it was unavailable.
+    """The environment of a version, made where it is not there, tried again where the adapter has changed or it failed.
 
     Args: distribution: the package that holds the engine. Raises: OSError.
     """
@@ -77,9 +77,8 @@ def _make(folder: Path, what: str) -> None:
         _install(uv, draft, [what, "--no-deps"])
         _lay_over(draft)
         pins = draft / "pins.txt"
-        pins.write_text(
-            "".join(f"{name}=={pin}\n" for name, pin in sources.library_versions().items() if pin), encoding="utf-8"
-        )
+        known = sources.library_versions().items()
+        pins.write_text("".join(f"{name}=={pin}\n" for name, pin in known if pin), encoding="utf-8")
         _install(uv, draft, [what, "--constraint", str(pins)])
         shutil.rmtree(folder, ignore_errors=True)
         draft.replace(folder)

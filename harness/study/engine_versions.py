@@ -1,4 +1,4 @@
-"""Versions of an engine by name: `mujoco==3.3.0` and `mujoco=its.whl` where people ask for one, `mujoco 3.3.0` everywhere else."""
+"""Versions of an engine by name: `mujoco==3.3.0` and `mujoco=its.whl` on the command line, `mujoco 3.3.0` everywhere else."""
 
 import hashlib
 import re

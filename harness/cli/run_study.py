@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from harness.cli.chosen_engines import chosen_engines
+from harness.cli.cluster_commands import at_work
 from harness.cli.gate import failures
 from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from harness.cli.installed import left_out
@@ -130,6 +131,7 @@ class _Resumable(click.Command):
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
+@click.option("--scheduler", metavar="ADDRESS", help="Run on the workers of a dask.distributed scheduler, tcp://HOST:PORT.")
 @click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
 @click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
 @click.option(_MERGE, "resume", flag_value="merge", hidden=True)
@@ -142,6 +144,7 @@ def run(
     globs: tuple[str, ...],
     out: Path | None,
     workers: int,
+    scheduler: str | None,
     shard: tuple[int, int],
     resume: Literal["same", "merge"] | None,
     budget: float | None,
@@ -168,7 +171,8 @@ def run(
     folder = out or Path("build") / plan.name
     try:
         how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
-        store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard)
+        with at_work(scheduler) as cluster:
+            store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard, cluster=cluster)
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
     except KeyboardInterrupt:

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import tomli_w
 
@@ -35,6 +35,9 @@ from harness.study.provenance import files_of, sources_of
 from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
+
+if TYPE_CHECKING:
+    from harness.run.cluster.workplace import Workplace
 
 __all__ = ["Shard", "carry_out", "share"]
 
@@ -63,6 +66,7 @@ def _accuracy(
     folder: Path,
     workers: int,
     machine: str,
+    cluster: "Workplace | None",
 ) -> None:
     waiting = [trial for trial in trials if trial.trial not in journal.records]
     for trial in waiting:
@@ -76,19 +80,25 @@ def _accuracy(
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     lost: list[str] = []
     with Progress(what, len(waiting)) as progress:
-        for group, side in ((beside, workers), (alone, 1)):
-            for record in run_isolated(group, folder, side):
+        for group, side, at_once in ((beside, workers, 0), (alone, 1, 1)):
+            answers = run_isolated(group, folder, side) if cluster is None else cluster.answers(group, folder, at_once)
+            for record in answers:
                 if record.status == "interrupted":
                     lost.append(record.reason)
                 else:
-                    journal.append(replace(record, answered_on=machine))
+                    journal.append(replace(record, answered_on=record.answered_on or machine))
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
 
 
 def _timing(
-    trials: Sequence[Trial], journal: Journal, folder: Path, cases: Mapping[str, Case], machine: Mapping[str, Any]
+    trials: Sequence[Trial],
+    journal: Journal,
+    folder: Path,
+    cases: Mapping[str, Case],
+    machine: Mapping[str, Any],
+    cluster: "Workplace | None",
 ) -> None:
     records, here = dict(journal.records), machine_digest(machine)
     near = due_for_clock(trials, records, cases)
@@ -109,11 +119,12 @@ def _timing(
     due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
     with Progress("timing", len(due)) as progress:
-        for _, group in groupby(due, key=_together):
-            for timing in clock_group(tuple(group), folder, shuffle):
-                journal.append(replace(timing, clocked_on=here))
-                troubles += [timing.note] if timing.note else []
-                progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
+        groups = [tuple(group) for _, group in groupby(due, key=_together)]
+        clocked = (timing for group in groups for timing in clock_group(group, folder, shuffle))
+        for timing in clocked if cluster is None else cluster.clocked(groups, folder):
+            journal.append(replace(timing, clocked_on=here))
+            troubles += [timing.note] if timing.note else []
+            progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
 
@@ -145,6 +156,7 @@ def _searched(
     cases: Mapping[str, Case],
     adapters: Mapping[str, Adapter],
     machine: str,
+    cluster: "Workplace | None",
 ) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     extended, number = list(trials), 0
@@ -164,7 +176,7 @@ def _searched(
         if not more:
             break
         number += 1
-        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine)
+        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cluster)
         extended += more
     return extended
 
@@ -178,6 +190,7 @@ def carry_out(
     workers: int,
     resume: bool | Literal["merge"],
     shard: Shard = (1, 1),
+    cluster: "Workplace | None" = None,
 ) -> Store:
     """Run every trial of a study that the folder does not hold yet.
 
@@ -186,6 +199,7 @@ def carry_out(
 
     Args: resume: whether the folder may hold this study's run, or with 'merge' another's too. What no longer holds in it is
     withdrawn and run anew, and told of on standard error.
+    cluster: whose workers answer and clock, in place of `workers` processes here.
     Raises:
         FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read, and where an answer
         could not be kept.
@@ -199,7 +213,11 @@ def carry_out(
         raise StudyError(f"study '{study.name}': no trial; its cases and engines, or --case, --engine and --shard, leave none")
     disk.make_folder(folder)
     engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
-    plain, machine = _plain_study(study), fingerprint()
+    # Who clocks is the machine of a run: prices are read with it, answers name theirs one by one.
+    plain, machine = (
+        _plain_study(study),
+        fingerprint() if cluster is None else {**fingerprint(), **circumstances(cluster.machine)},
+    )
     here = machine_digest(machine)
     journal = Journal(folder)
     try:
@@ -231,9 +249,9 @@ def carry_out(
         disk.write_atomically(folder / "catalogue.json", catalogue)
         write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
-        _accuracy("accuracy", trials, reasons, journal, folder, workers, here)
-        trials = _searched(trials, reasons, journal, folder, workers, cases, adapters, here)
-        _timing(trials, journal, folder, cases, machine)
+        _accuracy("accuracy", trials, reasons, journal, folder, workers, here, cluster)
+        trials = _searched(trials, reasons, journal, folder, workers, cases, adapters, here, cluster)
+        _timing(trials, journal, folder, cases, machine, cluster)
         complete = True
     finally:
         journal.close()

@@ -176,7 +176,7 @@ def _interpreter(environment: Environment | None) -> Iterator[None]:
     if environment is None:
         yield
         return
-    resource_tracker.ensure_running()  # type: ignore[attr-defined]  # it serves all, on this interpreter
+    resource_tracker.ensure_running()  # the one that serves all is on this interpreter
     library: Any = spawn
     usual = library.get_executable, library.get_preparation_data
     ordered = dict.fromkeys([*project_folders(), *environment.path, *sys.path])

@@ -179,9 +179,10 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = 
     return _Child(trial, process, server, watch, Inbox(ours), log, until, since, kills, alone)
 
 
-def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
+def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0) -> Iterator[Record]:
     """Records as they come in, one for each trial; leaving the iterator early stops all children.
 
+    Args: foreseen: trials that an engine will have in all, where there are more to come than these.
     Trials whose fork server died under them run again at the end, one by one.
     """
     logs = folder / "logs"
@@ -193,7 +194,7 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int) -> Iterato
         while waiting or running or forsaken:
             while waiting and len(running) < workers:
                 trial = waiting.pop()
-                running.append(_start(trial, folder, logs, engines[trial.engine]))
+                running.append(_start(trial, folder, logs, max(foreseen, engines[trial.engine])))
             if not running:
                 trial = forsaken.pop()
                 running.append(_start(trial, folder, logs, engines[trial.engine], alone=True))

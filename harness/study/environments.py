@@ -1,7 +1,7 @@
 """Environments of engine versions: where each lies, what was found in it, and which interpreter an engine's processes run on.
 
-An environment lies in the user's cache folder, by a digest of the engine's version or wheel, of all that is installed beside
-plumbline and of Python's version, so that a name finds it again in any process; `harness.run.make_environment` makes it.
+An environment lies in the user's cache folder, by a digest of the engine's version or wheel, of the lock file, the numeric
+libraries and Python's version, so that a name finds it again in any process; `harness.run.make_environment` makes it.
 """
 
 import dataclasses
@@ -12,12 +12,13 @@ import sys
 import sysconfig
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import distributions
+from importlib.metadata import version
 from pathlib import Path
 
 import platformdirs
 
 from harness.study.engine_versions import version_asked
+from harness.study.sources import libraries
 
 __all__ = ["Environment", "elsewhere", "environment_of", "folder_of", "inside", "installed_folders", "keep", "project_folders"]
 
@@ -56,18 +57,17 @@ def project_folders() -> tuple[str, ...]:
 
 
 @cache
-def _installed() -> str:
-    """A digest of what an environment is laid over: every package here with its version, the lock file, Python."""
-    packages = sorted({f"{found.metadata['Name']}=={found.version}" for found in distributions(path=list(installed_folders()))})
+def _beneath() -> str:
+    """A digest of what an environment is laid over: the lock file, the numeric libraries, Python, and where it all lies."""
     lock = Path(__file__).parents[2] / "requirements.lock"
-    pinned = hashlib.sha256(lock.read_bytes()).hexdigest() if lock.is_file() else ""
-    said = [*packages, pinned, sys.version, *installed_folders()]
+    pinned = hashlib.sha256(lock.read_bytes()).hexdigest() if lock.is_file() else version("plumbline")
+    said = [pinned, libraries(), sys.version, *installed_folders()]
     return hashlib.sha256("\n".join(said).encode()).hexdigest()
 
 
 def folder_of(name: str) -> Path:
     """The folder of an engine of this name, whether it is there or not."""
-    digest = hashlib.sha256(f"{name}\n{_installed()}".encode()).hexdigest()[:16]
+    digest = hashlib.sha256(f"{name}\n{_beneath()}".encode()).hexdigest()[:16]
     return _root() / f"{name.replace(' ', '-')}-{digest}"
 
 

@@ -27,7 +27,8 @@ def test_a_version_is_asked_for_by_two_equals_signs_and_named_by_a_blank() -> No
     assert version_wanted("mujoco") is None
     version = version_wanted("mujoco==3.3.0")
     assert version == EngineVersion("mujoco", "3.3.0")
-    assert version is not None and version.name == "mujoco 3.3.0"
+    assert version is not None
+    assert version.name == "mujoco 3.3.0"
     assert asked(version.name) == "mujoco==3.3.0"
     assert engine_of(version.name) == engine_of("mujoco") == "mujoco"
 
@@ -71,7 +72,8 @@ def test_a_version_without_an_environment_is_unavailable_and_says_what_makes_one
     monkeypatch.setenv("PLUMBLINE_ENVIRONMENTS", str(tmp_path))
     version, reason = plugins.version_of(plugins.adapter("mujoco 3.3.0"))
     assert version == "none"
-    assert reason is not None and "--engine mujoco==3.3.0" in reason
+    assert reason is not None
+    assert "--engine mujoco==3.3.0" in reason
 
 
 def test_the_smoke_checks_are_checks_of_the_kit() -> None:

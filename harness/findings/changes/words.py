@@ -4,6 +4,7 @@ import shlex
 from collections.abc import Iterable, Sequence
 
 from harness.findings.changes.values import Change, Changes, Value
+from harness.study.engine_versions import asked
 
 __all__ = ["command", "first_line", "folded", "headline", "sentence"]
 
@@ -109,7 +110,9 @@ def command(row: Change, changes: Changes) -> str:
     folder = changes.b.folder
     if row.kind == "price":
         case = ["--case", row.case] if row.case else []
-        return shlex.join(["plumbline", "run", f"{folder}/study.toml", "--engine", row.engine, *case, "--out", "build/again"])
+        return shlex.join(
+            ["plumbline", "run", f"{folder}/study.toml", "--engine", asked(row.engine), *case, "--out", "build/again"]
+        )
     return shlex.join(["plumbline", "reproduce", folder, row.trial_b]) if row.trial_b else ""
 
 

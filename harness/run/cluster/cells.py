@@ -1,0 +1,131 @@
+"""What a worker of a cluster does: one accuracy run in a process of its own, or one group of trials under the clock.
+
+What comes of it is handed back by value, files and all, so that worker and coordinator share no folder. A worker is asked for
+one thing at a time: what is started in a process belongs to that process, and the clock wants its machine for itself.
+"""
+
+import random
+import shutil
+import tempfile
+import threading
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from multiprocessing import process
+from pathlib import Path
+from typing import Any
+
+from harness.intake.mendable import Mendable
+from harness.run.isolated import run_isolated
+from harness.run.timing_blocks import clock_group
+from harness.store.machine_fingerprint import fingerprint, machine_digest
+from harness.study import plugins
+from harness.study.provenance import sources_of
+from harness.study.trial import Trial
+
+__all__ = ["Answered", "OtherPlumbline", "Timed", "answer_cell", "clock_together", "here"]
+
+_KEPT = ("trajectories", "truths", "logs")
+"""Folders of a run folder that a worker's own may have something for."""
+
+
+class OtherPlumbline(Mendable):
+    """A worker that would answer by other sources or another engine than the coordinator asks about; the text says which."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """A finished cell. Terms: record: as `Record.plain`. files: those that it left, by their place in a run folder."""
+
+    record: Mapping[str, Any]
+    files: Mapping[str, bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """A finished group. Terms: timings: each as `Timing.plain`, with the machine that it was clocked on."""
+
+    timings: tuple[Mapping[str, Any], ...]
+
+
+_one_at_a_time = threading.Lock()
+_had: Counter[str] = Counter()
+"""Cells of each engine that this worker was given so far: an engine that comes often gets a fork server of its own."""
+_sent: set[str] = set()
+"""Truths that the coordinator has from here."""
+
+
+@cache
+def _scratch() -> Path:
+    """The worker's own run folder: truths that it has made stay for the next cells."""
+    return Path(tempfile.mkdtemp(prefix="plumbline-worker-"))
+
+
+@cache
+def here() -> dict[str, Any]:
+    """The fingerprint of this worker's machine."""
+    return fingerprint()
+
+
+@cache
+def _version(engine: str) -> str:
+    version, reason = plugins.version_of(plugins.adapter(engine))
+    return version if reason is None else f"none ({reason})"
+
+
+def _agree(trial: Trial) -> None:
+    """Is this worker's plumbline the one that the trial is named after? Raises: OtherPlumbline."""
+    ours = sources_of(trial.case, trial.engine)
+    parts = [name for name in ours if trial.sources and ours[name] != trial.sources.get(name)]
+    if parts:
+        raise OtherPlumbline(f"a worker on {_host()} has other sources ({', '.join(parts)}); give it the same plumbline")
+    if (version := _version(trial.engine)) != trial.engine_version:
+        raise OtherPlumbline(f"a worker on {_host()} has {trial.engine} {version}, the coordinator {trial.engine_version}")
+
+
+def _host() -> str:
+    import socket
+
+    return socket.gethostname()
+
+
+def _be_a_parent() -> None:
+    """Workers are daemons, which Python forbids to start processes, lest these be left behind; ours end with their server."""
+    settings: Any = process.current_process()
+    settings._config["daemon"] = False
+
+
+def answer_cell(trial: Trial) -> Answered:
+    """The accuracy run of a trial. Raises: OtherPlumbline."""
+    with _one_at_a_time:
+        _agree(trial)
+        _be_a_parent()
+        _had[trial.engine] += 1
+        (record,) = run_isolated([trial], _scratch(), 1, foreseen=_had[trial.engine])
+        return Answered(replace(record, answered_on=machine_digest(here())).plain(), _taken(_scratch()))
+
+
+def clock_together(trials: tuple[Trial, ...], seed: int) -> Timed:
+    """The timing runs of one group of trials, side by side on this machine. Raises: OtherPlumbline."""
+    with _one_at_a_time:
+        for trial in trials:
+            _agree(trial)
+        _be_a_parent()
+        timings = [replace(t, clocked_on=machine_digest(here())) for t in clock_group(trials, _scratch(), random.Random(seed))]
+        return Timed(tuple(timing.plain() for timing in timings))
+
+
+def _taken(folder: Path) -> dict[str, bytes]:
+    """The files that are new, by their place; only truths stay here."""
+    files: dict[str, bytes] = {}
+    for path in (path for name in _KEPT for path in sorted((folder / name).glob("[!.]*"))):
+        place = path.relative_to(folder).as_posix()
+        if place not in _sent:
+            files[place] = path.read_bytes()
+        if path.parent.name == "truths":
+            _sent.add(place)
+        else:
+            path.unlink()
+    shutil.rmtree(folder / "logs", ignore_errors=True)
+    return files

@@ -1,0 +1,149 @@
+"""Run folders of one study's parts made into one: the same rules as within one folder, and conflicts by name.
+
+An answer that two folders hold has to be the same in both, hash and outcome: a trial's name covers all that decides it. A trial
+is clocked once, and what one machine clocked of a question is not mixed with what another one did.
+"""
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from harness.run.resume import another_study, merged
+from harness.store import disk
+from harness.store.journal import FolderTaken, Journal, Written, read_written
+from harness.store.machine_fingerprint import circumstances
+from harness.store.record import Record, Timing
+from harness.store.seal import sealed_json, sealed_toml
+from harness.store.store import Store, read_plain, write_json, write_tables
+
+__all__ = ["conflicts", "merge_folders"]
+
+_CARRIED = ("trajectories", "truths", "scenes", "logs")
+_TIMED = tuple(field.name for field in fields(Timing) if field.name not in ("trial", "note"))
+
+
+def conflicts(folders: Sequence[Path]) -> list[str]:
+    """In sentences, the trials that two folders answer differently. Raises: StoreError."""
+    known: dict[str, tuple[Path, Record]] = {}
+    sentences = []
+    for folder, written in _read(folders):
+        for name, record in written.records.items():
+            if name not in known:
+                known[name] = folder, record
+            elif _answer(known[name][1]) != _answer(record):
+                where, other = known[name]
+                sentences.append(
+                    f"trial {name} ({record.case} on {record.engine}/{record.track}): {other.status} {other.trajectory_hash} "
+                    f"in {where}, {record.status} {record.trajectory_hash} in {folder}"
+                )
+    return sentences
+
+
+def _answer(record: Record) -> tuple[str, str | None]:
+    return record.status, record.trajectory_hash
+
+
+def _read(folders: Sequence[Path]) -> Iterator[tuple[Path, Written]]:
+    for folder in folders:
+        yield Store(folder).folder, read_written(folder / "journal.jsonl")
+
+
+def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]:
+    """The folder of all of these, which have no conflict, and what there is to say of it.
+
+    Raises: FolderTaken, where `out` holds a run already, or one folder is of another study. StoreError, OSError.
+    """
+    if (out / "journal.jsonl").exists():
+        raise FolderTaken(f"{out}: holds a run already; choose another --out")
+    sides = list(_read(folders))
+    disk.make_folder(out)
+    journal = Journal(out)
+    try:
+        for folder, written in sides:
+            for session in written.sessions:
+                if other := another_study(out, journal, session["study"]):
+                    raise FolderTaken(f"{folder}: is of another study than those before it, which hold {other}")
+                journal.begin(session)
+            _carry(folder, out)
+            for record in written.records.values():
+                if record.trial not in journal.records:
+                    journal.append(_unclocked(record))
+        machines = {_question(record): record.clocked_on for _, written in reversed(sides) for record in _clocked(written)}
+        notes: Counter[str] = Counter()
+        for folder, written in sides:
+            for record in _clocked(written):
+                if machines[_question(record)] != record.clocked_on:
+                    notes[f"{folder}: leaves out {{}} timings: another machine clocked the same question"] += 1
+                elif record.trial not in journal.timings:
+                    journal.append(Timing(trial=record.trial, note=record.timing_note, **_timing_of(record)))
+        _describe(sides, journal, out)
+        complete = all(read_plain(folder / "machine.json").get("complete", False) for folder in folders)
+        machine = read_plain(folders[-1] / "machine.json")
+    finally:
+        journal.close()
+    reached = {"lines": len(journal.written.checksums), "checksum": journal.written.checksums[-1]}
+    write_json(out / "machine.json", machine | {"complete": complete, "journal": reached, "tables": write_tables(out)})
+    return Store(out), [sentence.format(count) for sentence, count in notes.items()]
+
+
+def _question(record: Record) -> str:
+    """What is clocked side by side: a case at its parameters, whatever the engine."""
+    return repr((record.experiment, record.case, sorted(record.parameters.items(), key=str)))
+
+
+def _clocked(written: Written) -> Iterator[Record]:
+    return (record for record in written.records.values() if record.trial in written.clocked)
+
+
+def _timing_of(record: Record) -> dict[str, Any]:
+    return {name: getattr(record, name) for name in _TIMED}
+
+
+def _unclocked(record: Record) -> Record:
+    """The record as its accuracy run left it."""
+    blank = Timing(trial=record.trial)
+    said = f"timing: {record.timing_note}"
+    warnings = record.warnings
+    if record.timing_note and warnings and warnings[-1].text == said:
+        warnings = warnings[:-1]
+    return replace(record, warnings=warnings, timing_note="", **{name: getattr(blank, name) for name in _TIMED})
+
+
+def _carry(folder: Path, out: Path) -> None:
+    """Copy the files that a folder has beside its journal, where they are not there yet. Raises: OSError."""
+    for path in (path for name in _CARRIED for path in sorted((folder / name).rglob("*")) if path.is_file()):
+        place = out / path.relative_to(folder)
+        if not place.exists():
+            for missing in (parent for parent in reversed(place.parents) if not parent.exists()):
+                disk.make_folder(missing)
+            disk.write_atomically(place, disk.read(path))
+
+
+def _describe(sides: Sequence[tuple[Path, Written]], journal: Journal, out: Path) -> None:
+    """Study and catalogue of all, and a session that says what the whole is made of. Raises: StoreError, OSError."""
+    catalogue: dict[str, dict[str, Any]] = {"cases": {}, "engines": {}}
+    for folder, _ in sides:
+        kept = read_plain(folder / "catalogue.json")
+        catalogue = {kind: rows | kept.get(kind, {}) for kind, rows in catalogue.items()}
+    content = sealed_json("catalogue.json", catalogue)
+    disk.write_atomically(out / "catalogue.json", content)
+    sessions = [session for _, written in sides for session in written.sessions]
+    whole = {
+        **sessions[-1],
+        "machine": circumstances(read_plain(sides[-1][0] / "machine.json")),
+        "catalogue": hashlib.sha256(content).hexdigest(),
+        "trials": sorted({trial for session in sessions for trial in session["trials"]}),
+        "engines": _joined(sessions, "engines"),
+        "files": _joined(sessions, "files"),
+    }
+    journal.begin(whole)
+    disk.write_atomically(out / "study.toml", sealed_toml("study.toml", tomli_w.dumps(merged([s["study"] for s in sessions]))))
+
+
+def _joined(sessions: Sequence[Mapping[str, Any]], name: str) -> dict[str, Any]:
+    return {key: value for session in sessions for key, value in session.get(name, {}).items()}

@@ -53,7 +53,7 @@ audit:             ## known vulnerabilities of what requirements.lock installs (
 	build/audit/bin/python .ci/audit.py
 
 lock:              ## the lock files anew (needs uv)
-	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --extra decomposition --no-header --no-emit-index-url pyproject.toml -o requirements.lock
+	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --extra decomposition --extra dask --no-header --no-emit-index-url pyproject.toml -o requirements.lock
 	echo "pip-audit>=2.10" | uv pip compile --quiet --generate-hashes --python-version 3.11 --no-header --no-emit-index-url - -o .ci/audit.lock
 
 clean:             ## everything that can be made again

@@ -1,6 +1,6 @@
 """The vendor's module: how it is loaded, its constants, when its state counts as lost, what older versions take."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -53,6 +53,7 @@ def linear_law(current: Any, coefficient: float) -> list[float] | float:
     return [coefficient, 0.0, 0.0] if np.ndim(current) else coefficient
 
 
-def set_equality(made: Any, parameters: Sequence[float]) -> None:
+def set_equality(made: Any, parameters: Iterable[float]) -> None:
     """Give an equality its first parameters; the others are zero: 12 in all, 11 in older versions."""
-    made.data = [*parameters, *([0.0] * (len(made.data) - len(parameters)))]
+    first = list(parameters)
+    made.data = [*first, *([0.0] * (len(made.data) - len(first)))]

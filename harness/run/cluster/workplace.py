@@ -66,7 +66,8 @@ class Workplace:
         self.address = address
         self._dask_is_quiet()
         try:
-            self._client: Any = Client(address, timeout=_CONNECTS, set_as_default=False)
+            connect: Any = Client
+            self._client: Any = connect(address, timeout=_CONNECTS, set_as_default=False)
         except (OSError, ValueError) as error:
             raise NoScheduler(f"{address}: no scheduler answers ({type(error).__name__}: {error})") from None
         try:

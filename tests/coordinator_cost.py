@@ -1,7 +1,7 @@
 """What a cell costs the coordinator of a cluster: `python -m tests.coordinator_cost [CELLS]`.
 
-A scheduler in this process, two workers, and cells that do nothing: what is left is handing out, gathering, and the journal with
-its synchronised line for each. The CPU time is that of this process, scheduler and all its threads included.
+A scheduler in this process, two workers, and cells that do nothing: what is left is handing out, gathering, and the journal
+with its synchronised line for each. The CPU time is that of this process, scheduler and all its threads included.
 """
 
 import sys

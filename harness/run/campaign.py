@@ -140,11 +140,22 @@ def _together(trial: Trial) -> tuple[object, ...]:
 
 
 def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
-    """One of n parts: every n-th trial, but in a sweep every n-th case, since its engines are clocked side by side."""
+    """One of n parts: every n-th trial, but of what is clocked every n-th question, of a sweep every n-th case, all engines."""
+
+    def dealt_by(trial: Trial) -> Any:
+        if trial.experiment.sweep:
+            return "sweep", trial.case
+        return ("clocked", *_together(trial)) if trial.experiment.timing else ("plain", trial.trial)
+
     number, parts = shard
-    cases = list(dict.fromkeys(trial.case for trial in trials))
-    plain = [trial for trial in trials if not trial.experiment.sweep][number - 1 :: parts]
-    return plain + [trial for trial in trials if trial.experiment.sweep and cases.index(trial.case) % parts == number - 1]
+    places: dict[str, dict[Any, int]] = {kind: {} for kind in ("sweep", "clocked", "plain")}
+    mine = []
+    for trial in trials:
+        kind, *what = dealt_by(trial)
+        place = places[kind].setdefault(tuple(what), len(places[kind]))
+        if place % parts == number - 1:
+            mine.append(trial)
+    return sorted(mine, key=lambda trial: bool(trial.experiment.sweep))
 
 
 def _searched(

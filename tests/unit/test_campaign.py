@@ -2,12 +2,15 @@
 
 import dataclasses
 
+import pytest
+
 from harness.adapter import Settings
 from harness.run.campaign import share
 from harness.study.experiment import Experiment
 from harness.study.trial import Trial
 
-PLAIN, SWEEPING = Experiment(name="plain"), Experiment(name="front", sweep=5)
+PLAIN, SWEEPING = Experiment(name="plain", timing=False), Experiment(name="front", sweep=5)
+CLOCKED = Experiment(name="clocked")
 
 
 def trials() -> list[Trial]:
@@ -26,7 +29,7 @@ def trials() -> list[Trial]:
     )
     return [
         dataclasses.replace(one, trial=f"{experiment.name} {case} {engine}", experiment=experiment, case=case, engine=engine)
-        for experiment in (PLAIN, SWEEPING)
+        for experiment in (PLAIN, CLOCKED, SWEEPING)
         for case in "abcde"
         for engine in ("x", "y", "z")
     ]
@@ -38,13 +41,15 @@ def test_parts_hold_every_trial_once() -> None:
         assert sorted(found) == sorted(trial.trial for trial in trials())
 
 
-def test_a_swept_case_stays_whole() -> None:
+@pytest.mark.parametrize("experiment", [CLOCKED, SWEEPING], ids=lambda experiment: experiment.name)
+def test_a_case_that_is_clocked_stays_whole(experiment: Experiment) -> None:
     """Its engines are compared within blocks of samples, so they have to be clocked on one machine."""
     for part in range(1, 4):
-        mine = [trial for trial in share(trials(), (part, 3)) if trial.experiment.sweep]
+        mine = [trial for trial in share(trials(), (part, 3)) if trial.experiment == experiment]
+        assert mine
         assert len(mine) == 3 * len({trial.case for trial in mine})
 
 
 def test_plain_trials_are_dealt_out_evenly() -> None:
-    sizes = [sum(not trial.experiment.sweep for trial in share(trials(), (part, 4))) for part in range(1, 5)]
+    sizes = [sum(trial.experiment == PLAIN for trial in share(trials(), (part, 4))) for part in range(1, 5)]
     assert max(sizes) - min(sizes) <= 1

@@ -142,13 +142,13 @@ def _together(trial: Trial) -> tuple[object, ...]:
 def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     """One of n parts: every n-th trial, but of what is clocked every n-th question, of a sweep every n-th case, all engines."""
 
-    def dealt_by(trial: Trial) -> Any:
+    def dealt_by(trial: Trial) -> tuple[object, ...]:
         if trial.experiment.sweep:
             return "sweep", trial.case
         return ("clocked", *_together(trial)) if trial.experiment.timing else ("plain", trial.trial)
 
     number, parts = shard
-    places: dict[str, dict[Any, int]] = {kind: {} for kind in ("sweep", "clocked", "plain")}
+    places: dict[object, dict[tuple[object, ...], int]] = {kind: {} for kind in ("sweep", "clocked", "plain")}
     mine = []
     for trial in trials:
         kind, *what = dealt_by(trial)

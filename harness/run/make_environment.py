@@ -4,6 +4,7 @@ The engine itself is installed into it; everything else, NumPy above all, is rea
 that two versions of an engine are compared among the same libraries. It is made once and kept.
 """
 
+import fcntl
 import json
 import os
 import re
@@ -47,17 +48,22 @@ def ensure(version: EngineVersion, distribution: str) -> Environment:
     Args: distribution: the package that holds the engine. Raises: OSError.
     """
     digest = sources.digest_of(sources.closure([plugins.module_of("adapters", version.engine) or ""]))
-    known = environment_of(version.name)
-    if known is not None and not known.reason and known.sources == digest:
-        return known
-    try:
-        if known is None or not Path(known.executable).is_file():
-            _make(folder_of(version.name), str(version.wheel or f"{distribution}=={version.version}"))
-        tried = _tried(version, digest)
-    except NotMade as error:
-        tried = Environment(reason=str(error), sources=digest)
-    keep(version.name, tried)
-    return tried
+    folder = folder_of(version.name)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with (folder.parent / f"{folder.name}.lock").open("w") as lock:
+        # Another run may be making it: whoever waited finds it made.
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        known = environment_of(version.name)
+        if known is not None and not known.reason and known.sources == digest:
+            return known
+        try:
+            if known is None or not Path(known.executable).is_file():
+                _make(folder, str(version.wheel or f"{distribution}=={version.version}"))
+            tried = _tried(version, digest)
+        except NotMade as error:
+            tried = Environment(reason=str(error), sources=digest)
+        keep(version.name, tried)
+        return tried
 
 
 def _interpreter(folder: Path) -> Path:
@@ -65,25 +71,18 @@ def _interpreter(folder: Path) -> Path:
 
 
 def _make(folder: Path, what: str) -> None:
-    """Make a folder with an interpreter that has this package. Raises: NotMade, OSError."""
-    draft = folder.with_name(f".{folder.name}.{os.getpid()}")
-    draft.parent.mkdir(parents=True, exist_ok=True)
-    shutil.rmtree(draft, ignore_errors=True)
-    try:
-        uv = shutil.which("uv")
-        bare = [uv, "venv", "--quiet", "--python", sys.executable] if uv else [sys.executable, "-m", "venv", "--without-pip"]
-        _run([*bare, str(draft)])
-        # First the engine alone, so that none of what it is laid over can stand for it; then what it needs beyond that.
-        _install(uv, draft, [what, "--no-deps"])
-        _lay_over(draft)
-        pins = draft / "pins.txt"
-        known = sources.library_versions().items()
-        pins.write_text("".join(f"{name}=={pin}\n" for name, pin in known if pin), encoding="utf-8")
-        _install(uv, draft, [what, "--constraint", str(pins)])
-        shutil.rmtree(folder, ignore_errors=True)
-        draft.replace(folder)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
+    """Make a folder with an interpreter that has this package; what was there is gone. Raises: NotMade, OSError."""
+    shutil.rmtree(folder, ignore_errors=True)
+    uv = shutil.which("uv")
+    bare = [uv, "venv", "--quiet", "--python", sys.executable] if uv else [sys.executable, "-m", "venv", "--without-pip"]
+    _run([*bare, str(folder)])
+    # First the engine alone, so that none of what it is laid over can stand for it; then what it needs beyond that.
+    _install(uv, folder, [what, "--no-deps"])
+    _lay_over(folder)
+    pins = folder / "pins.txt"
+    known = sources.library_versions().items()
+    pins.write_text("".join(f"{name}=={pin}\n" for name, pin in known if pin), encoding="utf-8")
+    _install(uv, folder, [what, "--constraint", str(pins)])
 
 
 def _lay_over(folder: Path) -> None:

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import platformdirs
 
+from harness.store import disk
 from harness.study.engine_versions import version_asked
 from harness.study.sources import libraries
 
@@ -80,9 +81,7 @@ def keep(name: str, environment: Environment) -> None:
     """Write down what was found. Raises: OSError."""
     folder = folder_of(name)
     folder.mkdir(parents=True, exist_ok=True)
-    draft = folder / f".{_FILE}.{os.getpid()}"
-    draft.write_text(json.dumps(dataclasses.asdict(environment), indent=1), encoding="utf-8")
-    draft.replace(folder / _FILE)
+    disk.write_atomically(folder / _FILE, json.dumps(dataclasses.asdict(environment), indent=1).encode())
 
 
 def environment_of(name: str) -> Environment | None:

@@ -10,6 +10,8 @@ import queue
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -100,12 +102,12 @@ class Workplace:
     def described(self) -> list[str]:
         """In sentences, what machines the workers are on, and which of them clock."""
         kinds = Counter(machine_digest(kind) for kind in self._kinds.values())
-        return [
-            f"{count} workers on {kind['processor']}, {kind['cores']} cores, {kind['system']}{', which clock' if clock else ''}"
-            for digest, count in kinds.most_common()
-            for kind in [next(kind for kind in self._kinds.values() if machine_digest(kind) == digest)]
-            for clock in [digest == self._clocks]
-        ]
+        return [self._sentence(digest, count) for digest, count in kinds.most_common()]
+
+    def _sentence(self, digest: str, count: int) -> str:
+        kind = next(kind for kind in self._kinds.values() if machine_digest(kind) == digest)
+        clocks = ", which clock" if digest == self._clocks else ""
+        return f"workers: {count} on {kind['processor']}, {kind['cores']} cores, {kind['system']}{clocks}"
 
     def answers(
         self, trials: Sequence[Trial], folder: Path, at_once: int = 0, answer: Callable[[Trial], Answered] = answer_cell
@@ -119,16 +121,15 @@ class Workplace:
         ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
             while waiting or under_way:
-                most = at_once or max(_FEWEST, _AHEAD * len(self._client.nthreads()))
-                if waiting and len(under_way) <= most // 2:
-                    cells = [waiting.popleft() for _ in range(min(len(waiting), most - len(under_way)))]
-                    futures = self._client.map(answer, cells, key=[f"cell-{cell.trial}" for cell in cells], batch_size=_FEWEST)
-                    for future, cell in zip(futures, cells, strict=True):
+                with self._reaching(folder):
+                    for future, cell in self._handed_out(waiting, len(under_way), at_once, answer):
                         under_way[future] = cell
                         future.add_done_callback(ended.put)
                 done = self._next(ended, folder)
                 finished = [future for future in done if future.status == "finished"]
-                for future, answered in zip(finished, self._client.gather(finished), strict=True):
+                with self._reaching(folder):
+                    results = self._client.gather(finished)
+                for future, answered in zip(finished, results, strict=True):
                     yield _stored(answered, under_way[future], folder)
                 for future in done:
                     cell = under_way.pop(future)
@@ -140,21 +141,32 @@ class Workplace:
         finally:
             self._call_back(under_way)
 
+    def _handed_out(
+        self, waiting: deque[Trial], under_way: int, at_once: int, answer: Callable[[Trial], Answered]
+    ) -> list[tuple[Any, Trial]]:
+        """Some more cells, where there are few under way."""
+        most = at_once or max(_FEWEST, _AHEAD * len(self._client.nthreads())) if waiting else 0
+        if under_way > most // 2:
+            return []
+        cells = [waiting.popleft() for _ in range(min(len(waiting), most - under_way))]
+        futures = self._client.map(answer, cells, key=[f"cell-{cell.trial}" for cell in cells], batch_size=_FEWEST)
+        return list(zip(futures, cells, strict=True))
+
     def clocked(self, groups: Iterable[tuple[Trial, ...]], folder: Path) -> Iterator[Timing]:
         """The timings of groups, each on one host with nothing else of ours on it. Raises: NoScheduler, OtherPlumbline."""
         waiting, under_way = deque(enumerate(groups)), dict[Any, tuple[str, int, tuple[Trial, ...]]]()
         ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
             while waiting or under_way:
-                hosts = self._clocking_hosts()
-                for future, (worker, number, group) in [*under_way.items()]:
-                    if worker not in hosts.values():
-                        del under_way[future]
-                        self._client.cancel([future])
-                        waiting.appendleft((number, group))
-                busy = {_host(worker) for worker, _, _ in under_way.values()}
-                for host, worker in hosts.items():
-                    if waiting and host not in busy:
+                with self._reaching(folder):
+                    hosts = self._clocking_hosts()
+                    for future, (worker, number, group) in [*under_way.items()]:
+                        if worker not in hosts.values():
+                            del under_way[future]
+                            self._client.cancel([future])
+                            waiting.appendleft((number, group))
+                    busy = {_host(worker) for worker, _, _ in under_way.values()}
+                    for worker in (worker for host, worker in hosts.items() if host not in busy and waiting):
                         number, group = waiting.popleft()
                         asked = {"workers": [worker], "allow_other_workers": False, "pure": False}
                         future = self._client.submit(clock_together, group, number, **asked)
@@ -164,7 +176,8 @@ class Workplace:
                     raise NoScheduler(f"{self.address}: no host is left of the kind that clocks; {_go_on(folder)}")
                 for future in self._next(ended, folder):
                     if future in under_way and future.status == "finished":
-                        timed: Timed = future.result()
+                        with self._reaching(folder):
+                            timed: Timed = future.result()
                         yield from (Timing.from_plain(plain) for plain in timed.timings)
                         del under_way[future]
                     elif future in under_way and future.status == "error":
@@ -200,9 +213,18 @@ class Workplace:
                 raise NoScheduler(f"{self.address}: the scheduler is gone; {_go_on(folder)}")
         return done
 
+    @contextmanager
+    def _reaching(self, folder: Path) -> Iterator[None]:
+        """What dask raises where it does not reach its scheduler, in our words. Raises: NoScheduler."""
+        try:
+            yield
+        except (OSError, CancelledError) as error:
+            raise NoScheduler(f"{self.address}: the scheduler is gone ({error}); {_go_on(folder)}") from None
+
     def _call_back(self, under_way: Mapping[Any, Any]) -> None:
         if under_way and self._client.status == "running":
-            self._client.cancel(list(under_way))
+            with suppress(OSError, CancelledError):
+                self._client.cancel(list(under_way))
 
 
 def _go_on(folder: Path) -> str:

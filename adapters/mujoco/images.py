@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from adapters.mujoco.shapes import BOTH_GROUP, VISUAL_GROUP
+from adapters.mujoco.vendor import flag
 from adapters.mujoco.world import World
 from harness.adapter import Unsupported
 from harness.adapter.rotations import matrix, products
@@ -78,7 +79,8 @@ class Renderer:
             geom.rgba[:] = (*(look.scatters * share for share in look.colour), 1.0)
             geom.emission = geom.specular = geom.shininess = geom.reflectance = 0.0
         view.nlight, light = 1, view.lights[0]
-        light.type, light.headlight, light.castshadow = self._mj.mjtLightType.mjLIGHT_DIRECTIONAL, 0, 0
+        light.headlight = light.castshadow = 0
+        light.type = flag(self._mj, "mjtLightType", "mjLIGHT_DIRECTIONAL")
         light.dir[:] = -np.array(sun.towards_W)
         light.ambient[:], light.diffuse[:], light.specular[:] = sun.sky / scale, direct / scale, 0.0
         _, shades = self._pass(camera, numbered=False)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.vendor import flag
+from adapters.mujoco.vendor import flag, refuse
 from harness.trajectory import Floats, Integers
 
 __all__ = ["fastest", "stiffest"]
@@ -53,6 +53,8 @@ def stiffest(mj: Any, model: Any, drives: Iterable[int], h: float) -> tuple[floa
         mj.mj_fwdPosition(model, d)
         lines = np.zeros((model.ntendon, model.nv))
         if model.ntendon:
+            if not hasattr(model, "ten_J_rownnz"):
+                refuse(mj, "the Jacobian of tendons")
             mj.mju_sparse2dense(lines, d.ten_J, model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind)
         c = _largest(mj, model, d, damping, model.tendon_damping, lines)
         k = _largest(mj, model, d, stiffness, model.tendon_stiffness, lines)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP
+from adapters.mujoco.vendor import refuse
 from adapters.mujoco.world import World
 from harness.adapter.what_goes_in import check_rays
 from harness.trajectory import Floats, Hits
@@ -38,6 +39,9 @@ def caster(world: World, origins: Floats, directions: Floats, max_range: float) 
         (start[a], ray[a:b].reshape(-1), geom[a:b], distance[a:b], normal[a:b].reshape(-1), b - a)
         for a, b in pairwise([0, *turns.tolist(), r] if r else [])
     ]
+
+    if "normal" not in str(mj.mj_multiRay.__doc__):
+        refuse(mj, "the normals of rays")
 
     def cast() -> tuple[Any, Floats, Floats]:
         mj.mj_kinematics(m, d)

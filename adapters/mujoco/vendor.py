@@ -1,13 +1,13 @@
 """The vendor's module: how it is loaded, its constants, when its state counts as lost, what older versions take."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from harness.adapter import Unavailable, Unsupported
 
-__all__ = ["OPEN", "counters", "fatal", "flag", "linear_law", "mujoco_module", "set_equality"]
+__all__ = ["OPEN", "counters", "fatal", "flag", "linear_law", "mujoco_module", "refuse", "set_equality"]
 
 OPEN = 1e10
 """A bound that no coordinate reaches: MuJoCo calls a state above it diverged (mjMAXVAL)."""
@@ -42,10 +42,15 @@ def fatal(mj: Any) -> list[int]:
 
 def flag(mj: Any, kind: str, name: str) -> int:
     """The number of a constant of one of the vendor's enumerations. Raises: Unsupported, where the version has none such."""
-    constant = getattr(getattr(mj, kind), name, None)
+    constant = getattr(getattr(mj, kind, None), name, None)
     if constant is None:
         raise Unsupported(name.partition("_")[2].lower(), f"MuJoCo {mj.__version__} has no {name}")
     return int(constant)
+
+
+def refuse(mj: Any, what: str) -> NoReturn:
+    """Raises: Unsupported, where a version has no such thing as is named."""
+    raise Unsupported(what, f"MuJoCo {mj.__version__} has another form of it")
 
 
 def linear_law(current: Any, coefficient: float) -> list[float] | float:

@@ -3,6 +3,7 @@
 import click
 
 from harness.cli.diff_command import diff
+from harness.cli.findings_command import findings
 from harness.cli.guard import Guarded
 from harness.cli.installed import cases, check, engines
 from harness.cli.parity_command import parity
@@ -19,7 +20,7 @@ def main() -> None:
     """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
 
 
-for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, diff, scene, parity):
+for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, diff, findings, scene, parity):
     main.add_command(command)
 
 

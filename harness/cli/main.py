@@ -10,6 +10,7 @@ from harness.cli.parity_command import parity
 from harness.cli.run_folder import report, reproduce, serve, show, verify, view
 from harness.cli.run_study import run
 from harness.cli.scene_commands import scene
+from harness.cli.select_command import select
 
 __all__ = ["main"]
 
@@ -20,7 +21,23 @@ def main() -> None:
     """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
 
 
-for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, diff, findings, scene, parity):
+for command in (
+    engines,
+    cases,
+    check,
+    run,
+    show,
+    report,
+    view,
+    serve,
+    verify,
+    reproduce,
+    diff,
+    select,
+    findings,
+    scene,
+    parity,
+):
     main.add_command(command)
 
 

@@ -10,12 +10,13 @@ from markupsafe import Markup
 
 from harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
 from harness.findings.selection.evidence import Datum
+from harness.findings.selection.words import headline
 from reports.contents import FAMILIES, cases
 
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["Row", "answer", "evidence_rows", "live"]
+__all__ = ["Need", "Row", "answer", "evidence_rows", "live", "needs"]
 
 
 @lru_cache(maxsize=1)
@@ -79,6 +80,43 @@ def live(store: "Store") -> Markup:
         "presets": [_preset(name, evidence.families) for name in preset_names()],
     }
     return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))
+
+
+@dataclass(frozen=True)
+class Need:
+    """A purpose in the shortest: what it is, the answer, the settings of who stands first, on how many cases."""
+
+    title: str
+    why: str
+    answer: str
+    settings: str
+    cases: int
+
+
+FEWEST = 3
+"""Cases of a purpose below which nothing is said of it."""
+
+
+def needs(store: "Store") -> list[Need]:
+    """The built-in purposes of which the run has cases enough."""
+    about = store.catalogue.get("engines", {})
+
+    def titled(name: str) -> str:
+        return str(about.get(name, {}).get("title") or name)
+
+    found = []
+    for name in preset_names():
+        preset = read_preset(name)
+        answer = choose(store, preset.wish(), draws=2000)
+        if answer.rank is None or len(answer.rank.places) < 2 or len(answer.evidence.cases) < FEWEST:
+            continue
+        tracks = [
+            f"{titled(place.engine)} {answer.evidence.tracks[place.engine]}"
+            for place in answer.rank.places
+            if place.number == 1
+        ]
+        found.append(Need(preset.title, preset.why, headline(answer, titled), ", ".join(tracks), len(answer.evidence.cases)))
+    return found
 
 
 def _short(value: float) -> float:

@@ -6,6 +6,7 @@ Errors and prices are compared by their logarithms: a hundred times the bound, o
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from harness.findings.limits_found import searches
 from harness.findings.prices import PER_SECOND, Price, Prices
@@ -159,10 +160,16 @@ def _determinism(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, st
     }
 
 
+@lru_cache(maxsize=1)
+def _priced(store: Store) -> tuple[Price, ...]:
+    """Worked out once for all that is asked of one store."""
+    return Prices(store).prices
+
+
 def _prices(store: Store, cases: Mapping[str, float], target: float) -> dict[tuple[str, str], Price]:
     """At the target next to the one asked for, in cases whose costs are those of steps; the dearest of a case's scenes."""
     data: dict[tuple[str, str], Price] = {}
-    listed = [price for price in Prices(store).prices if price.case in cases and price.unit == PER_SECOND]
+    listed = [price for price in _priced(store) if price.case in cases and price.unit == PER_SECOND]
     targets = sorted({price.target for price in listed}, key=lambda t: abs(math.log(t / target)))
     for price in listed:
         if price.target == targets[0] and price.verdict != "not clocked":

@@ -5,7 +5,7 @@
   const source = document.getElementById("evidence");
   if (!source) return;
   const { criteria, families, cases, engines, cells, costs, presets } = JSON.parse(source.textContent);
-  const DRAWS = 2000, CONCENTRATION = 30, APART = 0.95, EQUAL = 1e-12;
+  const DRAWS = 2000, CONCENTRATION = 30, APART = 0.99, EQUAL = 1e-12;
   const K = criteria.length, C = cases.length, E = engines.length;
   const at = (k, c, e) => (k * C + c) * E + e;
   const value = new Float64Array(K * C * E), low = value.slice(), high = value.slice(), has = new Uint8Array(K * C);
@@ -82,7 +82,7 @@
     const drawn = new Float64Array(C), within = new Float64Array(C * E), mixed = new Float64Array(K);
     for (let n = 0; n < DRAWS; n++) {
       drawn.fill(0);
-      for (let c = 0; c < C; c++) drawn[Math.floor(random() * C)] += 1;
+      for (let c = 0; c < Math.max(C - 1, 1); c++) drawn[Math.floor(random() * C)] += 1;
       for (let c = 0; c < C; c++) drawn[c] *= ofCases[c];
       for (let i = 0; i < C * E; i++) within[i] = Math.max(-1, Math.min(1, normal(random) / 1.96));
       for (let k = 0; k < K; k++) mixed[k] = weights[k] > 0 ? gamma((CONCENTRATION * weights[k]) / total, random) : 0;
@@ -126,7 +126,7 @@
     if (!places.length) words.textContent = "No engine is left.";
     else if (places.length === 1) words.textContent = `${engines[places[0].engine].title}, the only engine left.`;
     else if (level.length === 1) words.textContent = `${engines[level[0].engine].title} first, in ${percent(level[0].first)} of ${DRAWS} draws.`;
-    else words.textContent = `Level: no order holds in 95 % of ${DRAWS} draws (first: ${shares}).`;
+    else words.textContent = `Level: no order holds in 99 % of ${DRAWS} draws (first: ${shares}).`;
     const body = document.querySelector("#places tbody"), rows = new Map([...body.rows].map((row) => [row.dataset.engine, row]));
     for (const row of rows.values()) row.hidden = true;
     for (const place of places) {

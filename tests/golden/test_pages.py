@@ -92,6 +92,8 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
     assert set(texts) == {
         "index.html",
         "findings.html",
+        "select.html",
+        "evidence.csv",
         "method.html",
         "charts/overview-error.svg",
         "charts/overview-cost.svg",

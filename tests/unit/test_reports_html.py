@@ -58,7 +58,7 @@ def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report
             assert "style" not in attributes, path.name
             if tag == "script":
                 scripts[attributes.get("type")] += 1
-                assert attributes.get("src") in {"style/vega.js", "style/report.js", None}
+                assert attributes.get("src") in {"style/vega.js", "style/report.js", "style/select.js", None}
                 assert attributes.get("src") or attributes.get("type") == "application/json"
             if tag in {"img", "link"}:
                 source = attributes.get("src") or attributes.get("href") or ""
@@ -66,8 +66,8 @@ def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report
             if (href := attributes.get("href")) is not None and ":" in href:
                 cited = path.name == "findings.html" and href in SOURCES
                 assert cited or href.startswith(("https://example.org", "data:,")), href
-    assert scripts[None] == 2 * 6  # two on each of six pages
-    assert scripts["application/json"] == 2 + 2 * 2 + 3  # overview, two cases, price
+    assert scripts[None] == 2 * 7 + 1  # two on each of seven pages, and that of the page on selection
+    assert scripts["application/json"] == 2 + 2 * 2 + 3 + 1  # overview, two cases, price, selection
 
 
 def test_every_page_carries_a_policy_that_lets_nothing_inline_or_remote_run(report: Path) -> None:

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
@@ -12,12 +13,12 @@ from harness.study.plugins import names
 from tests.conftest import Command
 from tests.selection_folder import Made, write_selection_folder
 
-SEEDS = range(20)
+SEEDS = [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 20))]
 GOOD, EQUAL, BAD = Made(error=0.3, cost=0.01), Made(error=2.0, cost=0.02), Made(error=12.0, cost=0.2)
 
 
 def answer(folder: Path, engines: dict[str, Made], seed: int, wish: Wish | None = None) -> Answer:
-    return choose(Store(write_selection_folder(folder / str(seed), engines, seed)), wish or Wish(), draws=2000)
+    return choose(Store(write_selection_folder(folder / str(seed), engines, seed)), wish or Wish(), draws=500)
 
 
 def numbers(found: Answer) -> dict[str, int]:
@@ -36,8 +37,7 @@ def test_the_known_best_is_first_alone_and_the_dominated_one_never(tmp_path: Pat
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_two_equal_ones_are_level(tmp_path: Path, seed: int) -> None:
-    """Alike but for noise from case to case, of a third: a draw of 20 such pairs stays within 95 % but for one in twenty of
-    the noise's own, which the weights' and the prices' draws make rarer; the seeds are fixed."""
+    """Alike but for noise of a third from case to case, which gives an order to one such pair in fifty; the seeds are fixed."""
     found = answer(tmp_path, {"dart": EQUAL, "mujoco": EQUAL, "bullet": BAD}, seed)
     assert numbers(found)["mujoco"] == numbers(found)["dart"] == 1
     assert "level" in headline(found, str)
@@ -83,6 +83,16 @@ def test_requirements_leave_engines_out_with_a_reason_and_a_run(tmp_path: Path) 
     feature = answer(tmp_path / "c", engines, 0, Wish(features=("anti_gravity",)))
     assert feature.rank is None
     assert headline(feature, str) == "No engine is left that there is evidence of."
+
+
+def test_an_engine_that_ran_in_few_of_the_cases_is_left_out_and_spoils_nothing(tmp_path: Path) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"mujoco": GOOD, "dart": EQUAL, "bullet": BAD}, 0)
+    frame = pd.read_parquet(folder / "trials.parquet")
+    kept = frame[(frame["engine"] != "bullet") | frame["case"].isin(["joint_chain", "stack_tower"])]
+    kept.to_parquet(folder / "trials.parquet", index=False)
+    found = choose(Store(folder), Wish(), draws=200)
+    assert numbers(found) == {"mujoco": 1, "dart": 2}
+    assert [(drop.engine, drop.value) for drop in found.dropped] == [("bullet", "20 %")]
 
 
 def test_what_would_turn_the_answer_is_told(tmp_path: Path) -> None:

@@ -42,6 +42,17 @@ def _of_the_engine(name: str, about: Mapping[str, Any], wish: Wish) -> Dropped |
     return None
 
 
+LEAST_COVERED = 0.5
+"""Share of the pairs of criterion and case below which an engine is left out: with it hardly anything could be compared."""
+
+
+def _by_evidence(engine: str, evidence: Evidence) -> Dropped | None:
+    covered = evidence.covered[engine]
+    if covered >= LEAST_COVERED:
+        return None
+    return Dropped(engine=engine, requirement="evidence of half of what is compared", value=f"{100 * covered:.0f} %")
+
+
 def _by_prices(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
     """The first case in which an engine does not come to the error asked for, or not fast enough."""
     for (case, name), price in evidence.costs.items():
@@ -62,13 +73,15 @@ def _by_prices(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
 
 def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
     """Args: draws: of scores, over cases, timings and weights."""
+    if store.trials.empty:
+        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), turns=(), draws=draws)
     known = store.catalogue.get("engines", {})
     present = [str(engine) for engine in dict.fromkeys(store.trials["engine"])]
     ranked = [name for name in present if wish.with_reference or not known.get(name, {}).get("ours")]
     dropped = [drop for name in ranked if (drop := _of_the_engine(name, known.get(name, {}), wish)) is not None]
     left = _without(ranked, dropped)
     evidence = gather(store, wish, left)
-    dropped += [drop for name in left if (drop := _by_prices(name, evidence, wish)) is not None]
+    dropped += [drop for name in left if (drop := _by_evidence(name, evidence) or _by_prices(name, evidence, wish)) is not None]
     if len(_without(left, dropped)) < len(left):
         left = _without(left, dropped)
         evidence = gather(store, wish, left)

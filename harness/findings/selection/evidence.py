@@ -48,14 +48,16 @@ Table = Mapping[tuple[str, str, str], Datum]
 class Evidence:
     """All of it. engines: in the store's order. cases: that count, to weights. families: of these. tracks: on which each engine
     is judged, the better of its own. table: criterion, case and engine to what is known, where it is known of all engines.
-    incomplete: criterion and case where it is not. costs: prices by case and engine."""
+    incomplete: criterion and case where it is not. covered: of each engine the share of all pairs of which something is known.
+    costs: prices by case and engine."""
 
-    engines: tuple[str, ...]
-    cases: Mapping[str, float]
-    families: Mapping[str, str]
-    tracks: Mapping[str, str]
-    table: Table
+    engines: tuple[str, ...] = ()
+    cases: Mapping[str, float] = field(default_factory=dict)
+    families: Mapping[str, str] = field(default_factory=dict)
+    tracks: Mapping[str, str] = field(default_factory=dict)
+    table: Table = field(default_factory=dict)
     incomplete: tuple[tuple[str, str], ...] = ()
+    covered: Mapping[str, float] = field(default_factory=dict)
     costs: Mapping[tuple[str, str], Price] = field(default_factory=dict)
 
 
@@ -213,6 +215,7 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
         tracks=tracks,
         table=table,
         incomplete=incomplete,
+        covered=_covered(found, engines),
         costs=costs,
     )
 
@@ -251,7 +254,12 @@ def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, s
     return data
 
 
-def _complete(found: Mapping[tuple[str, str, str], Datum], engines: Sequence[str]) -> tuple[Table, tuple[tuple[str, str], ...]]:
+def _covered(found: Table, engines: Sequence[str]) -> dict[str, float]:
+    pairs = {key[:2] for key in found}
+    return {engine: sum((*pair, engine) in found for pair in pairs) / max(len(pairs), 1) for engine in engines}
+
+
+def _complete(found: Table, engines: Sequence[str]) -> tuple[Table, tuple[tuple[str, str], ...]]:
     """What is known of every engine, and the pairs of criterion and case that are not: those compare nothing."""
     pairs = dict.fromkeys((criterion, case) for criterion, case, _ in found)
     open_ = tuple(pair for pair in pairs if any((*pair, engine) not in found for engine in engines))

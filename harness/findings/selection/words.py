@@ -29,7 +29,7 @@ def headline(answer: Answer, titled: Titled) -> str:
         return f"{titled(first[0].engine)} first, in {_percent(first[0])} of {answer.draws} draws."
     names = _listed([titled(place.engine) for place in first])
     shares = ", ".join(f"{titled(place.engine)} {_percent(place)}" for place in first)
-    return f"{names} are level: no order holds in 95 % of {answer.draws} draws (first: {shares})."
+    return f"{names} are level: no order holds in 99 % of {answer.draws} draws (first: {shares})."
 
 
 def _percent(place: Place) -> str:

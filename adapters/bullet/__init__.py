@@ -139,6 +139,8 @@ ADAPTER = BulletAdapter(
     name="bullet",
     title="Bullet",
     distribution="pybullet",
+    licence="Zlib",
+    platforms=("linux-x86_64",),
     features=~(
         Feature.DISTANCE
         | Feature.ARMATURE

@@ -119,6 +119,8 @@ ADAPTER = DartAdapter(
     name="dart",
     title="DART",
     distribution="dartpy",
+    licence="BSD-2-Clause",
+    platforms=("linux-x86_64", "linux-aarch64", "macos-arm64", "windows-x86_64"),
     features=(
         Feature.SPHERE
         | Feature.BOX

@@ -109,6 +109,8 @@ ADAPTER = MujocoAdapter(
     name="mujoco",
     title="MuJoCo",
     distribution="mujoco",
+    licence="Apache-2.0",
+    platforms=("linux-x86_64", "linux-aarch64", "macos-arm64", "windows-x86_64"),
     features=~(Feature.STATIC_FRICTION | Feature.RAY_TRACING),
     tracks={
         "default": Settings(

@@ -289,6 +289,8 @@ class Adapter(ABC):
         once, beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads';
         none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
         them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
+        licence: of the package, an SPDX identifier; '' where it is not known. platforms: for which its package index has
+        wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.
         loaders: the ways in which its own package reads a robot file, '' for its defaults; none where it reads none.
         loader_defaults: by loader and ending of a file, the quantities that its documentation says it changes, each with the
         place that says so.
@@ -311,6 +313,8 @@ class Adapter(ABC):
     threads: tuple[int, ...] = ()
     loads: tuple[str, ...] = ()
     single_precision: bool = False
+    licence: str = ""
+    platforms: tuple[str, ...] = ()
     loaders: tuple[str, ...] = ()
     loader_defaults: Mapping[tuple[str, str], Mapping[str, str]] = field(default_factory=dict)
 

@@ -4,12 +4,14 @@ import click
 
 from harness.cli.cluster_commands import merge
 from harness.cli.diff_command import diff
+from harness.cli.findings_command import findings
 from harness.cli.guard import Guarded
 from harness.cli.installed import cases, check, engines
 from harness.cli.parity_command import parity
 from harness.cli.run_folder import report, reproduce, serve, show, verify, view
 from harness.cli.run_study import run
 from harness.cli.scene_commands import scene
+from harness.cli.select_command import select
 
 __all__ = ["main"]
 
@@ -20,7 +22,24 @@ def main() -> None:
     """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
 
 
-for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, diff, merge, scene, parity):
+for command in (
+    engines,
+    cases,
+    check,
+    run,
+    show,
+    report,
+    view,
+    serve,
+    verify,
+    reproduce,
+    diff,
+    merge,
+    select,
+    findings,
+    scene,
+    parity,
+):
     main.add_command(command)
 
 

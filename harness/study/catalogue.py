@@ -69,6 +69,8 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
         "version": None if reason is not None else version,
         "unavailable": reason,
         "ours": engine.distribution == "plumbline",
+        "licence": engine.licence,
+        "platforms": list(engine.platforms),
         "features": list(engine.features.names),
         "tracks": {name: settings.plain() for name, settings in engine.tracks.items()},
         "knobs": {name: list(values) for name, values in engine.knobs.items()},

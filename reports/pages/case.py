@@ -14,6 +14,7 @@ from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
 from reports.departures import departures
 from reports.disputes import disputed, told
+from reports.known_findings import of_case
 from reports.laws import laws_of_case
 from reports.leads import leads
 from reports.own_scenes import by_case
@@ -67,6 +68,7 @@ def render(store: "Store") -> Mapping[str, str]:
             figures=figures,
             prices=listed,
             several=len({line.title for line in listed}) > 1,
+            known_findings=of_case(store, name),
             laws=laws_of_case(store, case),
             leads=[lead for (of, _), lead in leads(store).items() if of == name],
             orders=(fitted := orders([row for row in ladders if row.case == name], sides)),

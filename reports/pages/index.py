@@ -10,6 +10,7 @@ from reports.contents import cases, engines, families, named_tracks
 from reports.glance import glances
 from reports.own_scenes import by_case
 from reports.page import Page
+from reports.selection import needs
 from reports.status import STATUSES, VERDICTS
 from reports.summary import sentences
 from reports.template import fill
@@ -51,6 +52,7 @@ def render(store: "Store") -> Mapping[str, str]:
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
+        needs=needs(store),
         sentences=sentences(store),
         glances=glances(store),
         families=[(family, listed) for family, listed in by_family if listed],

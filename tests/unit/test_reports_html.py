@@ -12,10 +12,15 @@ import pandas as pd
 import pytest
 
 import reports
+from harness.findings.vendor.shelf import shelf
 from harness.store.store import Store, StoreError
 from reports import html
 from reports.page import Page, pages
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
+
+
+SOURCES = {source for finding in shelf() for source in finding.sources}
+"""What findings cite; the only addresses of a report that are not from its store."""
 
 
 class Markup(HTMLParser):
@@ -53,15 +58,16 @@ def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report
             assert "style" not in attributes, path.name
             if tag == "script":
                 scripts[attributes.get("type")] += 1
-                assert attributes.get("src") in {"style/vega.js", "style/report.js", None}
+                assert attributes.get("src") in {"style/vega.js", "style/report.js", "style/select.js", None}
                 assert attributes.get("src") or attributes.get("type") == "application/json"
             if tag in {"img", "link"}:
                 source = attributes.get("src") or attributes.get("href") or ""
                 assert re.match(r"(charts|style)/[\w-]+\.\w+$|data:,$", source), source
             if (href := attributes.get("href")) is not None and ":" in href:
-                assert href.startswith(("https://example.org", "data:,")), href
-    assert scripts[None] == 2 * 5  # two on each of five pages
-    assert scripts["application/json"] == 2 + 2 * 2 + 3  # overview, two cases, price
+                cited = path.name == "findings.html" and href in SOURCES
+                assert cited or href.startswith(("https://example.org", "data:,")), href
+    assert scripts[None] == 2 * 7 + 1  # two on each of seven pages, and that of the page on selection
+    assert scripts["application/json"] == 2 + 2 * 2 + 3 + 1  # overview, two cases, price, selection
 
 
 def test_every_page_carries_a_policy_that_lets_nothing_inline_or_remote_run(report: Path) -> None:

@@ -1,0 +1,28 @@
+# /// script
+# requires-python = "==3.11.*"
+# dependencies = ["pybullet==3.2.7"]
+#
+# [tool.finding]
+# engine = "bullet"
+# kind = "trap"
+# title = "Bodies made by createMultiBody go no faster than 100 m/s and turn no faster than 100 rad/s"
+# seen = ["3.2.7"]
+# documented = "changeDynamics: maxJointVelocity, 100 by default, is that of a joint. That it holds for a free body without a joint, its linear velocity included, is not said."
+# sources = ["PyBullet Quickstart Guide, changeDynamics: maxJointVelocity"]
+# mend = "changeDynamics(body, -1, maxJointVelocity=1e6), or createMultiBody(..., useMaximalCoordinates=1), which has no such bound"
+# cases = ["tunnel_sphere_wall", "spin_fast"]
+# ///
+"""A ball alone in space, without damping, is sent off at 300 m/s."""
+
+import pybullet as p
+
+p.connect(p.DIRECT)
+ball = p.createMultiBody(baseMass=1.0)
+p.changeDynamics(ball, -1, linearDamping=0.0, angularDamping=0.0)
+p.resetBaseVelocity(ball, [300.0, 0, 0])
+for _ in range(2):
+    p.stepSimulation()
+speed = p.getBaseVelocity(ball)[0][0]
+print(
+    f"{'gone' if abs(speed - 300) < 1e-6 else 'still there'}: {speed:g} m/s two steps after it was sent off at 300 m/s, with no force on it"
+)

@@ -1,0 +1,95 @@
+"""The answer: who is left out and why, who is ranked where, with which settings, and what would turn it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from harness.findings.selection.doubt import Turn, turns
+from harness.findings.selection.evidence import Evidence, gather
+from harness.findings.selection.rank import DRAWS, Rank, rank
+from harness.findings.selection.wish import Dropped, Wish
+from harness.store.store import Store
+
+__all__ = ["Answer", "choose"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others. turns:
+    what would turn who leads. draws: behind the shares."""
+
+    wish: Wish
+    evidence: Evidence
+    rank: Rank | None
+    dropped: tuple[Dropped, ...]
+    turns: tuple[Turn, ...]
+    draws: int
+
+
+def _of_the_engine(name: str, about: Mapping[str, Any], wish: Wish) -> Dropped | None:
+    """The first requirement that an engine does not meet by what it is."""
+    if about.get("unavailable"):
+        return Dropped(engine=name, requirement="installed", value=str(about["unavailable"]))
+    for feature in wish.features:
+        if feature not in about.get("features", ()):
+            return Dropped(engine=name, requirement=f"feature {feature}", value="not claimed")
+    licence, platforms = str(about.get("licence") or ""), list(about.get("platforms") or ())
+    if wish.licences and licence not in wish.licences:
+        return Dropped(engine=name, requirement=f"licence {' or '.join(wish.licences)}", value=licence or "not known")
+    if wish.platform and wish.platform not in platforms:
+        value = ", ".join(platforms) or "not known"
+        return Dropped(engine=name, requirement=f"platform {wish.platform}", value=value)
+    return None
+
+
+LEAST_COVERED = 0.5
+"""Share of the pairs of criterion and case below which an engine is left out: with it hardly anything could be compared."""
+
+
+def _by_evidence(engine: str, evidence: Evidence) -> Dropped | None:
+    covered = evidence.covered[engine]
+    if covered >= LEAST_COVERED:
+        return None
+    return Dropped(engine=engine, requirement="evidence of half of what is compared", value=f"{100 * covered:.0f} %")
+
+
+def _by_prices(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
+    """The first case in which an engine does not come to the error asked for, or not fast enough."""
+    for (case, name), price in evidence.costs.items():
+        if name != engine:
+            continue
+        if price.cost is None:
+            if wish.strict or wish.realtime is not None:
+                best = f"best {price.best_error:.2g}" if price.best_error is not None else price.reason
+                asked = f"error {wish.max_error:g} of the scale"
+                return Dropped(engine=engine, requirement=asked, value=best, case=case, trial=price.trial)
+        elif wish.realtime is not None and price.cost * wish.realtime > 1:
+            value = f"{1 / price.cost:.3g} times at an error of {price.target:g}"
+            return Dropped(
+                engine=engine, requirement=f"{wish.realtime:g} times real time", value=value, case=case, trial=price.trial
+            )
+    return None
+
+
+def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
+    """Args: draws: of scores, over cases, timings and weights."""
+    if store.trials.empty:
+        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), turns=(), draws=draws)
+    known = store.catalogue.get("engines", {})
+    present = [str(engine) for engine in dict.fromkeys(store.trials["engine"])]
+    ranked = [name for name in present if wish.with_reference or not known.get(name, {}).get("ours")]
+    dropped = [drop for name in ranked if (drop := _of_the_engine(name, known.get(name, {}), wish)) is not None]
+    left = _without(ranked, dropped)
+    evidence = gather(store, wish, left)
+    dropped += [drop for name in left if (drop := _by_evidence(name, evidence) or _by_prices(name, evidence, wish)) is not None]
+    if len(_without(left, dropped)) < len(left):
+        left = _without(left, dropped)
+        evidence = gather(store, wish, left)
+    order = rank(evidence, wish, draws) if left and evidence.table else None
+    changes = turns(evidence, wish) if order is not None else ()
+    return Answer(wish=wish, evidence=evidence, rank=order, dropped=tuple(dropped), turns=changes, draws=draws)
+
+
+def _without(engines: Sequence[str], dropped: Sequence[Dropped]) -> list[str]:
+    gone = {drop.engine for drop in dropped}
+    return [engine for engine in engines if engine not in gone]

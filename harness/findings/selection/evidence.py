@@ -1,0 +1,266 @@
+"""What a run folder says of each engine and case, on one scale: 1 is as good as is asked, 0 is of no use.
+
+Errors and prices are compared by their logarithms: a hundred times the bound, or a hundred times the cheapest, is no use.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from harness.findings.limits_found import searches
+from harness.findings.prices import PER_SECOND, Price, Prices
+from harness.findings.selection.wish import Wish
+from harness.findings.tables.agreement import rows as agreement_rows
+from harness.findings.tables.determinism import agreements as repetitions
+from harness.store.store import Store
+
+__all__ = ["DECADES", "Datum", "Evidence", "gather"]
+
+DECADES = 2.0
+"""Powers of ten from what is as good as asked down to no use."""
+
+_ANSWERED = ("passed", "failed")
+_NOT_ASKED = ("unavailable", "interrupted")
+_AGREED = {"agrees": 1.0}
+"""Of the verdicts on a scene without a truth; any other is an answer that the others do not share, or none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Datum:
+    """One engine in one case by one criterion. value: 0 to 1. low, high: its interval; equal to it where it has none. trial:
+    the run that it leans on. says: the figure behind it, with its unit. track, dt [s]: the settings of that run."""
+
+    value: float
+    low: float
+    high: float
+    trial: str = ""
+    says: str = ""
+    track: str = ""
+    dt: float | None = None
+
+
+Table = Mapping[tuple[str, str, str], Datum]
+"""By criterion, case and engine."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """All of it. engines: in the store's order. cases: that count, to weights. families: of these. tracks: on which each engine
+    is judged, the better of its own. table: criterion, case and engine to what is known, where it is known of all engines.
+    incomplete: criterion and case where it is not. covered: of each engine the share of all pairs of which something is known.
+    costs: prices by case and engine."""
+
+    engines: tuple[str, ...] = ()
+    cases: Mapping[str, float] = field(default_factory=dict)
+    families: Mapping[str, str] = field(default_factory=dict)
+    tracks: Mapping[str, str] = field(default_factory=dict)
+    table: Table = field(default_factory=dict)
+    incomplete: tuple[tuple[str, str], ...] = ()
+    covered: Mapping[str, float] = field(default_factory=dict)
+    costs: Mapping[tuple[str, str], Price] = field(default_factory=dict)
+
+
+def _useful(times: float) -> float:
+    """1 up to once, 0 from 10^DECADES times on, by the logarithm between."""
+    return min(1.0, max(0.0, 1.0 - math.log10(times) / DECADES)) if times > 0 and math.isfinite(times) else float(times <= 0)
+
+
+def _margin(row: Mapping[str, object], measured: Sequence[Mapping[str, object]]) -> tuple[float, str]:
+    """By how many times the worst check of a trial is beyond its bound, and which."""
+    if row["status"] == "passed":
+        return 1.0, "every check holds"
+    worst, says = 1.0, str(row["reason"])
+    for m in measured:
+        value, bound = m["value"], m["at_most"]
+        if m["passed"] is not False or not isinstance(value, float) or not isinstance(bound, float):
+            continue
+        pair = sorted((abs(value), abs(bound)))
+        times = pair[1] / pair[0] if pair[0] > 0 else math.inf
+        if times > worst:
+            worst, says = times, f"{m['metric']} {times:.2g} times beyond its bound"
+    return (worst if worst > 1.0 else math.inf), says
+
+
+def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, str], Datum]:
+    """By case, engine and track."""
+    failed = store.measurements[store.measurements["passed"].eq(False).fillna(False)]
+    measured: dict[str, list[Mapping[str, object]]] = {}
+    for m in failed.to_dict("records"):
+        measured.setdefault(str(m["trial"]), []).append(m | {"passed": False})
+    data: dict[tuple[str, str, str], Datum] = {}
+    trials = store.asked[store.asked["case"].isin(cases)]
+    for (case, engine, track), group in trials.groupby(["case", "engine", "track"], sort=False):
+        group = group[~group["status"].isin(_NOT_ASKED)]
+        if group.empty:
+            continue
+        own = store.catalogue.get("cases", {}).get(case, {}).get("dt") or float(group["dt"].median())
+        nearest = (group["dt"] / own).map(math.log).abs()
+        row = group.loc[nearest.idxmin()].to_dict()
+        about = {"trial": str(row["trial"]), "track": str(track), "dt": float(row["dt"])}
+        if row["status"] not in _ANSWERED:
+            data[case, engine, track] = Datum(value=0.0, low=0.0, high=0.0, says=f"{row['status']}: {row['reason']}", **about)
+            continue
+        times, says = _margin(row, measured.get(str(row["trial"]), ()))
+        value = _useful(times)
+        data[case, engine, track] = Datum(value=value, low=value, high=value, says=says, **about)
+    for row in agreement_rows(store):
+        if row["case"] in cases and (row["case"], row["engine"], row["track"]) in data:
+            value = _AGREED.get(str(row["verdict"]), 0.0)
+            trial = row["trials"][-1] if row["trials"] else ""
+            about = {"trial": trial, "track": str(row["track"]), "says": str(row["verdict"])}
+            data[row["case"], row["engine"], row["track"]] = Datum(value=value, low=value, high=value, **about)
+    return data
+
+
+def _robustness(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, str], Datum]:
+    data: dict[tuple[str, str, str], Datum] = {}
+    trials = store.asked[store.asked["case"].isin(cases) & ~store.asked["status"].isin(_NOT_ASKED)]
+    for (case, engine, track), group in trials.groupby(["case", "engine", "track"], sort=False):
+        answered = group["status"].isin(_ANSWERED)
+        share, first = float(answered.mean()), group[~answered]
+        says = f"{int(answered.sum())} of {len(group)} runs have an answer"
+        trial = str((first if len(first) else group)["trial"].iloc[0])
+        data[case, engine, track] = Datum(value=share, low=share, high=share, trial=trial, says=says, track=str(track))
+    return data
+
+
+def _limits(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str], Datum]:
+    """The farthest of an engine's tracks in each case, without remedies; between what held and the next that was tried."""
+    data: dict[tuple[str, str], Datum] = {}
+    for search in searches(store):
+        if search.case not in cases or search.remedy or search.parts or search.verdict in ("unavailable", "stopped"):
+            continue
+        held = search.holds[-1] if search.holds else None
+        low, high = (held.reach, max(held.further, held.reach)) if held else (0.0, 0.0)
+        says = f"{search.axis} held to {search.held:.3g} {search.unit}" if search.held is not None else search.verdict
+        about = {"trial": search.trial_held or search.trial_broke, "track": search.track, "dt": search.dt}
+        datum = Datum(value=low, low=low, high=high, says=says, **about)  # type: ignore[arg-type]
+        known = data.get((search.case, search.engine))
+        if known is None or datum.value > known.value:
+            data[search.case, search.engine] = datum
+    return data
+
+
+def _determinism(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str], Datum]:
+    groups: dict[tuple[str, str], list[bool]] = {}
+    trials: dict[tuple[str, str], str] = {}
+    for repetition in repetitions(store):
+        if repetition.case in cases and repetition.must and repetition.verdict in ("bit-identical", "differs"):
+            key = repetition.case, repetition.engine
+            groups.setdefault(key, []).append(repetition.verdict == "bit-identical")
+            trials.setdefault(key, repetition.trial)
+    return {
+        key: Datum(
+            value=(share := sum(same) / len(same)),
+            low=share,
+            high=share,
+            trial=trials[key],
+            says=f"{sum(same)} of {len(same)} repetitions have the same bits",
+        )
+        for key, same in groups.items()
+    }
+
+
+@lru_cache(maxsize=1)
+def _priced(store: Store) -> tuple[Price, ...]:
+    """Worked out once for all that is asked of one store."""
+    return Prices(store).prices
+
+
+def _prices(store: Store, cases: Mapping[str, float], target: float) -> dict[tuple[str, str], Price]:
+    """At the target next to the one asked for, in cases whose costs are those of steps; the dearest of a case's scenes."""
+    data: dict[tuple[str, str], Price] = {}
+    listed = [price for price in _priced(store) if price.case in cases and price.unit == PER_SECOND]
+    targets = sorted({price.target for price in listed}, key=lambda t: abs(math.log(t / target)))
+    for price in listed:
+        if price.target == targets[0] and price.verdict != "not clocked":
+            known = data.get((price.case, price.engine))
+            if known is None or price.cost is None or (known.cost is not None and price.cost > known.cost):
+                data[price.case, price.engine] = price
+    return data
+
+
+def _better_track(engine: str, by_track: Mapping[tuple[str, str, str], Datum], cases: Mapping[str, float]) -> str:
+    """Of an engine's tracks the one that errs less over all cases; the tuned one where they are level, which is for that."""
+    totals: dict[str, float] = {}
+    for (case, name, track), datum in by_track.items():
+        if name == engine:
+            totals[track] = totals.get(track, 0.0) + cases[case] * datum.value
+    return max(sorted(totals, reverse=True), key=lambda track: totals[track], default="")
+
+
+def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
+    """What the store says of these engines in the cases that count."""
+    catalogue = store.catalogue.get("cases", {})
+    named = [str(case) for case in dict.fromkeys(store.trials["case"])]
+    families = {case: str(catalogue.get(case, {}).get("family") or case.partition("_")[0]) for case in named}
+    cases = {case: weight for case in named if (weight := wish.weight_of_case(case, families[case])) > 0}
+    accuracy, robustness = _accuracy(store, cases), _robustness(store, cases)
+    tracks = {engine: _better_track(engine, accuracy, cases) for engine in engines}
+    found: dict[tuple[str, str, str], Datum] = {}
+    for criterion, by_track in (("accuracy", accuracy), ("robustness", robustness)):
+        for (case, engine, track), datum in by_track.items():
+            if engine in tracks and track == tracks[engine]:
+                found[criterion, case, engine] = datum
+    for criterion, by_engine in (("limits", _limits(store, cases)), ("determinism", _determinism(store, cases))):
+        found |= {(criterion, case, engine): datum for (case, engine), datum in by_engine.items() if engine in tracks}
+    costs = {key: price for key, price in _prices(store, cases, wish.max_error).items() if key[1] in tracks}
+    found |= _capability(store, cases, tracks) | _of_prices(costs)
+    table, incomplete = _complete(found, engines)
+    return Evidence(
+        engines=tuple(engines),
+        cases=cases,
+        families=families,
+        tracks=tracks,
+        table=table,
+        incomplete=incomplete,
+        covered=_covered(found, engines),
+        costs=costs,
+    )
+
+
+def _capability(store: Store, cases: Mapping[str, float], tracks: Mapping[str, str]) -> dict[tuple[str, str, str], Datum]:
+    data: dict[tuple[str, str, str], Datum] = {}
+    trials = store.asked[store.asked["case"].isin(cases) & ~store.asked["status"].isin(_NOT_ASKED)]
+    for (case, engine), group in trials.groupby(["case", "engine"], sort=False):
+        if engine in tracks:
+            lacking = group[group["status"].eq("unsupported")]
+            value = float(len(lacking) < len(group))
+            row = (lacking if len(lacking) else group).iloc[0]
+            says = str(row["reason"]) if not value else "can be expressed"
+            data["capability", case, engine] = Datum(value=value, low=value, high=value, trial=str(row["trial"]), says=says)
+    return data
+
+
+def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, str], Datum]:
+    data: dict[tuple[str, str, str], Datum] = {}
+    for case in dict.fromkeys(case for case, _ in costs):
+        here = {engine: price for (of, engine), price in costs.items() if of == case}
+        cheapest = min((price.cost for price in here.values() if price.cost), default=None)
+        if cheapest is None:
+            continue
+        for engine, price in here.items():
+            about = {"trial": price.trial, "track": price.track, "dt": price.dt}
+            if price.cost is None:
+                best = f", best {price.best_error:.2g}" if price.best_error is not None else ""
+                data["price", case, engine] = Datum(value=0, low=0, high=0, says=f"{price.verdict}{best}", **about)  # type: ignore[arg-type]
+                continue
+            low, high = (price.low or price.cost), (price.high or price.cost)
+            says = f"{price.cost:.3g} CPU s a simulated second"
+            values = {"value": price.cost / cheapest, "low": high / cheapest, "high": low / cheapest}
+            useful = {name: _useful(times) for name, times in values.items()}
+            data["price", case, engine] = Datum(says=says, **useful, **about)  # type: ignore[arg-type]
+    return data
+
+
+def _covered(found: Table, engines: Sequence[str]) -> dict[str, float]:
+    pairs = {key[:2] for key in found}
+    return {engine: sum((*pair, engine) in found for pair in pairs) / max(len(pairs), 1) for engine in engines}
+
+
+def _complete(found: Table, engines: Sequence[str]) -> tuple[Table, tuple[tuple[str, str], ...]]:
+    """What is known of every engine, and the pairs of criterion and case that are not: those compare nothing."""
+    pairs = dict.fromkeys((criterion, case) for criterion, case, _ in found)
+    open_ = tuple(pair for pair in pairs if any((*pair, engine) not in found for engine in engines))
+    return {key: datum for key, datum in found.items() if key[:2] not in open_}, open_

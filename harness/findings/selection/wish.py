@@ -1,0 +1,65 @@
+"""What a user wants of an engine: weights of criteria and of cases, and requirements that leave engines out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+
+__all__ = ["CRITERIA", "Dropped", "Wish"]
+
+CRITERIA: Mapping[str, str] = {
+    "accuracy": "how far the worst check of a case is beyond its bound, at the case's own time step",
+    "price": "what the error asked for costs, over the cheapest engine left",
+    "limits": "how far a case can be made harder before it breaks, from easy (0) to extreme (1)",
+    "robustness": "the share of runs with an answer: none diverged, crashed, hung or ran out of memory",
+    "determinism": "the share of repetitions with the same bits, of those that must have them",
+    "capability": "the share of cases that the engine can express",
+}
+"""By name, what each is measured by."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wish:
+    """What is wanted.
+
+    weights: by criterion, 0 or more; those left out weigh 1. cases: patterns of case names to weights; the first that matches
+    counts, a case that none matches does not; all cases count alike where there is no pattern. features: that an engine has to
+    claim. max_error: the error that is priced, a share of each case's scale. strict: is an engine left out that does not reach
+    it in each case? realtime: how many times faster than real time it has to reach it; None for as slow as it likes. licences:
+    SPDX identifiers, of which an engine must have one. platform: that it must run on. with_reference: does our own engine, the
+    ruler, stand in the rank?"""
+
+    weights: Mapping[str, float] = field(default_factory=dict)
+    cases: Mapping[str, float] = field(default_factory=dict)
+    features: tuple[str, ...] = ()
+    max_error: float = 1e-2
+    strict: bool = False
+    realtime: float | None = None
+    licences: tuple[str, ...] = ()
+    platform: str = ""
+    with_reference: bool = False
+
+    def weight(self, criterion: str) -> float:
+        """Of a criterion."""
+        return self.weights.get(criterion, 1.0)
+
+    def weight_of_case(self, case: str, family: str) -> float:
+        """Of a case; 0 where it does not count."""
+        if not self.cases:
+            return 1.0
+        return next((weight for pattern, weight in self.cases.items() if _matches(case, family, pattern)), 0.0)
+
+
+def _matches(case: str, family: str, pattern: str) -> bool:
+    return pattern == family or fnmatchcase(case, pattern)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dropped:
+    """An engine that is left out. requirement: which it does not meet. value: what it has instead. case, trial: where that was
+    seen, '' where it is of the engine itself."""
+
+    engine: str
+    requirement: str
+    value: str
+    case: str = ""
+    trial: str = ""

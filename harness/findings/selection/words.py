@@ -1,0 +1,58 @@
+"""The answer in sentences, for a terminal and for pages."""
+
+from collections.abc import Callable, Sequence
+from itertools import groupby
+
+from harness.findings.selection.choose import Answer
+from harness.findings.selection.doubt import Turn
+from harness.findings.selection.rank import Place
+from harness.findings.selection.wish import Dropped
+
+__all__ = ["dropped_sentence", "headline", "turn_sentences"]
+
+Titled = Callable[[str], str]
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def headline(answer: Answer, titled: Titled) -> str:
+    """Who is first, how surely, and who shares the place. Args: titled: an engine's name to its title."""
+    if answer.rank is None:
+        return "No engine is left that there is evidence of." if answer.dropped else "There is no evidence of these cases."
+    groups = [list(group) for _, group in groupby(answer.rank.places, key=lambda place: place.number)]
+    first = groups[0]
+    if len(first) == 1:
+        if len(answer.rank.places) == 1:
+            return f"{titled(first[0].engine)}, the only engine left."
+        return f"{titled(first[0].engine)} first, in {_percent(first[0])} of {answer.draws} draws."
+    names = _listed([titled(place.engine) for place in first])
+    shares = ", ".join(f"{titled(place.engine)} {_percent(place)}" for place in first)
+    return f"{names} are level: no order holds in 99 % of {answer.draws} draws (first: {shares})."
+
+
+def _percent(place: Place) -> str:
+    return f"{100 * place.first:.0f} %"
+
+
+def turn_sentences(turns: Sequence[Turn], titled: Titled) -> list[str]:
+    """What would put another engine first, one sentence an engine and way."""
+    sentences = []
+    for first in dict.fromkeys(turn.first for turn in turns):
+        mine = [turn for turn in turns if turn.first == first]
+        doubled = [turn.name.replace("_", " ") for turn in mine if turn.kind != "case"]
+        left_out = [turn.name for turn in mine if turn.kind == "case"]
+        if doubled:
+            either = doubled[0] if len(doubled) == 1 else f"{', '.join(doubled[:-1])} or {doubled[-1]}"
+            sentences.append(f"{titled(first)} if {either} counts double.")
+        if left_out:
+            either = left_out[0] if len(left_out) == 1 else f"one of {', '.join(left_out)}"
+            sentences.append(f"{titled(first)} without {either}.")
+    return sentences
+
+
+def dropped_sentence(drop: Dropped, titled: Titled) -> str:
+    """Who is left out, and why."""
+    where = f" in {drop.case}" if drop.case else ""
+    return f"{titled(drop.engine)} is left out: asked for is {drop.requirement}, it has: {drop.value}{where}."

@@ -1,0 +1,39 @@
+"""The evidence that a selection leans on, at equal weights: each engine in each case by each criterion, with its run."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.findings.selection import Wish, choose
+from harness.store.store import Store
+
+__all__ = ["BRIEF", "COLUMNS", "brief", "rows"]
+
+COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track", "dt", "trial")
+"""value: 1 is as good as is asked, 0 is of no use, with its interval low..high; says: the figure behind it. dt [s]."""
+BRIEF = ("criterion", "case", "engine", "of 1", "because", "settings", "step", "trial")
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS, of all engines but our own."""
+    table = choose(store, Wish(), draws=1).evidence.table
+    return [
+        {
+            "criterion": criterion,
+            "case": case,
+            "engine": engine,
+            "value": datum.value,
+            "low": datum.low,
+            "high": datum.high,
+            "says": datum.says,
+            "track": datum.track,
+            "dt": datum.dt,
+            "trial": datum.trial,
+        }
+        for (criterion, case, engine), datum in sorted(table.items())
+    ]
+
+
+def brief(row: Mapping[str, Any]) -> Sequence[object]:
+    """A flat row in short words under BRIEF."""
+    step = "" if row["dt"] is None else f"{1e3 * row['dt']:.3g} ms"
+    return [row["criterion"], row["case"], row["engine"], f"{row['value']:.2f}", row["says"], row["track"], step, row["trial"]]

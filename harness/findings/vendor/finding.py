@@ -1,0 +1,107 @@
+"""One finding about an engine: what the head of its script says.
+
+The head is a block of inline script metadata (PyPA specification of that name, PEP 723): TOML in comments, from `# /// script`
+to `# ///`. What the finding says of itself stands in its table `tool.finding`.
+"""
+
+import re
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+__all__ = ["Finding", "FindingError", "Kind", "read_finding"]
+
+Kind = Literal["bug", "trap", "limit"]
+"""bug: against what the vendor documents, or the format read; trap: documented, or told, and easily fallen into; limit: the
+method's."""
+
+_HEAD = re.compile(r"(?m)^# /// script$\s(?P<content>(^#(| .*)$\s)+)^# ///$")
+
+
+class FindingError(ValueError):
+    """The head of a script is missing or says something that no finding has."""
+
+
+class _Table(BaseModel):
+    """`tool.finding`, as written."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    engine: str = Field(min_length=1)
+    kind: Kind
+    title: str = Field(min_length=1)
+    seen: list[str] = Field(min_length=1)
+    documented: str = Field(min_length=1)
+    sources: list[str] = Field(min_length=1)
+    mend: str = Field(min_length=1)
+    cases: list[str]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a script is about.
+
+    name: engine and file name, as the command line takes it. kind, title, documented, mend: see `findings/README.md`. seen: the
+    versions in which it was found. sources: where the vendor says so, and earlier reports. cases: those of the catalogue that
+    it shows in. requires: what the script needs installed, as requirements of a package index. script: the file. text: all of
+    it."""
+
+    name: str
+    engine: str
+    kind: Kind
+    title: str
+    seen: tuple[str, ...]
+    documented: str
+    sources: tuple[str, ...]
+    mend: str
+    cases: tuple[str, ...]
+    requires: tuple[str, ...]
+    script: Path
+    text: str
+
+    @property
+    def body(self) -> str:
+        """What a reader of the script alone sees."""
+        return _HEAD.sub("", self.text).strip()
+
+
+def _head(path: Path, text: str) -> dict[str, Any]:
+    match = _HEAD.search(text)
+    if match is None:
+        raise FindingError(f"{path}: no block from '# /// script' to '# ///' at its head")
+    content = "".join(line[2:] if line.startswith("# ") else line[1:] for line in match["content"].splitlines(keepends=True))
+    try:
+        return tomllib.loads(content)
+    except tomllib.TOMLDecodeError as error:
+        raise FindingError(f"{path}: head: {error}") from None
+
+
+def read_finding(path: Path) -> Finding:
+    """The finding of a script. Raises: FindingError, with file, field and value; OSError."""
+    text = path.read_text(encoding="utf-8")
+    head = _head(path, text)
+    try:
+        table = _Table.model_validate(head.get("tool", {}).get("finding", {}))
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise FindingError(f"{path}: tool.finding.{where}: {first['msg']}, not {first['input']!r}") from None
+    if table.engine != path.parent.name:
+        raise FindingError(f"{path}: tool.finding.engine: '{table.engine}', in the folder of '{path.parent.name}'")
+    return Finding(
+        name=f"{table.engine}/{path.stem}",
+        engine=table.engine,
+        kind=table.kind,
+        title=table.title,
+        seen=tuple(table.seen),
+        documented=table.documented,
+        sources=tuple(table.sources),
+        mend=table.mend,
+        cases=tuple(table.cases),
+        requires=tuple(head.get("dependencies", ())),
+        script=path,
+        text=text,
+    )

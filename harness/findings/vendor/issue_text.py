@@ -1,0 +1,42 @@
+"""A finding as a text that can be reported upstream, in Markdown."""
+
+import platform
+
+from harness.findings.vendor.still_there import Standing
+
+__all__ = ["issue_text"]
+
+_ASKED = {
+    "bug": "Expected is what the documentation, or the format, says:",
+    "trap": "This follows from what is documented; it is reported since it is easily missed. Documented is:",
+    "limit": "This comes with the method; it is reported since its size may surprise. Documented is:",
+}
+
+
+def issue_text(standing: Standing) -> str:
+    """Title, versions, figure, what is documented, the script whole, and what a user does about it today."""
+    finding = standing.finding
+    sources = "\n".join(f"- {source}" for source in finding.sources)
+    seen = ", ".join(finding.seen)
+    today = f"{standing.verdict}: {standing.figure}" if standing.verdict in ("still there", "gone") else standing.figure
+    version = standing.version or "not installed here"
+    machine = f"Python {platform.python_version()}, {platform.system()} {platform.machine()}"
+    needs = ", ".join(finding.requires) or finding.engine
+    return f"""# {finding.title}
+
+**Version**: {version} (first seen in {seen}); {machine}
+
+**What happens**: {today}
+
+{_ASKED[finding.kind]} {finding.documented}
+
+{sources}
+
+**To reproduce**: needs {needs} and nothing else; the last line that it prints says whether it is still there.
+
+```python
+{finding.text.strip()}
+```
+
+**What helps meanwhile**: {finding.mend}
+"""

@@ -1,0 +1,49 @@
+"""The page that answers which engine, with weights and requirements that a reader sets."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from harness.findings.selection import CRITERIA
+from harness.findings.selection.words import headline, turn_sentences
+from harness.findings.tables import selection as table
+from reports.page import Page
+from reports.selection import answer, evidence_rows, live
+from reports.sheet import sheet
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["PAGE"]
+
+
+def concerns(store: "Store") -> bool:
+    """Only where there are engines of others to choose from."""
+    rank = answer(store).rank
+    return rank is not None and len(rank.places) > 1
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """The page."""
+    found, about = answer(store), store.catalogue.get("engines", {})
+
+    def titled(name: str) -> str:
+        return str(about.get(name, {}).get("title") or name)
+
+    rows = evidence_rows(store)
+    page = fill(
+        "select.html",
+        store,
+        title="Which engine",
+        answer=found,
+        headline=headline(found, titled),
+        turns=turn_sentences(found.turns, titled),
+        criteria=CRITERIA,
+        rows=[row for row in rows if row.datum.value < 1],
+        full=sum(row.datum.value >= 1 for row in rows),
+        live=live(store),
+    )
+    return {"select.html": page, "evidence.csv": sheet(table.COLUMNS, table.rows(store))}
+
+
+PAGE = Page(name="select", title="Select", order=5, render=render, concerns=concerns)

@@ -1,0 +1,135 @@
+"""What the page on selection shows: the answer at equal weights, and the evidence from which a browser works it out anew."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+from harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
+from harness.findings.selection.evidence import Datum
+from harness.findings.selection.words import headline
+from reports.contents import FAMILIES, cases
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["Need", "Row", "answer", "evidence_rows", "live", "needs"]
+
+
+@lru_cache(maxsize=1)
+def answer(store: "Store") -> Answer:
+    """At equal weights, over all cases, without our own engine."""
+    return choose(store, Wish())
+
+
+@dataclass(frozen=True)
+class Row:
+    """One datum with its address in words. title: of the case."""
+
+    criterion: str
+    case: str
+    title: str
+    engine: str
+    datum: Datum
+
+
+def evidence_rows(store: "Store") -> list[Row]:
+    """All data, worst first."""
+    table, known = answer(store).evidence.table, cases(store)
+    rows = [
+        Row(criterion, case, str(known[case]["title"]), engine, datum) for (criterion, case, engine), datum in table.items()
+    ]
+    return sorted(rows, key=lambda row: (row.datum.value, row.criterion, row.case, row.engine))
+
+
+def live(store: "Store") -> Markup:
+    """The same as JSON for the page's script; '<' is written so that nothing in it can end the element."""
+    evidence = answer(store).evidence
+    about, known = store.catalogue.get("engines", {}), cases(store)
+    names, engines = list(evidence.cases), list(evidence.engines)
+    criteria = [name for name in CRITERIA if any(key[0] == name for key in evidence.table)]
+    families = list(dict.fromkeys(evidence.families[case] for case in names))
+    content = {
+        "criteria": criteria,
+        "families": [{"name": family, "title": FAMILIES.get(family, family)} for family in families],
+        "cases": [{"name": name, "title": known[name]["title"], "family": evidence.families[name]} for name in names],
+        "engines": [
+            {
+                "name": name,
+                "title": str(about.get(name, {}).get("title") or name),
+                "track": evidence.tracks[name],
+                "features": list(about.get(name, {}).get("features", ())),
+            }
+            for name in engines
+        ],
+        "cells": [
+            [
+                criteria.index(criterion),
+                names.index(case),
+                engines.index(engine),
+                _short(d.value),
+                _short(d.low),
+                _short(d.high),
+            ]
+            for (criterion, case, engine), d in evidence.table.items()
+        ],
+        "costs": [[names.index(case), engines.index(engine), price.cost] for (case, engine), price in evidence.costs.items()],
+        "presets": [_preset(name, evidence.families) for name in preset_names()],
+    }
+    return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))
+
+
+@dataclass(frozen=True)
+class Need:
+    """A purpose in the shortest: what it is, the answer, the settings of who stands first, on how many cases."""
+
+    title: str
+    why: str
+    answer: str
+    settings: str
+    cases: int
+
+
+FEWEST = 3
+"""Cases of a purpose below which nothing is said of it."""
+
+
+def needs(store: "Store") -> list[Need]:
+    """The built-in purposes of which the run has cases enough."""
+    about = store.catalogue.get("engines", {})
+
+    def titled(name: str) -> str:
+        return str(about.get(name, {}).get("title") or name)
+
+    found = []
+    for name in preset_names():
+        preset = read_preset(name)
+        answer = choose(store, preset.wish(), draws=2000)
+        if answer.rank is None or len(answer.rank.places) < 2 or len(answer.evidence.cases) < FEWEST:
+            continue
+        tracks = [
+            f"{titled(place.engine)} {answer.evidence.tracks[place.engine]}"
+            for place in answer.rank.places
+            if place.number == 1
+        ]
+        found.append(Need(preset.title, preset.why, headline(answer, titled), ", ".join(tracks), len(answer.evidence.cases)))
+    return found
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def _preset(name: str, families: Mapping[str, str]) -> dict[str, Any]:
+    preset = read_preset(name)
+    wish = preset.wish()
+    return {
+        "name": name,
+        "title": preset.title,
+        "why": preset.why,
+        "weights": {criterion: wish.weight(criterion) for criterion in CRITERIA},
+        "cases": {case: wish.weight_of_case(case, family) for case, family in families.items()},
+    }

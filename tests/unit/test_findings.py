@@ -1,0 +1,147 @@
+"""Findings: their heads are whole, their scripts are the vendor's alone, and they tell what is there from what is gone."""
+
+import ast
+import site
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+from harness.findings.vendor.finding import Finding, FindingError, read_finding
+from harness.findings.vendor.issue_text import issue_text
+from harness.findings.vendor.shelf import FOLDER, chosen, shelf
+from harness.findings.vendor.still_there import ask
+from harness.study.plugins import names
+from tests.conftest import Command
+
+PACKAGE = {"bullet": "pybullet", "dart": "dartpy", "mujoco": "mujoco"}
+EVERY = shelf()
+OTHER = "dart/urdf_frame_weighs_a_kilogram"
+DAMPED = next(finding for finding in EVERY if finding.name == "bullet/damping_by_default")
+
+
+def test_each_of_three_engines_has_five_findings_and_more() -> None:
+    counts = {engine: sum(finding.engine == engine for finding in EVERY) for engine in PACKAGE}
+    assert min(counts.values()) >= 5, counts
+    assert sum(counts.values()) == len(EVERY)
+
+
+def test_the_cases_that_they_show_in_are_in_the_catalogue() -> None:
+    known = set(names("cases"))
+    assert {case for finding in EVERY for case in finding.cases} <= known
+
+
+@pytest.mark.parametrize("finding", EVERY, ids=lambda finding: finding.name)
+def test_a_script_needs_its_vendor_numpy_and_python_alone(finding: Finding) -> None:
+    tree = ast.parse(finding.text)
+    nodes = list(ast.walk(tree))
+    imported = {alias.name.partition(".")[0] for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    imported |= {str(node.module).partition(".")[0] for node in nodes if isinstance(node, ast.ImportFrom)}
+    allowed = {PACKAGE[finding.engine], "numpy"}
+    assert imported - set(sys.stdlib_module_names) <= allowed
+    assert {need.partition("=")[0] for need in finding.requires} == imported & allowed
+    assert any(need == f"{PACKAGE[finding.engine]}=={finding.seen[-1]}" for need in finding.requires)
+
+
+def test_a_trap_is_still_there_and_a_planted_mended_version_is_told_as_gone(tmp_path: Path) -> None:
+    """The planted pybullet makes bodies without damping; an environment of its own finds it first."""
+    assert ask(DAMPED).verdict == "still there"
+    venv.create(tmp_path / "env", with_pip=False, symlinks=True)
+    python = tmp_path / "env" / "bin" / "python"
+    inside = sysconfig.get_path("purelib", vars={"base": str(tmp_path / "env"), "platbase": str(tmp_path / "env")})
+    mended = tmp_path / "mended"
+    mended.mkdir()
+    (mended / "pybullet.py").write_text(
+        "import importlib.machinery, importlib.util, pathlib\n"
+        f"path = next(pathlib.Path({site.getsitepackages()[0]!r}).glob('pybullet.*'))\n"
+        "loader = importlib.machinery.ExtensionFileLoader('vendor.pybullet', str(path))\n"
+        "real = importlib.util.module_from_spec(importlib.util.spec_from_loader('vendor.pybullet', loader))\n"
+        "globals().update(vars(real))\n"
+        "def createMultiBody(*arguments, **named):\n"
+        "    body = real.createMultiBody(*arguments, **named)\n"
+        "    real.changeDynamics(body, -1, linearDamping=0.0, angularDamping=0.0)\n"
+        "    return body\n"
+    )
+    Path(inside, "mended.pth").write_text(f"{mended}\n{site.getsitepackages()[0]}\n")
+    standing = ask(DAMPED, str(python))
+    assert (standing.verdict, standing.figure.split(" after")[0]) == ("gone", "0.041 m from the parabola")
+
+
+def test_a_script_whose_engine_is_missing_or_that_ends_otherwise_has_a_reason(tmp_path: Path) -> None:
+    folder = tmp_path / "bullet"
+    folder.mkdir()
+    text = DAMPED.text.replace("import pybullet as p", "import no_such_engine as p")
+    for name, body, verdict, reason in (
+        ("missing", text, "unavailable", "ModuleNotFoundError: No module named 'no_such_engine'"),
+        ("silent", DAMPED.text.partition("print(")[0], "failed", "pybullet build time"),
+        ("dying", DAMPED.text + "\nimport os\nos.abort()\n", "failed", "ended by signal 6"),
+    ):
+        (folder / f"{name}.py").write_text(body)
+        standing = ask(read_finding(folder / f"{name}.py"))
+        assert standing.verdict == verdict
+        assert standing.figure.startswith(reason)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('kind = "trap"', 'kind = "sin"', "tool.finding.kind"),
+        ("# mend =", "# mends =", "tool.finding.mend"),
+        ('engine = "bullet"', 'engine = "dart"', "in the folder of 'bullet'"),
+        ("# /// script", "# script", "no block"),
+        ('kind = "trap"', "kind = trap", "head: "),
+    ],
+)
+def test_a_head_that_is_wrong_is_refused_by_file_and_field(tmp_path: Path, old: str, new: str, words: str) -> None:
+    path = tmp_path / "bullet" / "f.py"
+    path.parent.mkdir()
+    path.write_text(DAMPED.text.replace(old, new))
+    with pytest.raises(FindingError, match=words) as caught:
+        read_finding(path)
+    assert str(path) in str(caught.value)
+
+
+def test_the_text_for_the_vendor_has_the_figure_the_documentation_and_the_script_whole() -> None:
+    text = issue_text(ask(DAMPED))
+    for words in (DAMPED.title, "1.449 m from the parabola", DAMPED.documented, DAMPED.mend, DAMPED.text.strip(), "3.2.7"):
+        assert words in text
+
+
+def test_findings_are_chosen_by_engine_or_by_name() -> None:
+    assert {finding.engine for finding in chosen(EVERY, "dart")} == {"dart"}
+    assert [finding.name for finding in chosen(EVERY, OTHER)] == [OTHER]
+    with pytest.raises(FindingError, match="no finding is called 'drat'; there are bullet, dart, mujoco, bullet/"):
+        chosen(EVERY, "drat")
+
+
+def test_the_command_lists_them_and_prints_the_text_of_one(printed: Command) -> None:
+    listed = printed("findings", "mujoco")
+    assert listed.returncode == 0
+    assert "mujoco/no_restitution" in listed.stdout
+    assert "bullet/" not in listed.stdout
+    assert printed("findings", "mujoco", "--issue").returncode == 2
+    assert printed("findings", "drat").returncode == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("finding", EVERY, ids=lambda finding: finding.name)
+def test_it_is_still_there_in_the_version_that_it_was_seen_in(finding: Finding) -> None:
+    standing = ask(finding)
+    if standing.version not in finding.seen:
+        pytest.skip(f"seen in {', '.join(finding.seen)}, installed is {standing.version or 'nothing'}")
+    assert standing.verdict == "still there", standing.figure
+
+
+def test_readme_names_every_field_of_a_head() -> None:
+    text = (FOLDER / "README.md").read_text()
+    for field in ("engine", "kind", "title", "seen", "documented", "sources", "mend", "cases"):
+        assert f"| `{field}` |" in text
+
+
+def test_a_script_runs_by_hand_as_the_readme_says() -> None:
+    path = FOLDER / f"{OTHER}.py"
+    done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=True)
+    assert done.stdout.rstrip().rpartition("\n")[2].startswith("still there: ")

@@ -1,0 +1,159 @@
+"""Selection: the better engine is named, equals are called level, and every number has its run."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
+from harness.findings.selection.words import headline
+from harness.store.store import Store
+from harness.study.plugins import names
+from tests.conftest import Command
+from tests.selection_folder import Made, write_selection_folder
+
+SEEDS = [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 20))]
+GOOD, EQUAL, BAD = Made(error=0.3, cost=0.01), Made(error=2.0, cost=0.02), Made(error=12.0, cost=0.2)
+
+
+def answer(folder: Path, engines: dict[str, Made], seed: int, wish: Wish | None = None) -> Answer:
+    return choose(Store(write_selection_folder(folder / str(seed), engines, seed)), wish or Wish(), draws=500)
+
+
+def numbers(found: Answer) -> dict[str, int]:
+    assert found.rank is not None
+    return {place.engine: place.number for place in found.rank.places}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_known_best_is_first_alone_and_the_dominated_one_never(tmp_path: Path, seed: int) -> None:
+    found = answer(tmp_path, {"dart": EQUAL, "mujoco": GOOD, "bullet": BAD}, seed)
+    assert numbers(found)["mujoco"] == 1
+    assert numbers(found)["dart"] == 2
+    assert found.rank is not None
+    assert {place.engine: place.first for place in found.rank.places}["bullet"] == 0.0
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_two_equal_ones_are_level(tmp_path: Path, seed: int) -> None:
+    """Alike but for noise of a third from case to case, which gives an order to one such pair in fifty; the seeds are fixed."""
+    found = answer(tmp_path, {"dart": EQUAL, "mujoco": EQUAL, "bullet": BAD}, seed)
+    assert numbers(found)["mujoco"] == numbers(found)["dart"] == 1
+    assert "level" in headline(found, str)
+
+
+def test_equal_evidence_to_the_digit_shares_the_first_place_by_half(tmp_path: Path) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"dart": EQUAL, "mujoco": EQUAL}, 0, noise=0.0)
+    found = choose(Store(folder), Wish(), draws=500)
+    assert found.rank is not None
+    assert [place.first for place in found.rank.places] == [0.5, 0.5]
+
+
+def test_what_an_engine_cannot_run_counts_as_nothing_in_each_criterion(tmp_path: Path) -> None:
+    lacking = Made(error=0.3, cost=0.01, lacks=("joint_chain", "joint_pendulum", "stack_tower"))
+    found = answer(tmp_path, {"mujoco": lacking, "dart": GOOD}, 0)
+    assert found.rank is not None
+    means = {place.engine: place.by_criterion for place in found.rank.places}
+    assert means["dart"]["capability"] == 1.0
+    assert means["mujoco"]["capability"] == pytest.approx(0.7)
+    assert means["mujoco"]["accuracy"] <= 0.7
+    assert numbers(found)["dart"] == 1
+
+
+def test_an_error_of_a_hundred_bounds_or_a_hundredfold_price_is_no_use(tmp_path: Path) -> None:
+    folder = write_selection_folder(
+        tmp_path / "run", {"mujoco": Made(1.0, 0.01), "dart": Made(10.0, 0.1), "bullet": Made(100.0, 1.0)}, 0, noise=0.0
+    )
+    found = choose(Store(folder), Wish(max_error=0.1), draws=100)
+    assert found.rank is not None
+    means = {place.engine: place.by_criterion["accuracy"] for place in found.rank.places}
+    # By the logarithm over two decades; at the bound itself every check holds.
+    assert means == pytest.approx({"mujoco": 1.0, "dart": 0.5, "bullet": 0.0}, abs=1e-9)
+
+
+def test_requirements_leave_engines_out_with_a_reason_and_a_run(tmp_path: Path) -> None:
+    engines = {"mujoco": GOOD, "dart": EQUAL, "bullet": BAD}
+    error = answer(tmp_path / "a", engines, 0, Wish(max_error=1e-3, strict=True))
+    assert {drop.engine for drop in error.dropped} >= {"bullet"}
+    assert all(drop.case and drop.trial and drop.value.startswith("best ") for drop in error.dropped)
+    speed = answer(tmp_path / "b", engines, 0, Wish(max_error=1e-1, realtime=20.0))
+    assert {drop.engine for drop in speed.dropped} == {"bullet"}
+    assert "times real time" in speed.dropped[0].requirement
+    feature = answer(tmp_path / "c", engines, 0, Wish(features=("anti_gravity",)))
+    assert feature.rank is None
+    assert headline(feature, str) == "No engine is left that there is evidence of."
+
+
+def test_an_engine_that_ran_in_few_of_the_cases_is_left_out_and_spoils_nothing(tmp_path: Path) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"mujoco": GOOD, "dart": EQUAL, "bullet": BAD}, 0)
+    frame = pd.read_parquet(folder / "trials.parquet")
+    kept = frame[(frame["engine"] != "bullet") | frame["case"].isin(["joint_chain", "stack_tower"])]
+    kept.to_parquet(folder / "trials.parquet", index=False)
+    found = choose(Store(folder), Wish(), draws=200)
+    assert numbers(found) == {"mujoco": 1, "dart": 2}
+    assert [(drop.engine, drop.value) for drop in found.dropped] == [("bullet", "20 %")]
+
+
+def test_what_would_turn_the_answer_is_told(tmp_path: Path) -> None:
+    """One is exact and dear, the other off and cheap: either leads once its side counts double."""
+    found = answer(tmp_path, {"mujoco": Made(0.5, 0.09), "dart": Made(6.0, 0.01)}, 0, Wish(max_error=0.1))
+    assert {turn.first for turn in found.turns if turn.kind == "criterion"} <= {"mujoco", "dart"}
+    assert found.rank is not None
+    leader = found.rank.places[0].engine
+    assert {(turn.kind, turn.name) for turn in found.turns if turn.first != leader} & {
+        ("criterion", "price"),
+        ("criterion", "accuracy"),
+    }
+
+
+def test_our_own_engine_is_ranked_only_where_it_is_asked_for(tmp_path: Path) -> None:
+    engines = {"reference": Made(0.1, 0.001), "dart": EQUAL}
+    assert set(numbers(answer(tmp_path / "a", engines, 0))) == {"dart"}
+    assert set(numbers(answer(tmp_path / "b", engines, 0, Wish(with_reference=True)))) == {"dart", "reference"}
+
+
+def test_each_preset_asks_for_cases_that_there_are_and_says_why() -> None:
+    families = {name.partition("_")[0] for name in names("cases")}
+    for name in preset_names():
+        preset = read_preset(name)
+        for cases in preset.cases:
+            wish = Wish(cases={cases.match: 1.0})
+            assert any(wish.weight_of_case(case, case.partition("_")[0]) for case in names("cases")), (name, cases.match)
+            assert len(cases.why) > 10
+        assert families
+    assert set(preset_names()) == {"games", "legged", "manipulation", "rl-throughput", "sensors", "teaching"}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("title = 1\n", "title"),
+        ('title = "t"\nwhy = "w"\n[[cases]]\nmatch = "joint"\n', "cases.0.why"),
+        (
+            'title = "t"\nwhy = "w"\n[weights]\nbeauty = 1\n[[cases]]\nmatch = "joint"\nwhy = "because of it"\n',
+            "weights.beauty",
+        ),
+        ("= \n", "line 1"),
+    ],
+)
+def test_a_preset_that_is_wrong_is_refused_by_file_and_key(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(PresetError, match=words) as caught:
+        read_preset(str(path))
+    assert str(path) in str(caught.value)
+
+
+def test_the_command_prints_places_reasons_and_gaps(tmp_path: Path, printed: Command) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"mujoco": GOOD, "dart": EQUAL, "bullet": BAD}, 0)
+    done = printed("select", folder, "--realtime", "20", "--max-error", "0.1", "--weight", "price=3")
+    assert done.returncode == 0
+    assert done.stdout.startswith("MuJoCo first, in ")
+    assert "Bullet is left out: asked for is 20 times real time" in done.stdout
+    assert "Nothing in this run says anything of limits, determinism." in done.stdout
+    rows = json.loads(printed("select", folder, "--json").stdout)
+    assert [row["engine"] for row in rows] == ["mujoco", "dart", "bullet"]
+    assert rows[0]["place"] == 1
+    for wrong in (("--weight", "beauty=1"), ("--weight", "price=much"), ("--need", "joy"), ("--preset", "joy")):
+        assert printed("select", folder, *wrong).returncode == 2

@@ -54,15 +54,30 @@ class Figure:
         """The static picture, relative to the report."""
         return f"charts/{self.name}.svg"
 
+    def _finished(self, width: int) -> dict[str, Any]:
+        spec: dict[str, Any] = json.loads(json.dumps(self.spec)) | {"width": width}
+        spec["config"] = LIGHT | {"legend": LIGHT["legend"] | spec.get("config", {}).get("legend", {})}
+        return spec
+
     @cached_property
     def svg(self) -> str:
         """The static picture, drawn without a browser; stands in for the chart in print and where scripts are off."""
         import vl_convert  # late: it brings a JavaScript engine
 
-        spec = json.loads(json.dumps(self.spec)) | {"width": 640}
-        spec["config"] = LIGHT | {"legend": LIGHT["legend"] | spec.get("config", {}).get("legend", {})}
-        drawn: str = vl_convert.vegalite_to_svg(spec, vl_version=VEGA_LITE, allowed_base_urls=[])
+        drawn: str = vl_convert.vegalite_to_svg(self._finished(640), vl_version=VEGA_LITE, allowed_base_urls=[])
         return drawn
+
+    def drawn(self, form: str, width: int = 640) -> bytes:
+        """The static picture as the bytes of a file. Args: form: svg, pdf or png, at twice the resolution of a screen."""
+        import vl_convert
+
+        spec = self._finished(width)
+        if form == "svg":
+            text: str = vl_convert.vegalite_to_svg(spec, vl_version=VEGA_LITE, allowed_base_urls=[])
+            return text.encode()
+        if form == "pdf":
+            return bytes(vl_convert.vegalite_to_pdf(spec, vl_version=VEGA_LITE, allowed_base_urls=[]))
+        return bytes(vl_convert.vegalite_to_png(spec, vl_version=VEGA_LITE, allowed_base_urls=[], scale=2.0))
 
 
 def thin(rows: Sequence[dict[str, Any]], x: str, y: str, limit: int = POINTS) -> list[dict[str, Any]]:

@@ -10,9 +10,9 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from harness.intake.safe_text import LONGEST, csv_cell, markdown_cell, one_line
+from harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
 
-__all__ = ["print_csv", "print_json", "print_markdown", "print_table"]
+__all__ = ["print_csv", "print_json", "print_latex", "print_markdown", "print_table"]
 
 
 def print_json(rows: Sequence[dict[str, Any]]) -> None:
@@ -62,3 +62,39 @@ def print_markdown(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> No
     print("|---" * len(columns) + "|")
     for row in rows:
         print("| " + " | ".join(markdown_cell(row[column]) for column in columns) + " |")
+
+
+DIGITS = 3
+"""Of a number in a paper."""
+
+
+def print_latex(columns: Sequence[str], rows: Sequence[Sequence[object]], source: Sequence[tuple[str, str]]) -> None:
+    """A table for LaTeX with the package booktabs, numbers to three digits.
+
+    Args: source: what it was made from, as comments above it.
+    """
+    numeric = [bool(rows) and all(_is_number(row[k]) or row[k] in (None, "") for row in rows) for k in range(len(columns))]
+    for name, value in source:
+        print(f"% {one_line(name, LONGEST)}: {one_line(value, LONGEST)}")
+    print(rf"\begin{{tabular}}{{{''.join('r' if number else 'l' for number in numeric)}}}")
+    print(r"\toprule")
+    print(" & ".join(map(latex_cell, columns)) + r" \\")
+    print(r"\midrule")
+    for row in rows:
+        print(" & ".join(_latex_value(cell) for cell in row) + r" \\")
+    print(r"\bottomrule")
+    print(r"\end{tabular}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _latex_value(value: object) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "--"
+    if not isinstance(value, float):
+        return latex_cell(value)
+    text = f"{value:.{DIGITS}g}"
+    mantissa, power, exponent = text.partition("e")
+    return rf"${mantissa} \times 10^{{{int(exponent)}}}$" if power else f"${text}$"

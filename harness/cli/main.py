@@ -4,6 +4,7 @@ import click
 
 from harness.cli.cluster_commands import merge
 from harness.cli.diff_command import diff
+from harness.cli.figure_command import figure
 from harness.cli.findings_command import findings
 from harness.cli.guard import Guarded
 from harness.cli.installed import cases, check, engines
@@ -36,6 +37,7 @@ for command in (
     diff,
     merge,
     select,
+    figure,
     findings,
     scene,
     parity,

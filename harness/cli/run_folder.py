@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.guard import GATE, MACHINE, say, stop
-from harness.cli.listing import print_csv, print_json, print_markdown, print_table
+from harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
 from harness.cli.options import limited, opened, run_folder
 from harness.cli.own_scene import shown_status
 from harness.findings import tables
@@ -36,7 +36,9 @@ def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence
 @click.command()
 @run_folder
 @click.option("--table", type=click.Choice([*_TABLES, *tables.names()]), default="trials", show_default=True)
-@click.option("--format", "form", type=click.Choice(["text", "json", "csv", "markdown"]), default="text", show_default=True)
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json", "csv", "markdown", "latex"]), default="text", show_default=True
+)
 def show(folder: Path, table: str, form: str) -> None:
     """Print a table of the run folder DIR."""
     store = opened(folder)
@@ -48,6 +50,12 @@ def show(folder: Path, table: str, form: str) -> None:
         print_csv(columns, rows)
     elif form == "markdown":
         print_markdown(columns, rows)
+    elif form == "latex":
+        from reports.citation import citation
+
+        brief = columns if worked_out is None else worked_out.BRIEF
+        cells = [[row[c] for c in columns] if worked_out is None else list(worked_out.brief(row)) for row in rows]
+        print_latex(brief, cells, citation(store))
     elif worked_out is not None:
         print_table(table, worked_out.BRIEF, [worked_out.brief(row) for row in rows])
         for sentence in tables.sentences(worked_out, rows):

@@ -6,7 +6,7 @@ from numbers import Number
 from reprlib import Repr
 from typing import Any
 
-__all__ = ["LONGEST", "LONGEST_TEXT", "csv_cell", "markdown_cell", "one_line", "quoted", "readable", "visible"]
+__all__ = ["LONGEST", "LONGEST_TEXT", "csv_cell", "latex_cell", "markdown_cell", "one_line", "quoted", "readable", "visible"]
 
 LONGEST = 2000
 """Characters of one string that people are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
@@ -88,3 +88,24 @@ def markdown_cell(value: object) -> str:
     """A cell of a table in Markdown: on one line, and nothing in it is markup, a link, a picture or a cell's end."""
     text = _MARKS.sub(r"\\\g<0>", one_line(str(value), LONGEST))
     return text.replace("&", "&amp;").replace("<", "&lt;")
+
+
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "$": r"\$",
+    "&": r"\&",
+    "#": r"\#",
+    "%": r"\%",
+    "_": r"\_",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+}
+
+
+def latex_cell(value: object) -> str:
+    """A cell of a table in LaTeX: on one line, and nothing in it is a command."""
+    return "".join(_LATEX.get(character, character) for character in one_line(str(value), LONGEST))

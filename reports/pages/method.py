@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from reports.citation import citation
 from reports.laws import own_everywhere, told_apart
 from reports.page import Page
 from reports.template import fill
@@ -35,6 +36,7 @@ def render(store: "Store") -> Mapping[str, str]:
             laws=told_apart(store),
             own=own_everywhere(store),
             folder=str(store.folder),
+            citation=citation(store),
         )
     }
 

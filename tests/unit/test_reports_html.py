@@ -18,7 +18,6 @@ from reports import html
 from reports.page import Page, pages
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
 
-
 SOURCES = {source for finding in shelf() for source in finding.sources}
 """What findings cite; the only addresses of a report that are not from its store."""
 

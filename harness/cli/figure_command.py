@@ -1,0 +1,48 @@
+"""The command that draws the charts of a case for a paper."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from harness.cli.guard import say
+from harness.cli.options import opened, run_folder
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["figure"]
+
+
+@click.command()
+@run_folder
+@click.option("--case", "case", required=True, metavar="CASE", help="Whose charts.")
+@click.option(
+    "--chart", type=click.Choice(["step", "price"]), help="Error against time step, or cost against error; both unless said."
+)
+@click.option("--format", "form", type=click.Choice(["svg", "pdf", "png"]), default="pdf", show_default=True)
+@click.option(
+    "--width", type=click.IntRange(100, 4000), default=640, show_default=True, help="Of the frame, in units of 1/96 inch."
+)
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="The folder for the files.")
+def figure(folder: Path, case: str, chart: str | None, form: str, width: int, out: Path) -> None:
+    """Draw the charts of CASE in DIR: vector graphics with text as text, in the light scheme."""
+    from harness.store import disk
+    from reports.paper import figures_of
+
+    store = opened(folder)
+    _known(store, case)
+    drawn = [(name, made) for name, made in figures_of(store, case) if chart in (None, name)]
+    if not drawn:
+        raise click.UsageError(f"case '{case}' has no trial with a number to draw{f' as {chart}' if chart else ''}")
+    disk.make_folder(out)
+    for _, made in drawn:
+        path = out / f"{made.name}.{form}"
+        disk.write_atomically(path, made.drawn(form, width))
+        say(str(path))
+
+
+def _known(store: "Store", case: str) -> None:
+    cases = [str(name) for name in dict.fromkeys(store.trials["case"])] if len(store.trials) else []
+    if case not in cases:
+        raise click.BadParameter(f"'{case}' is no case of this run; there are {', '.join(cases)}", param_hint="--case")

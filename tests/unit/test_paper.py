@@ -1,0 +1,68 @@
+"""What is made for a paper: vector graphics of the charts, tables in LaTeX, and where they came from."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.intake.safe_text import latex_cell
+from harness.store.store import Store
+from reports.citation import citation, run_digest
+from tests.conftest import Command
+from tests.run_folder import write_run_folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_run_folder(tmp_path_factory.mktemp("paper") / "run", only=("joint_chain", "stack_tower"))
+
+
+@pytest.mark.parametrize(("form", "begins"), [("svg", b"<svg"), ("pdf", b"%PDF-"), ("png", b"\x89PNG")])
+def test_the_charts_of_a_case_are_files_of_the_format_asked_for(
+    folder: Path, tmp_path: Path, printed: Command, form: str, begins: bytes
+) -> None:
+    done = printed("figure", folder, "--case", "joint_chain", "--format", form, "--out", tmp_path)
+    assert done.returncode == 0
+    paths = [Path(line) for line in done.stdout.splitlines()]
+    assert [path.name for path in paths] == [f"case-joint_chain-step.{form}", f"case-joint_chain-price.{form}"]
+    assert all(path.read_bytes().startswith(begins) for path in paths)
+
+
+def test_one_chart_and_what_is_not_there(folder: Path, tmp_path: Path, printed: Command) -> None:
+    done = printed("figure", folder, "--case", "stack_tower", "--chart", "step", "--format", "svg", "--out", tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["case-stack_tower-step.svg"]
+    assert done.returncode == 0
+    wrong = printed("figure", folder, "--case", "stack_towr")
+    assert wrong.returncode == 2
+    assert "there are joint_chain, stack_tower" in wrong.stderr
+
+
+def test_a_table_in_latex_has_booktabs_digits_and_its_source(folder: Path, printed: Command) -> None:
+    text = printed("show", folder, "--table", "trials", "--format", "latex").stdout
+    lines = text.splitlines()
+    assert lines[0] == "% study: quick"
+    assert any(re.fullmatch(r"% run's digest: [0-9a-f]{16}", line) for line in lines)
+    for word in (r"\toprule", r"\midrule", r"\bottomrule", r"\end{tabular}"):
+        assert lines.count(word) == 1
+    columns = len(next(line for line in lines if line.startswith("trial &")).split(" & "))
+    body = lines[lines.index(r"\midrule") + 1 : lines.index(r"\bottomrule")]
+    assert body
+    assert all(len(re.split(r"(?<!\\) & ", row)) == columns for row in body)
+    assert r"stack\_tower" in text
+    # 1/60 s to three digits.
+    assert "$0.0167$" in text
+
+
+def test_nothing_in_a_cell_is_a_command() -> None:
+    assert latex_cell(r"\input{x} & $a_b$ 5 % #1 ~^<>") == (
+        r"\textbackslash{}input\{x\} \& \$a\_b\$ 5 \% \#1 \textasciitilde{}\textasciicircum{}\textless{}\textgreater{}"
+    )
+
+
+def test_the_digest_of_a_run_changes_with_any_answer(folder: Path) -> None:
+    store = Store(folder)
+    before = run_digest(store)
+    assert dict(citation(store))["run's digest"] == before
+    other = Store(folder)
+    other.trials.loc[0, "trajectory_hash"] = "0123456789abcdef"
+    assert run_digest(other) != before

@@ -10,6 +10,9 @@ from harness.cli.options import json_rows
 
 __all__ = ["cases", "check", "engines", "left_out"]
 
+_ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed": 4}
+"""Of outcomes in a listing: what has to be looked at first; the last two only where all is asked for."""
+
 
 @click.command()
 @json_rows
@@ -58,8 +61,9 @@ def cases(as_json: bool) -> None:
 @click.command()
 @click.argument("engine")
 @click.option("--track", "tracks", multiple=True, type=click.Choice(["default", "tuned"]), help="Only this track.")
+@click.option("--verbose", is_flag=True, help="Each check on each track, with what passed and what is not claimed.")
 @json_rows
-def check(engine: str, tracks: tuple[str, ...], as_json: bool) -> None:
+def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) -> None:
     """Put one adapter, built in or third-party, through the conformance kit."""
     from dataclasses import asdict
 
@@ -74,10 +78,13 @@ def check(engine: str, tracks: tuple[str, ...], as_json: bool) -> None:
     if as_json:
         print_json([asdict(outcome) for outcome in outcomes])
     else:
-        rows = [(o.track, o.check, o.status, o.message) for o in outcomes]
-        print_table(f"{adapter.title} {version}", ("track", "check", "status", "finding"), rows)
+        shown = [o for o in outcomes if verbose or _ORDER[o.status] < _ORDER["not_applicable"]]
+        rows = [(o.track, o.check, o.status, o.message) for o in sorted(shown, key=lambda o: _ORDER[o.status])]
+        if rows:
+            print_table(f"{adapter.title} {version}", ("track", "check", "status", "finding"), rows)
         counts = {status: sum(o.status == status for o in outcomes) for status in dict.fromkeys(o.status for o in outcomes)}
         checks = len({o.check for o in outcomes})
-        say(f"{checks} checks: " + ", ".join(f"{n} {status}" for status, n in counts.items()), err=True)
+        told = ", ".join(f"{n} {status}" for status, n in counts.items())
+        say(f"{adapter.title} {version}: {checks} checks: {told}{'' if verbose else '; --verbose shows each'}")
     if not gate(outcomes):
         sys.exit(GATE)

@@ -24,12 +24,13 @@ Drop = Literal[
     "mimic",
     "nonlinear",
     "plugin",
+    "self_collision",
     "tendon",
 ]
 """What changes the motion: refused by name, where a scene has no word for it, unless the user leaves it out.
 
-A scene has words for the rotors and the dry friction of hinges and slides, and for mimics; not every engine does, so that
-leaving them out may be the only way to compare all.
+A scene has words for the rotors and the dry friction of hinges and slides, for mimics, and for contacts between links; not
+every engine does, or not with each other's friction, so that leaving them out may be the only way to compare all.
 """
 
 DROPPABLE: Mapping[Drop, str] = {
@@ -46,6 +47,7 @@ DROPPABLE: Mapping[Drop, str] = {
     "mimic": "joints that follow another one, and linear equalities of two joints",
     "nonlinear": "springs and dampers with terms of higher order",
     "plugin": "an engine's own plug-ins",
+    "self_collision": "contacts between links of the robot",
     "tendon": "tendons with a spring, a damper, friction or limits",
 }
 

@@ -100,7 +100,7 @@ def trials(folder: Path, plumbline: Command) -> Iterator[pd.DataFrame]:
         ("norm_3", "crashed", "q_WB of body 'ball' at t = 0.0833333 s: got norm 3, expected 1"),
         ("norm_0", "crashed", "q_WB of body 'ball' at t = 0.0833333 s: got norm 0, expected 1"),
         ("count", "crashed", "broken contract: record.resolved.iterations: got np.int64(5)"),
-        ("warning", "crashed", "broken contract: warnings()[0]: got b'bytes'"),
+        ("warning", "crashed", "BrokenContract: warnings()[0]: got b'bytes'"),
         ("garbage", "crashed", "broken contract: no JSON"),
         ("pickle", "crashed", "broken contract: no JSON"),
         ("pickle_line", "crashed", "broken contract: no JSON"),

@@ -180,7 +180,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     )
 
 
-_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic"))
+_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic", "self_collision"))
 """What may be dropped although a scene has words for it, as far as joints and ties have it."""
 
 

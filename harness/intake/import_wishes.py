@@ -8,7 +8,7 @@ from typing import Literal
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 
-__all__ = ["DROPPABLE", "SCENARIOS", "Drop", "Root", "Scenario", "Wishes", "package_roots"]
+__all__ = ["DROPPABLE", "SCENARIOS", "STARTS", "Drop", "Root", "Scenario", "Start", "Wishes", "package_roots"]
 
 Drop = Literal[
     "actuator",
@@ -53,6 +53,8 @@ DROPPABLE: Mapping[Drop, str] = {
 
 Root = Literal["fixed", "floating"]
 Scenario = Literal["drop", "hold", "swing", "sweep"]
+Start = Literal["zero", "middle", "inside"]
+STARTS: tuple[Start, ...] = ("zero", "middle", "inside")
 SCENARIOS: tuple[Scenario, ...] = ("drop", "hold", "swing", "sweep")
 
 
@@ -63,7 +65,8 @@ class Wishes:
     Terms:
         drop: kinds of elements that may be left out. packages: folder by the name of a package. root: how the root is held.
         one_friction: static friction is taken to be the kinetic one. convex: the most convex pieces that a collision mesh is
-        taken apart into, None for its hull. scenario: what happens to the robot. looks: read how it looks too, for pictures.
+        taken apart into, None for its hull. scenario: what happens to the robot. start: where joints start, None for what the
+        companion says. looks: read how it looks too, for pictures.
     """
 
     drop: frozenset[Drop] = frozenset()
@@ -72,6 +75,7 @@ class Wishes:
     one_friction: bool = False
     convex: int | None = None
     scenario: Scenario | None = None
+    start: Start | None = None
     looks: bool = False
 
 

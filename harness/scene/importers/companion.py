@@ -9,7 +9,7 @@ from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from harness.intake.documents import InputError, document, named
-from harness.intake.import_wishes import Drop, Root
+from harness.intake.import_wishes import Drop, Root, Start
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
@@ -109,7 +109,8 @@ class Companion:
     """All that the file beside a robot says.
 
     Terms:
-        root: how the root is held. start: joints start at zero, or in the middle of their range. keyframe: the name of a pose
+        root: how the root is held. start: joints start at zero, in the middle of
+        their range, or at zero but within it. keyframe: the name of a pose
         of the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do its own links touch each
         other? materials: by link, where it is not 'robot'. commands: a CSV file beside it with targets of joints over time.
         sensors: as a scene has them, with a link for their body and poses in it. duration [s], dt [s] (the coarsest time step),
@@ -117,7 +118,7 @@ class Companion:
     """
 
     root: Root | None = None
-    start: Literal["zero", "middle"] = "zero"
+    start: Start = "zero"
     keyframe: Name | None = None
     base: Base | None = None
     gravity: Vector3 | None = None

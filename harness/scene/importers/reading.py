@@ -127,7 +127,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     rows += undropped(robot, wishes.drop)
     robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
     rows += more
-    robot, more = settled(robot, companion, commands)
+    robot, more = settled(robot, companion if wishes.start is None else replace(companion, start=wishes.start), commands)
     rows += more
     if wishes.scenario in ("drop", "swing"):
         robot = scenarios.unpowered(robot)

@@ -153,7 +153,11 @@ def _start(c: Coordinate, wish: JointWish, companion: Companion) -> float:
         return wish.position
     if companion.start == "middle" and c.lower is not None and c.upper is not None:
         return (c.lower + c.upper) / 2
-    return c.reference if c.position is None else c.position
+    position = c.reference if c.position is None else c.position
+    if companion.start == "inside":
+        position = max(position, position if c.lower is None else c.lower)
+        position = min(position, position if c.upper is None else c.upper)
+    return position
 
 
 def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
@@ -167,7 +171,8 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
                 name=c.name,
                 outcome="exact",
                 becomes=f"{c.position:.6g}, outside the range",
-                consequence='engines push it back at once, a kick at t = 0; start = "middle" begins within; outside by',
+                consequence="engines push it back at once, a kick at t = 0, in most of them the harder the smaller the step, so "
+                "that no limit is reached; --start inside begins at the bound, --start middle within; outside by",
                 value=beyond,
                 unit="rad" if c.kind == "revolute" else "m",
             )

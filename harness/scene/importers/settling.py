@@ -171,8 +171,8 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
                 name=c.name,
                 outcome="exact",
                 becomes=f"{c.position:.6g}, outside the range",
-                consequence="engines push it back at once, a kick at t = 0, in most of them the harder the smaller the step, so "
-                "that no limit is reached; --start inside begins at the bound, --start middle within; outside by",
+                consequence="engines push it back at once, a kick at t = 0, in most of them the harder the smaller the step, "
+                "so that no limit is reached; --start inside begins at the bound, --start middle within; outside by",
                 value=beyond,
                 unit="rad" if c.kind == "revolute" else "m",
             )

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from harness.cli.guard import say
 from harness.cli.seconds import Seconds
 from harness.intake.documents import document
 from harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Wishes, package_roots
@@ -93,7 +95,7 @@ def is_scene(name: str) -> bool:
 
 def imported_from(path: Path, options: dict[str, Any], *, looks: bool = False) -> "Imported":
     """The import of a file under these options. Args: looks: read how it looks too. Raises: RobotError, SceneError."""
-    wishes = replace(wishes_of(options), looks=looks)
+    wishes = replace(wishes_of(options), looks=looks, tell=partial(say, err=True))
 
     from harness.scene.importers.reading import read
 

@@ -1,6 +1,6 @@
 """What a user asks of an import on the command line or from Python, beside what the companion file says."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -67,6 +67,7 @@ class Wishes:
         one_friction: static friction is taken to be the kinetic one. convex: the most convex pieces that a collision mesh is
         taken apart into, None for its hull. scenario: what happens to the robot. start: where joints start, None for what the
         companion says. looks: read how it looks too, for pictures.
+        tell: is told, in a sentence, of what takes long.
     """
 
     drop: frozenset[Drop] = frozenset()
@@ -77,6 +78,7 @@ class Wishes:
     scenario: Scenario | None = None
     start: Start | None = None
     looks: bool = False
+    tell: Callable[[str], object] | None = None
 
 
 def package_roots(given: "tuple[str, ...]") -> dict[str, Path]:

@@ -110,7 +110,7 @@ class Companion:
 
     Terms:
         root: how the root is held. start: joints start at zero, in the middle of
-        their range, or at zero but within it. keyframe: the name of a pose
+        their range, or at zero but within it; None is zero, and within it in a scenario. keyframe: the name of a pose
         of the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do its own links touch each
         other? materials: by link, where it is not 'robot'. commands: a CSV file beside it with targets of joints over time.
         sensors: as a scene has them, with a link for their body and poses in it. duration [s], dt [s] (the coarsest time step),
@@ -118,7 +118,7 @@ class Companion:
     """
 
     root: Root | None = None
-    start: Start = "zero"
+    start: Start | None = None
     keyframe: Name | None = None
     base: Base | None = None
     gravity: Vector3 | None = None

@@ -129,7 +129,8 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     rows += undropped(robot, wishes.drop)
     robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
     rows += more
-    robot, more = settled(robot, companion if wishes.start is None else replace(companion, start=wishes.start), commands)
+    start = wishes.start or companion.start or ("inside" if wishes.scenario else "zero")
+    robot, more = settled(robot, replace(companion, start=start), commands)
     rows += more
     if wishes.scenario in ("drop", "swing"):
         robot = scenarios.unpowered(robot)

@@ -26,9 +26,10 @@ from harness.scene import (
     Surface,
     Vector3,
 )
+from harness.scene.camera import Pixels
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
 
-__all__ = ["Base", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
+__all__ = ["Base", "Cameras", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
 
 ENDING = ".plumb.toml"
 Seconds = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
@@ -97,6 +98,15 @@ class Massless:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Cameras:
+    """Pictures by an MJCF file's cameras that ride on a body: rate [Hz]; width, height [pixels] of those that state none."""
+
+    rate: Positive = 10.0
+    width: Pixels = 160
+    height: Pixels = 120
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Units:
     """What the file's unit of length is in metres and its unit of mass in kilograms."""
 
@@ -130,6 +140,7 @@ class Companion:
     joints: dict[Name, JointWish] = Field(default_factory=dict)
     density: Positive | None = None
     massless: Massless | None = None
+    cameras: Cameras | None = None
     units: Units | None = None
     drop: tuple[Drop, ...] = ()
     packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
@@ -144,7 +155,14 @@ class Companion:
 
 
 _ADAPTER: TypeAdapter[Companion] = TypeAdapter(Companion)
-_TABLES: dict[str, Any] = {"base": Base, "ground": Ground, "drives": Drives, "massless": Massless, "units": Units}
+_TABLES: dict[str, Any] = {
+    "base": Base,
+    "ground": Ground,
+    "drives": Drives,
+    "massless": Massless,
+    "cameras": Cameras,
+    "units": Units,
+}
 
 _MOTIONS: dict[str, Any] = {"sinusoid": Sinusoid, "samples": Samples}
 _SENSORS: dict[str, Any] = {"imu": Imu, "lidar": Lidar, "camera": Camera, "depth_camera": DepthCamera}

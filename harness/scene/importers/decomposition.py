@@ -11,6 +11,7 @@ from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import NamedTemporaryFile
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -89,5 +90,6 @@ def _keep(place: Path, points: Sequence[Array]) -> None:
     with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=place.parent, suffix=".part", delete=False) as part:
-            np.savez(part, **{f"{k:03}": corners for k, corners in enumerate(points)})
+            arrays: dict[str, Any] = {f"{k:03}": corners for k, corners in enumerate(points)}
+            np.savez(part, allow_pickle=False, **arrays)
         Path(part.name).replace(place)

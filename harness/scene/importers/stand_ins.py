@@ -50,6 +50,7 @@ def stand_ins(lines: Sequence[Line], solid: Solid | None, X: Pose) -> StandIns |
     while share >= LEAST:
         mass = share * solid.mass / len(points)
         rest = _without(solid, mass, [X.R.T @ (point - X.p) for point in points])
+        assert rest.inertia is not None
         a, b, c = np.linalg.eigvalsh(rest.inertia)
         if a > 0 and a + b >= c:
             return StandIns(np.array(points), mass, MOMENT * least, rest)

@@ -10,7 +10,9 @@ __all__ = ["CROWDED", "Deadline"]
 CROWDED = 10.0
 """Times the deadline that a process may take by the clock on the wall: one that gets a tenth of a core is given up there."""
 IDLE = 0.01
-"""Of a core, below which a process waits for something that does not come: even a tenth of a core is ten times that."""
+"""Of a core, below which a process waits for something that does not come, unless it waits for a core itself."""
+_WANTS = (psutil.STATUS_RUNNING, psutil.STATUS_DISK_SLEEP, psutil.STATUS_WAKING)
+"""What a process is in that would go on at once if the machine let it."""
 _LOOKS = 0.05
 """Seconds between looks at least."""
 
@@ -27,11 +29,22 @@ def _cpu_seconds(pid: int) -> float:
     return spent
 
 
+def _kept_waiting(pid: int) -> bool:
+    """Would a process, or one that it started, go on if the machine let it?"""
+    with suppress(psutil.Error):
+        process = psutil.Process(pid)
+        for each in (process, *process.children(recursive=True)):
+            with suppress(psutil.Error):
+                if each.status() in _WANTS:
+                    return True
+    return False
+
+
 class Deadline:
     """A process may take so many seconds of CPU time from now on.
 
     It is looked at once they have passed on the wall, and again when what is left of them may have. It is late where it has
-    taken them, where it was idle since the last look, and after CROWDED times as long in any case.
+    taken them, where it was idle since the last look and still is, and after CROWDED times as long in any case.
 
     Terms: until [s]: of the monotonic clock; before that nobody needs to look.
     """
@@ -54,6 +67,6 @@ class Deadline:
         self.until = min(end, now + max(_LOOKS, left))
         if left <= 0:
             return "all of it CPU time"
-        if share < IDLE:
+        if share < IDLE and not _kept_waiting(self._pid):
             return "and it did nothing"
         return f"{CROWDED:g} times over, of which it got {spent - self._first:.3g} s" if now >= end else ""

@@ -31,13 +31,13 @@ BY_STEP = (
 
 
 def error_by_step(
-    store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str, caption: str = BY_STEP
+    store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str, caption: str = BY_STEP, *, bounded: bool = True
 ) -> Figure | None:
-    """Error against time step, both logarithmic; None without a trial."""
+    """Error against time step, both logarithmic; None without a trial. Args: bounded: have all engines one bound to draw?"""
     drawn = points(store, rows)
     if not drawn:
         return None
-    bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]})
+    bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]}) if bounded else []
     spec = layered(store, drawn, axis_title(metric, unit), bounds=bounds)
     return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")))
 

@@ -104,7 +104,9 @@ def parting_chart(store: "Store", agreement: Agreement) -> Figure | None:
     """How far each engine's limit lies from the one that is agreed, over time."""
     base, series = ways(agreement)
     drawn = [row for (engine, track), (time, share) in series.items() for row in _rows(store, engine, track, time, share)]
-    against = "the agreed limit" if agreement.agreed else f"the limit of {base}, since none is agreed"
+    engine, _, track = base.partition(", ")
+    of_one = f"the limit of {titles(store).get(engine, engine)}, {track}, since none is agreed"
+    against = "the agreed limit" if agreement.agreed else of_one
     caption = (
         f"Distance of each engine's own limit, at a step of zero, from {against}, the largest up to each instant, as a share "
         "of the size of what moves. The grey line is how far that limit itself may be off: who stays about it agrees. A curve "

@@ -57,6 +57,8 @@ def load(path: Path, request: Request) -> Loaded:
 
 def _loaded(port: Port, path: Path, request: Request) -> tuple[int, int]:
     """The body of the file with the most joints, and how many others can move."""
+    # pybullet keeps the text of files by their paths, as long as the process lives: a rewritten file would be the old one.
+    port.call("setPhysicsEngineParameter", enableFileCaching=0)
     flags = getattr(port.bullet, request.way) if request.way else 0
     if path.suffix.lower() == ".urdf":
         return port.call("loadURDF", str(path), useFixedBase=request.root == "fixed", flags=flags), 0

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from harness.case.forces import Control
-from harness.scene import Prismatic, Revolute, Scene
+from harness.scene import Effect, Prismatic, Revolute, Scene
 
 __all__ = ["acting", "targets_of"]
 
@@ -11,7 +11,9 @@ Targets = Callable[[float], Mapping[str, float]]
 
 
 def targets_of(scene: Scene) -> Targets | None:
-    """The targets [rad or m] by joint at a time [s] of all drives that have a motion; None where none has."""
+    """The targets [rad or m] by joint at a time [s] of all drives that have a motion; None where none has, or none acts."""
+    if (Effect.JOINTS | Effect.DRIVES) & ~scene.effects:
+        return None
     moving = [
         (joint.name, joint.drive.motion, joint.drive.target)
         for joint in scene.joints

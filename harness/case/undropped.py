@@ -3,6 +3,7 @@
 The import keeps that scene beside the one that is run, as `NAME.undropped.toml`.
 """
 
+from itertools import combinations
 from pathlib import Path
 
 from harness.scene import Prismatic, Revolute, Scene
@@ -27,10 +28,11 @@ def undropped_scene(path: Path) -> Scene | None:
 
 
 def kinds_left_out(scene: Scene, undropped: Scene) -> tuple[str, ...]:
-    """The kinds of elements that joints of the scene lack and the same ones of the other have."""
+    """The kinds of elements that joints of the scene lack and the same ones of the other have, and contacts of links."""
     had = {joint.name: joint for joint in undropped.joints}
     pairs = [(joint, had[joint.name]) for joint in scene.joints if joint.name in had]
-    return tuple(
+    contacts = ("self_collision",) if _touching(scene) != _touching(undropped) else ()
+    return contacts + tuple(
         kind
         for field, kind in KINDS.items()
         if any(
@@ -39,3 +41,9 @@ def kinds_left_out(scene: Scene, undropped: Scene) -> tuple[str, ...]:
             if isinstance(here, Revolute | Prismatic) and isinstance(there, Revolute | Prismatic)
         )
     )
+
+
+def _touching(scene: Scene) -> set[frozenset[str]]:
+    """The pairs of moving bodies that may touch."""
+    movable = [body for body in scene.bodies if body.movable and body.collision]
+    return {frozenset((a.name, b.name)) for a, b in combinations(movable, 2) if scene.collides(a, b)}

@@ -35,6 +35,9 @@ def scene_to_run(name: str, folder: Path, options: "dict[str, Any]") -> str:
     counts = {word: sum(row.outcome == word for row in imported.fidelity) for word in ("exact", "approximated", "left_out")}
     summary = ", ".join(f"{count} kinds of elements {word.replace('_', ' ')}" for word, count in counts.items())
     say(f"{imported.source}: {summary}; show --table fidelity lists them", err=True)
+    for row in imported.fidelity:
+        if row.element == "start" and row.outcome == "exact":
+            say(f"joint '{row.name}' starts at {row.becomes}: {row.consequence} {row.value:.3g} {row.unit}", err=True)
     if imported.dropped:
         say(f"dropped by the user: {', '.join(imported.dropped)}", err=True)
     return str(keep(folder, imported))

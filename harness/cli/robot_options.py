@@ -2,14 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from harness.cli.guard import say
 from harness.cli.seconds import Seconds
 from harness.intake.documents import document
-from harness.intake.import_wishes import DROPPABLE, SCENARIOS, Wishes, package_roots
+from harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Wishes, package_roots
 
 if TYPE_CHECKING:
     from harness.scene.importers.imported import Imported
@@ -27,10 +29,13 @@ _OPTIONS = (
     click.option(
         "--scenario", type=click.Choice(SCENARIOS), help="What happens to the robot where its companion says nothing."
     ),
+    click.option(
+        "--start", type=click.Choice(STARTS), help="Joints start at zero, amid their range, or at zero but inside it."
+    ),
     click.option("--convex", type=click.IntRange(2, 64), help="Take meshes of URDFs apart into at most so many convex pieces."),
     click.option("--one-friction", is_flag=True, help="Take static friction to be the kinetic one."),
 )
-NAMES = "--drop, --package, --root, --scenario, --one-friction, --dt, --duration, --budget"
+NAMES = "--drop, --package, --root, --scenario, --start, --one-friction, --dt, --duration, --budget"
 """All that is for scenes and robots alone."""
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -50,7 +55,7 @@ def run_options(command: Command) -> Command:
 
 
 def robot_options(command: Command) -> Command:
-    """The command with --drop, --package, --root, --scenario, --convex and --one-friction."""
+    """The command with --drop, --package, --root, --scenario, --start, --convex and --one-friction."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
@@ -63,6 +68,7 @@ def wishes_of(options: dict[str, Any]) -> Wishes:
         packages=package_roots(tuple(options["packages"])),
         root=options["root"],
         scenario=options["scenario"],
+        start=options["start"],
         one_friction=options["one_friction"],
         convex=options["convex"],
     )
@@ -89,7 +95,7 @@ def is_scene(name: str) -> bool:
 
 def imported_from(path: Path, options: dict[str, Any], *, looks: bool = False) -> "Imported":
     """The import of a file under these options. Args: looks: read how it looks too. Raises: RobotError, SceneError."""
-    wishes = replace(wishes_of(options), looks=looks)
+    wishes = replace(wishes_of(options), looks=looks, tell=partial(say, err=True))
 
     from harness.scene.importers.reading import read
 

@@ -1,6 +1,6 @@
 """What a user asks of an import on the command line or from Python, beside what the companion file says."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -8,7 +8,7 @@ from typing import Literal
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 
-__all__ = ["DROPPABLE", "SCENARIOS", "Drop", "Root", "Scenario", "Wishes", "package_roots"]
+__all__ = ["DROPPABLE", "SCENARIOS", "STARTS", "Drop", "Root", "Scenario", "Start", "Wishes", "package_roots"]
 
 Drop = Literal[
     "actuator",
@@ -24,12 +24,13 @@ Drop = Literal[
     "mimic",
     "nonlinear",
     "plugin",
+    "self_collision",
     "tendon",
 ]
 """What changes the motion: refused by name, where a scene has no word for it, unless the user leaves it out.
 
-A scene has words for the rotors and the dry friction of hinges and slides, and for mimics; not every engine does, so that
-leaving them out may be the only way to compare all.
+A scene has words for the rotors and the dry friction of hinges and slides, for mimics, and for contacts between links; not
+every engine does, or not with each other's friction, so that leaving them out may be the only way to compare all.
 """
 
 DROPPABLE: Mapping[Drop, str] = {
@@ -46,11 +47,14 @@ DROPPABLE: Mapping[Drop, str] = {
     "mimic": "joints that follow another one, and linear equalities of two joints",
     "nonlinear": "springs and dampers with terms of higher order",
     "plugin": "an engine's own plug-ins",
+    "self_collision": "contacts between links of the robot",
     "tendon": "tendons with a spring, a damper, friction or limits",
 }
 
 Root = Literal["fixed", "floating"]
 Scenario = Literal["drop", "hold", "swing", "sweep"]
+Start = Literal["zero", "middle", "inside"]
+STARTS: tuple[Start, ...] = ("zero", "middle", "inside")
 SCENARIOS: tuple[Scenario, ...] = ("drop", "hold", "swing", "sweep")
 
 
@@ -61,7 +65,9 @@ class Wishes:
     Terms:
         drop: kinds of elements that may be left out. packages: folder by the name of a package. root: how the root is held.
         one_friction: static friction is taken to be the kinetic one. convex: the most convex pieces that a collision mesh is
-        taken apart into, None for its hull. scenario: what happens to the robot. looks: read how it looks too, for pictures.
+        taken apart into, None for its hull. scenario: what happens to the robot. start: where joints start, None for what the
+        companion says. looks: read how it looks too, for pictures.
+        tell: is told, in a sentence, of what takes long.
     """
 
     drop: frozenset[Drop] = frozenset()
@@ -70,7 +76,9 @@ class Wishes:
     one_friction: bool = False
     convex: int | None = None
     scenario: Scenario | None = None
+    start: Start | None = None
     looks: bool = False
+    tell: Callable[[str], object] | None = None
 
 
 def package_roots(given: "tuple[str, ...]") -> dict[str, Path]:

@@ -5,10 +5,12 @@ import os
 import resource
 import signal
 import sys
+import time
 import traceback
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
+from importlib import import_module
 from multiprocessing.process import BaseProcess, parent_process
 from pathlib import Path
 
@@ -120,29 +122,31 @@ def _end_if_forsaken() -> None:
     os._exit(1)
 
 
-def _compile(trial: Trial, case: Case, adapter: Adapter) -> None:
-    """Let an engine compile itself, and have this process killed by SIGALRM once the deadline has passed after that.
-
-    The alarm needs no help from Python, so that code which holds the interpreter does not outlive it.
-    """
-    # What is wrong with the scene or the settings is for `build` to say.
-    with suppress(Unsupported, Unavailable, SettingsError):
-        adapter.compile(trial.scene(case), trial.settings)
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, trial.experiment.deadline)
+def _load(trial: Trial, case: Case, adapter: Adapter) -> None:
+    """Load an engine, and let it compile itself. What is wrong with it, the scene or the settings is for `build` to say."""
+    for module in adapter.loads:
+        with suppress(Exception):
+            import_module(module)
+    if adapter.compile_allowance > 0:
+        with suppress(Unsupported, Unavailable, SettingsError):
+            adapter.compile(trial.scene(case), trial.settings)
 
 
-def answers(trial: Trial, folder: Path) -> Iterator[Record]:
+def answers(trial: Trial, folder: Path) -> Iterator[Record | None]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
 
-    What a sweep or a ladder goes on from comes once more, with its rough cost: if the clock fails, the answer is safe.
+    None comes first, once the engine is ready for it. What a sweep goes on from comes once more, with its rough cost: if the
+    clock fails, the answer is safe. Of a run of a ladder the rough cost is what the run itself took, all told.
     """
     allowed = _limits()
     try:
         case, adapter = plugins.case(trial.case), plugins.adapter(trial.engine)
-        if adapter.compile_allowance > 0:
-            _compile(trial, case, adapter)
+        _load(trial, case, adapter)
+        yield None
+        begun = time.process_time()
         record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
+        if trial.experiment.refine is not None and record.measurements and record.sim_seconds:
+            record = replace(record, rough_cost=(time.process_time() - begun) / record.sim_seconds)
     except StoreError as error:  # the machine's, unless the engine took from its process what writing needs
         changed = [name for name, limit in _limits().items() if limit != allowed[name]]
         reason = f"no answer could be written after the engine changed {', '.join(changed)}: {error.__cause__ or error}"
@@ -171,9 +175,7 @@ def _in_words(error: Exception) -> str:
 
 def roughly_clocked(trial: Trial, record: Record) -> bool:
     """Is a rough cost wanted of what came of a trial?"""
-    departs = trial.alteration.start or trial.alteration.undropped
-    wanted = trial.experiment.sweep or (trial.experiment.refine is not None and not departs)
-    return bool(wanted) and trial.members == 1 and bool(record.measurements)
+    return bool(trial.experiment.sweep) and trial.members == 1 and bool(record.measurements)
 
 
 def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from harness.case.alteration import ALONE
 from harness.run.child import answers, confine, end, end_started, exit_code, named_signal, roughly_clocked
+from harness.run.deadline import Deadline
 from harness.run.fork_servers import Server, context, start_apart, start_loaded
 from harness.run.interrupt import stop_if_asked
 from harness.run.memory_watch import MemoryWatch, kills_for_memory
@@ -54,15 +55,13 @@ def _trim(log: Path, record: Record) -> None:
         log.write_bytes(end)
 
 
-def _late(trial: Trial, log: Path) -> Record:
-    return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed", _tail(log))
+def _late(trial: Trial, log: Path, why: str) -> Record:
+    return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed, {why}", _tail(log))
 
 
-def _expired(trial: Trial, code: int | None, log: Path, seconds: float, kills: int) -> Record:
-    """Terms: seconds: since it began. kills: of the system for want of memory, while the trial ran."""
+def _expired(trial: Trial, code: int | None, log: Path, kills: int) -> Record:
+    """Terms: kills: of the system for want of memory, while the trial ran."""
     detail = _tail(log)
-    if code == -signal.SIGALRM and seconds >= trial.experiment.deadline:
-        return _late(trial, log)
     if code == -signal.SIGKILL and kills:
         return outcome(trial, "oom", f"killed by the system, which killed {kills} times for want of memory meanwhile", detail)
     if code is not None and code < 0:
@@ -75,10 +74,11 @@ class _Child:
     """A process at work on a trial.
 
     Terms:
-        server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. until: the end of its
-        time, on the monotonic clock. since: its beginning. kills: of the system for want of memory, before it began. alone:
-        does nobody run beside it? said: what has come so far. broken: what it said that no child may say; it is heard no more.
-        ended: has it said its last word, or died?
+        server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it
+        does now, loading its engine or answering. kills: of the system for want of memory, before it began. alone: does
+        nobody run beside it? said: what has come so far. broken: what it said that no child may say; it is heard no more.
+        ended: has it said its last word, or died? late: why it is; nothing where it is not. ready:
+        has it loaded its engine?
     """
 
     trial: Trial
@@ -87,25 +87,30 @@ class _Child:
     watch: MemoryWatch
     inbox: Inbox
     log: Path
-    until: float
-    since: float
+    deadline: Deadline
     kills: int
     alone: bool
     said: Record | None = None
     broken: str = ""
     ended: bool = False
+    late: str = ""
+    ready: bool = False
 
     def listen(self) -> bool:
         """Take what has come: has it said its last word or died, or is it late?"""
         try:
             for kind, value in self.inbox.lines():
-                if kind != "record":
+                if kind == "ready" and not self.ready:
+                    self.ready, self.deadline = True, Deadline(self.process.pid or 0, self.trial.experiment.deadline)
+                elif kind == "record":
+                    self.said = read_record(self.trial, value)
+                else:
                     raise BrokenMessage(f"a '{readable(kind, 80)}', expected a record")
-                self.said = read_record(self.trial, value)
             self.ended = self.inbox.ended
         except BrokenMessage as error:
             self.broken = f"broken contract: {error}"
-        return self.ended or bool(self.broken) or time.monotonic() > self.until
+        self.late = self.deadline.passed()
+        return self.ended or bool(self.broken) or bool(self.late)
 
     def record(self) -> Record | None:
         """Its record, or what became of it; None where it ended with its server, beside others: nobody knows whose fault it is.
@@ -132,9 +137,8 @@ class _Child:
             most = self.trial.experiment.memory
             return outcome(self.trial, "oom", f"more than {most:g} MB: it took {self.watch.taken:.0f} MB", _tail(self.log))
         if self.ended:
-            seconds = time.monotonic() - self.since
-            return _expired(self.trial, code, self.log, seconds, kills_for_memory() - self.kills)
-        return _late(self.trial, self.log)
+            return _expired(self.trial, code, self.log, kills_for_memory() - self.kills)
+        return _late(self.trial, self.log, self.late)
 
     def stop(self) -> None:
         """End the process, whatever it does, and what it started."""
@@ -151,10 +155,10 @@ def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
 
 
 def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
-    """Run a trial in this process, and say what came of it."""
+    """Run a trial in this process, and say when its engine is ready, and what came of it."""
     for record in answers(trial, folder):
         try:
-            send(pipe, "record", record)
+            send(pipe, "ready" if record is None else "record", record)
         except (TypeError, ValueError) as error:
             send(pipe, "record", outcome(trial, "crashed", f"broken contract: {error}"))
 
@@ -173,10 +177,9 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = 
     else:
         server = start_loaded(process, adapter.loads, foreseen, environment)
     theirs.close()
-    since = time.monotonic()
-    until = since + trial.experiment.deadline + adapter.compile_allowance
+    loading = Deadline(process.pid or 0, trial.experiment.deadline + adapter.compile_allowance)
     watch = MemoryWatch(process.pid or 0, trial.experiment.memory)
-    return _Child(trial, process, server, watch, Inbox(ours), log, until, since, kills, alone)
+    return _Child(trial, process, server, watch, Inbox(ours), log, loading, kills, alone)
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0) -> Iterator[Record]:
@@ -198,7 +201,7 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: 
             if not running:
                 trial = forsaken.pop()
                 running.append(_start(trial, folder, logs, engines[trial.engine], alone=True))
-            soonest = min(child.until for child in running) - time.monotonic()
+            soonest = min(child.deadline.until for child in running) - time.monotonic()
             wait([child.inbox.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
             stop_if_asked()
             for child in [child for child in running if child.listen()]:

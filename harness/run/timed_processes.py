@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.run.child import confine, end, end_started, exit_code
+from harness.run.deadline import Deadline
 from harness.run.fork_servers import Server, context, start_apart
 from harness.run.memory_watch import MemoryWatch
 from harness.run.message import BrokenMessage, Inbox, read_sample, readable, send
@@ -134,10 +135,13 @@ class Clocked:
 
         `trouble` is set after death or the deadline.
         """
+        deadline, why = Deadline(self.process.pid or 0, seconds), ""
         try:
-            if (message := self.inbox.next(seconds)) is not None:
-                return _read(*message)
-            self.trouble = f"no answer within {seconds:g} s"
+            while not why:
+                if (message := self.inbox.next(max(0.0, deadline.until - time.monotonic()))) is not None:
+                    return _read(*message)
+                why = deadline.passed()
+            self.trouble = f"no answer within {seconds:g} s, {why}"
             self.process.kill()
         except EOFError:
             self.trouble = self._death(exit_code(self.process))

@@ -3,7 +3,8 @@
 Every engine and track of a scene is run at the steps that the experiment names, then at half the last one, down to a finest.
 Beyond that it goes on for a few halvings more where its limit is not known to the end of the run: an engine that leaves the
 numbers at coarse steps, or whose answers draw together slowly, is given the steps that it needs. All share a budget of CPU
-time alike: a ladder ends before the step that would, by the cost of the one before, take more than its share.
+time alike: a ladder ends before the step that would, by the cost of the one before, take more than its share. A run costs what
+its process took from an engine that is ready to a judged answer.
 
 Where fewer than two engines that people can deploy have a limit up to the end, motion is not to be foreseen, by chaos or
 contacts, and single runs say little of it. There each engine is run from several perturbed starts at one step, so that means
@@ -28,6 +29,8 @@ from harness.trajectory.parting import Extent, extent
 
 __all__ = ["is_ours", "next_trials", "start_name"]
 
+RESERVED = 1 / 3
+"""Of a side's share of the budget, what perturbed starts may take where its ladder has left less."""
 _UNKNOWN = 1e-9
 """Relative: a time that is so near the end is the end."""
 
@@ -131,8 +134,7 @@ def _halved(
     beyond = finer < asked.finest * (1 - _UNKNOWN)
     if beyond and (_to_the_end(limit, case) or finer < asked.finest / 2**asked.further * (1 - _UNKNOWN)):
         return None
-    spent = sum(_cost(records[trial.trial], case) for trial in ladder if trial.trial in records)
-    if spent + 2 * _cost(record, case) > share:
+    if _spent(ladder, records, case) + 2 * _cost(record, case) > share:
         return None
     return last.probing(case, settings=last.settings.with_dt(finer), round=number)
 
@@ -160,16 +162,25 @@ def _undropped(
 def _starts(
     ladder: Sequence[Trial], asked: Refinement, records: Mapping[str, Record], case: Case, share: float, number: int
 ) -> Iterator[Trial]:
-    """An engine from perturbed starts, at the step that was asked for or the next one that it answered and can pay for."""
+    """An engine from perturbed starts, at the step that was asked for or the next one that it answered and can pay for.
+
+    They are paid for by what its ladder has left of its share, or by as much as RESERVED of it beyond.
+    """
     answered = [trial for trial in ladder if records[trial.trial].status in ANSWERED]
     near = sorted(answered, key=lambda trial: abs(trial.settings.dt - asked.member_dt))
+    affordable = max(share - _spent(ladder, records, case), RESERVED * share)
     for trial in near:
-        if asked.members * _cost(records[trial.trial], case) <= share:
+        if asked.members * _cost(records[trial.trial], case) <= affordable:
             for start in range(1, asked.members + 1):
                 yield trial.probing(case, alteration=Alteration(name=start_name(start), start=start), round=number)
             return
 
 
+def _spent(ladder: Sequence[Trial], records: Mapping[str, Record], case: Case) -> float:
+    """CPU seconds of the runs of a ladder."""
+    return sum(_cost(records[trial.trial], case) for trial in ladder if trial.trial in records)
+
+
 def _cost(record: Record, case: Case) -> float:
-    """CPU seconds of a run, roughly; nothing of one that did not come to the clock."""
+    """CPU seconds of a run, roughly; nothing of one that gave no answer."""
     return (record.rough_cost or 0.0) * case.duration

@@ -120,8 +120,9 @@ class Record:
         warnings: what the engine, its adapter or the harness said; in the table as sentences. detail: trace or tail of
         standard error, for people.
         rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
-        of a sweep, or of an ensemble, which tables of limits show as rough. rough_ratio: the same over that of the engine's
-        default track (tuned, where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
+        of a sweep, or of an ensemble, which tables of limits show as rough; of a run of a ladder all that its process took,
+        from an engine that is ready to a judged answer. rough_ratio: the same over that of the engine's default track (tuned,
+        where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
         unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
         substep [s]: the step that the engine really took, dt over the sub-steps that it says it used; None without an answer.
         clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.

@@ -117,8 +117,8 @@ class Experiment:
         variants: patterns over '<engine>/<variant>' of the study's variants, run beside the tracks under their own names.
         dt: 'case' for each case's own step, 'ladder' for its ladder, or steps [s]. parameters: values to run each case at
         instead of its own, each a list; all combinations are run. timing: also clock it, by `samples` samples of
-        `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, memory [MB] of its process: no less than
-        a process needs, no more than a machine has.
+        `sample_seconds` [s] in each of `processes` processes. deadline [s] of a trial, in CPU time of its process once its
+        engine is loaded; memory [MB] of its process: no less than a process needs, no more than a machine has.
         sweep: how many settings beyond these may be tried for each case on an engine, in search of its Pareto front (see
         `harness.search.front`); then only what lies near the front is clocked.
         clocks: what runs under the clock, each a trial of its own. workers: how many processes step the scene side by side,

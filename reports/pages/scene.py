@@ -35,8 +35,11 @@ __all__ = ["PAGE"]
 
 CAPTION = (
     "Each point is one run; a line joins those of an engine that differ in the time step only. Down is more accurate, left is "
-    "a finer step. The grey line is how far the limit itself may be off. Runs without an answer stand above the frame as "
-    "their outcome."
+    "a finer step. {} Runs without an answer stand above the frame as their outcome."
+)
+OF_ONE = "The grey line is how far the limit itself may be off."
+OF_EACH = (
+    "Each engine is measured from its own limit, since none is agreed; a run that is that limit errs by what it is known to."
 )
 
 
@@ -67,7 +70,9 @@ def render(store: "Store") -> Mapping[str, str]:
                 [rung.trial for agreement in agreements for side in agreement.sides for rung in side.limit.rungs]
             )
         ]
-        by_step = error_by_step(store, ladder, f"case-{plain}", "distance from the limit", "of its size", caption=CAPTION)
+        one = all(agreement.agreed for agreement in agreements)
+        caption = CAPTION.format(OF_ONE if one else OF_EACH)
+        by_step = error_by_step(store, ladder, f"case-{plain}", "distance from the limit", "of its size", caption, bounded=one)
         figures = [by_step, *(work_precision(store, scene) for scene in scenes(store) if scene.case == name)]
         figures += [
             drawn for agreement in agreements for drawn in (horizon_chart(store, agreement), parting_chart(store, agreement))
@@ -135,7 +140,7 @@ def judged(store: "Store", agreement: Agreement) -> dict[str, Any]:
         "known": {
             (side.engine, side.track): (bar := side.limit.bar_at(side.limit.until), metres(bar, agreement))
             for side in agreement.sides
-            if side.limit.bar is not None
+            if side.limit.bar is not None and side.limit.until > 0
         },
         "bar": None if agreement.bar is None else (agreement.bar, metres(agreement.bar, agreement)),
         "laws": {law: by_side for law in LAWS.values() if (by_side := laws.get(law))},

@@ -93,9 +93,9 @@ def test_a_fault_of_an_answer_has_its_outcome_and_its_reason(
     ours, theirs = multiprocessing.Pipe(duplex=False)
     tell(theirs, trial, tmp_path)
     theirs.close()
-    ((kind, said),) = Inbox(ours).lines()
+    (ready, _), (kind, said) = Inbox(ours).lines()
     ours.close()
-    assert kind == "record"
+    assert (ready, kind) == ("ready", "record")
     try:
         record = read_record(trial, said)
         judged(fault, record.status, record.reason, ledger)

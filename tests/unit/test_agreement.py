@@ -1,6 +1,7 @@
 """Who is said to agree in a scene without a truth: shown right on closed forms and on engines with planted faults."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -107,6 +108,9 @@ def test_an_engine_with_a_wrong_inertia_is_singled_out() -> None:
     assert wrong.distance == pytest.approx(away * (1 + math.sqrt(0.064)) / found.scale.largest, rel=0.02)
     assert 0.0 < wrong.since < 0.5
     assert "converges elsewhere" in side_sentence(wrong, found, {})
+    assert "it adds" not in side_sentence(wrong, found, {})
+    damped = replace(wrong, adds=("linear damping", "angular damping"))
+    assert "s; it adds linear damping and angular damping, which the scene does" in side_sentence(damped, found, {})
 
 
 def test_two_that_agree_on_a_wrong_answer_against_two_others_are_two_camps_and_no_limit_is_agreed() -> None:

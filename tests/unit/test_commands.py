@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from harness.case.commands import acting
 from harness.case.forces import Control, Controlled
 from harness.intake.import_wishes import Wishes
 from harness.intake.refusal import RobotError
-from harness.scene import Body, Drive, Motion, Revolute, Samples, Scene, SceneError, Sinusoid, sampled
+from harness.scene import Body, Drive, Effect, Motion, Revolute, Samples, Scene, SceneError, Sinusoid, sampled
 from harness.scene.file import dump_json, dump_toml, parse
 from harness.scene.importers.commands import load_commands
 from harness.scene.importers.companion import Companion, Drives, JointWish
@@ -186,6 +187,13 @@ def test_a_restored_simulation_goes_on_with_the_commands_of_its_own_time() -> No
     controlled.restore(saved)
     controlled.step()
     assert told.said[-2:] == [("axle", pytest.approx(0.15)), ("step", 1)]
+
+
+@pytest.mark.parametrize("without", [Effect.JOINTS, Effect.DRIVES])
+def test_drives_that_do_not_act_are_not_commanded(without: Effect) -> None:
+    scene = hinge(Sinusoid(amplitude=0.3, frequency=1.0))
+    assert acting(scene) is not None
+    assert acting(replace(scene, narrow=without)) is None
 
 
 def test_a_scene_without_motions_is_not_commanded() -> None:

@@ -6,13 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.adapter import Feature, Unsupported
+from harness.intake.import_wishes import Drop, Wishes
 from harness.scene import Sphere, rotate
 from harness.scene.importers.reading import read
 from harness.study import plugins
 from harness.trajectory import State
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-ROBOTS = ("arm.urdf", "quadruped.urdf", "four_bar.xml")
+ROBOTS = ("arm.urdf", "quadruped.urdf", "four_bar.xml", "gripper.xml")
+DROPPED: dict[str, frozenset[Drop]] = {"gripper.xml": frozenset(("armature", "equality"))}
+"""What has to be left out of an example so that all engines run it."""
 
 
 def test_every_robot_among_the_examples_is_one_of_these() -> None:
@@ -27,7 +31,7 @@ def test_an_example_runs_with_its_joints_whole(name: str, engine: str) -> None:
     adapter = plugins.adapter(engine)
     if plugins.version_of(adapter)[1] is not None:
         pytest.skip("not installed")
-    scene = read(EXAMPLES / name).scene
+    scene = read(EXAMPLES / name, Wishes(drop=DROPPED.get(name, frozenset()))).scene
     simulation = adapter.build(scene, replace(adapter.tracks["tuned"], dt=1 / 480))
     start, end = State.initial(scene), State.empty(len(scene.bodies))
     simulation.step(48)
@@ -67,3 +71,34 @@ def test_the_quadruped_stands_on_its_feet() -> None:
 def test_the_linkage_is_closed() -> None:
     scene = read(EXAMPLES / "four_bar.xml").scene
     assert [joint.type for joint in scene.joints] == ["revolute"] * 3 + ["ball"]
+
+
+@pytest.mark.parametrize("engine", ["bullet", "dart", "mujoco", "reference"])
+def test_the_gripper_runs_where_an_engine_has_its_laws_and_is_refused_by_name_elsewhere(engine: str) -> None:
+    adapter = plugins.adapter(engine)
+    if plugins.version_of(adapter)[1] is not None:
+        pytest.skip("not installed")
+    got = read(EXAMPLES / "gripper.xml")
+    assert got.undropped is None
+    tilt, turn, left, right = got.scene.joints
+    assert (tilt.armature, tilt.friction_loss, tilt.spring.stiffness, tilt.drive.limit) == (0.004, 0.02, 0.8, 4.0)  # type: ignore[union-attr]
+    assert turn.drive.feedforward == pytest.approx(0.002 * 5)  # type: ignore[union-attr]
+    assert (left.position, right.position, right.coupling.joint) == (0.02, 0.02, "left_slide")  # type: ignore[union-attr]
+    needed = {"armature": Feature.ARMATURE, "coupling": Feature.COUPLING}
+    lacking = [word for word, feature in needed.items() if feature not in adapter.features]
+    settings = replace(adapter.tracks["tuned"], dt=1 / 480)
+    if lacking:
+        with pytest.raises(Unsupported, match="|".join(lacking)):
+            adapter.build(got.scene, settings)
+        return
+    simulation = adapter.build(got.scene, settings)
+    end = State.empty(len(got.scene.bodies))
+    simulation.step(240)
+    simulation.state(end)
+    simulation.close()
+    # The fingers go from 0.02 to about 0.01 m off their places and stay opposite each other, whatever the wrist does.
+    palm, one, other = (
+        end.p_WB[[body.name for body in got.scene.bodies].index(n)] for n in ("palm", "left_finger", "right_finger")
+    )
+    assert np.linalg.norm(one - palm) == pytest.approx(np.linalg.norm(other - palm), abs=1e-3)
+    assert np.linalg.norm(one - other) == pytest.approx(0.04 + 2 * 0.01, abs=4e-3)

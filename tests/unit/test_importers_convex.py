@@ -7,6 +7,8 @@ import pytest
 import trimesh
 
 from harness.intake.import_wishes import Wishes
+from harness.scene.importers.decomposition import pieces_of
+from harness.scene.importers.meshes import load_mesh
 from harness.scene.importers.reading import read
 
 
@@ -42,3 +44,22 @@ def test_pieces_replace_the_hull_and_say_what_they_add(
     assert row.outcome == "approximated"
     assert row.value == pytest.approx(excess, abs=slack)
     assert ("CoACD" in row.becomes) == (convex is not None)
+
+
+def test_pieces_are_worked_out_once_whatever_becomes_of_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("coacd")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    angle(tmp_path / "l.stl")
+    mesh = load_mesh(tmp_path / "l.stl", np.ones(3), "here")
+    told: list[str] = []
+    first = pieces_of(mesh, 4, "here", told.append)
+    (kept,) = (tmp_path / "cache" / "plumbline" / "pieces").iterdir()
+    again = pieces_of(mesh, 4, "here", told.append)
+    assert again == first
+    assert told == [f"here: {len(mesh.faces)} faces are taken apart into convex pieces, once on this machine"]
+    for broken in (b"", b"no archive", kept.read_bytes()[:-40]):
+        kept.write_bytes(broken)
+        assert pieces_of(mesh, 4, "here", told.append) == first
+    assert len(told) == 4
+    scaled = load_mesh(tmp_path / "l.stl", np.array([1.0, 1.0, 2.0]), "here")
+    assert pieces_of(scaled, 4, "here", None)[1] == pytest.approx(2 * first[1], rel=5e-3)

@@ -126,6 +126,13 @@ def test_a_start_outside_the_range_is_said_and_the_middle_is_offered(tmp_path: P
     middle = imported(tmp_path, text, Companion(start="middle"))
     assert middle.coordinates == {"j": pytest.approx(0.7)}
     assert middle.scene.joints[0].position == pytest.approx(0.7)  # type: ignore[union-attr]
+    for inside in (imported(tmp_path, text, Companion(start="inside")), imported(tmp_path, text, start="inside")):
+        assert inside.coordinates == {"j": pytest.approx(0.4)}
+        assert (row(inside, "start").outcome, row(inside, "start").value) == ("approximated", pytest.approx(0.4))
+    assert imported(tmp_path, text, scenario="hold").coordinates == {"j": pytest.approx(0.4)}
+    assert imported(tmp_path, text, Companion(start="zero"), scenario="hold").coordinates == {"j": 0.0}
+    within = imported(tmp_path, urdf(), start="inside")
+    assert within.scene == imported(tmp_path, urdf()).scene
 
 
 @pytest.mark.parametrize("joint", ["", '<limit effort="1" velocity="1"/>', '<limit upper="1" effort="1" velocity="1"/>'])

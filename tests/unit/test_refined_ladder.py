@@ -160,6 +160,14 @@ def test_a_budget_ends_every_ladder_at_its_share() -> None:
     assert steps(trials, "a") == [240, 480, 960, 1920]
 
 
+def test_perturbed_starts_are_paid_for_by_what_a_ladder_left_or_by_a_third_of_its_share() -> None:
+    """Runs at 1/240, 1/480 and 1/960 s take .1, .2 and .4 s, and the next one would take .8. Of a share of 1.4 s, .7 are left:
+    three starts would take 1.2 at 1/960 s and .6 at 1/480 s. Of .925 s, .225 are left, but .308 are reserved: .3 at 1/240 s."""
+    for budget, rate in ((4 * 1.4, 480), (4 * 0.925, 240)):
+        trials, _ = carried_out({"a": chaotic, "b": chaotic}, Refinement(members=3, budget=budget))
+        assert {round(1 / t.settings.dt) for t in trials if t.alteration.start} == {rate}
+
+
 def test_perturbed_starts_differ_from_the_scene_and_from_each_other_and_are_the_same_again() -> None:
     """Off their places by a ten-thousandth of their width at most, on ground that is level to a ten-thousandth."""
     other, again, third = (Alteration(name=start_name(k), start=k).of(SCENE) for k in (1, 1, 2))

@@ -10,9 +10,23 @@ from harness.case.scene_file import own_case
 from harness.intake.refusal import RobotError
 from harness.metric import NotMeasurable
 from harness.metrics.own_readings import GYROSCOPE_OFF, RANGE_OFF
-from harness.scene import Body, Box, Imu, Lidar, PlacedShape, Plane, Scene, Surface, axis_angle, box_inertia, rotation_matrix
+from harness.scene import (
+    Body,
+    Box,
+    Camera,
+    Imu,
+    Lidar,
+    PlacedShape,
+    Plane,
+    Scene,
+    Surface,
+    axis_angle,
+    box_inertia,
+    rotate,
+    rotation_matrix,
+)
 from harness.scene.file import dump_toml
-from harness.scene.importers.companion import Companion
+from harness.scene.importers.companion import Cameras, Companion
 from harness.scene.importers.imported import Imported
 from harness.study import plugins
 from harness.study.experiment import Experiment
@@ -150,3 +164,29 @@ def test_a_step_of_ones_own_is_halved_like_the_usual_one_and_sampled_at_common_i
     assert (case.dt, case.duration) == (0.003, 1.5)
     for step in case.ladder:
         assert case.sample_interval / step == pytest.approx(round(case.sample_interval / step), abs=1e-9)
+
+
+CAMERAS = (
+    '<joint name="j" axis="0 1 0"/><geom size=".1"/><camera name="ahead" pos=".1 0 0" xyaxes="0 -1 0 0 0 1" fovy="90"/>'
+    '<camera name="chase" mode="track" pos="-1 0 0"/>'
+)
+
+
+def test_cameras_of_mjcf_that_ride_on_a_body_are_pinholes_where_their_pictures_are_asked_for(tmp_path: Path) -> None:
+    plain = imported(tmp_path, mjcf(CAMERAS))
+    assert plain.scene.sensors == ()
+    assert (row(plain, "camera").count, row(plain, "camera").outcome) == (2, "left_out")
+    got = imported(tmp_path, mjcf(CAMERAS), Companion(cameras=Cameras(rate=20.0, width=80, height=60)))
+    (camera,) = got.scene.sensors
+    assert isinstance(camera, Camera)
+    assert (camera.name, camera.body, camera.rate, camera.width, camera.height) == ("ahead", "arm", 20.0, 80, 60)
+    # Half the height is seen under 45 degrees: one focal length.
+    assert camera.focal_y == pytest.approx(30.0)
+    # The file's x points to -y and its y up, so that it looks along x: ours has z ahead, x right and y down.
+    ahead, right, down = (rotate(camera.q_BS, axis) for axis in ((0, 0, 1), (1, 0, 0), (0, 1, 0)))
+    assert np.allclose([ahead, right, down], [[1, 0, 0], [0, -1, 0], [0, 0, -1]], atol=1e-12)
+    assert camera.p_BS == pytest.approx((0.1, 0.0, 0.0))
+    assert {each.outcome for each in got.fidelity if each.element == "camera"} == {"approximated", "left_out"}
+    stated = mjcf(CAMERAS.replace('fovy="90"', 'fovy="90" resolution="320 200"'))
+    (own,) = imported(tmp_path, stated, Companion(cameras=Cameras())).scene.sensors
+    assert (own.width, own.height, own.centre_x) == (320, 200, 160.0)  # type: ignore[union-attr]

@@ -232,3 +232,24 @@ def test_an_equality_between_joints_of_mjcf_is_left_out(world: World, tmp_path: 
         world.stepSimulation()
     assert world.getJointState(bodies[b"a"], 0)[0] > 0.004
     assert world.getJointState(bodies[b"b"], 0)[0] == 0.0
+
+
+def weighing(path: Path, mass: float) -> str:
+    """A robot file of one link at a path."""
+    path.parent.mkdir(exist_ok=True)
+    inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    path.write_text(f'<robot name="r"><link name="l"><inertial><mass value="{mass}"/>{inertia}</inertial></link></robot>')
+    return str(path)
+
+
+def test_files_of_one_name_in_two_folders_are_two_and_a_rewritten_one_is_the_old_one_unless_caching_is_off(
+    world: World, tmp_path: Path
+) -> None:
+    """`setPhysicsEngineParameter` has enableFileCaching, on by default: the guide warns of it under loadURDF."""
+    one, two = weighing(tmp_path / "a" / "robot.urdf", 1.0), weighing(tmp_path / "b" / "robot.urdf", 2.0)
+    assert [world.getDynamicsInfo(world.loadURDF(path), -1)[0] for path in (one, two)] == [1.0, 2.0]
+    weighing(tmp_path / "a" / "robot.urdf", 5.0)
+    assert world.getDynamicsInfo(world.loadURDF(one), -1)[0] == 1.0
+    world.setPhysicsEngineParameter(enableFileCaching=0)
+    assert world.getDynamicsInfo(world.loadURDF(one), -1)[0] == 5.0
+    world.setPhysicsEngineParameter(enableFileCaching=1)

@@ -1,13 +1,14 @@
 """The agreements of a run folder: each engine's own limit from its runs, judged against the others'."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from harness.findings.agreement.judgement import judged
-from harness.findings.agreement.values import Agreement
+from harness.findings.agreement.values import Agreement, Side
 from harness.scene import Effect, Scene
 from harness.scene.file import parse
 from harness.search.own_limits import ANSWERED, own_limit, rungs_of
@@ -60,7 +61,15 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     ours = [name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")]
     duration = float(store.catalogue["cases"][case]["duration"])
     touching = scene is not None and Effect.CONTACT in scene.effects and _touching(store, rows)
-    return judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
+    agreement = judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
+    return replace(agreement, sides=tuple(replace(side, adds=_added(store, side)) for side in agreement.sides))
+
+
+def _added(store: Store, side: Side) -> tuple[str, ...]:
+    """The effects that the finest answer of a side computes although its scene does not call for them, by its own word."""
+    answered = [rung.trial for rung in side.limit.rungs if rung.run is not None]
+    notices = store.notices.get(answered[-1], ()) if answered else ()
+    return tuple(dict.fromkeys(each.effect.replace("_", " ") for each in notices if each.kind == "surplus" and each.effect))
 
 
 def _touching(store: Store, rows: Sequence[Any]) -> bool:

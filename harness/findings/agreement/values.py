@@ -22,7 +22,7 @@ class Side:
         limit: what it comes to by itself. camps: the letter of its camp, several where it is undecided, none without a limit.
         votes: does it count for its engine? ours: is it our own? distance: of its limit from the agreed one, up to the time
         to which both are known, as a share of the size; None where there is no such. since [s]: from then on it lies apart
-        from it, None where it does not.
+        from it, None where it does not. adds: effects that the scene does not call for and that the engine says it computes.
     """
 
     engine: str
@@ -35,6 +35,7 @@ class Side:
     votes: bool = False
     distance: float | None = None
     since: float | None = None
+    adds: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

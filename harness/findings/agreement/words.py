@@ -80,7 +80,8 @@ def side_words(side: Side, agreement: Agreement) -> str:
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
-        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, agreement)} away{since})"
+        adds = f"; it adds {listed(side.adds)}, which the scene does not call for" if side.adds else ""
+        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, agreement)} away{since}{adds})"
     bar = side.limit.bar_at(compared) if side.limit.bar is not None else 0.0
     camp = f"; camp {' or '.join(side.camps)}" if side.word == "converges" and len(agreement.camps) > 1 else ""
     return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"

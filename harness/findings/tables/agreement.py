@@ -134,7 +134,7 @@ def _row(
         verdict=side.word,
         why=side.why,
         order=None if limit.said is None else limit.said.order,
-        bar=limit.bar_at(limit.until) if limit.bar is not None else None,
+        bar=limit.bar_at(limit.until) if limit.bar is not None and limit.until > 0 else None,
         known_until=limit.until,
         horizon=None if limit.said is None else limit.said.horizon,
         camp=" ".join(side.camps),

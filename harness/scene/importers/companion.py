@@ -9,7 +9,7 @@ from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from harness.intake.documents import InputError, document, named
-from harness.intake.import_wishes import Drop, Root
+from harness.intake.import_wishes import Drop, Root, Start
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
@@ -26,9 +26,10 @@ from harness.scene import (
     Surface,
     Vector3,
 )
+from harness.scene.camera import Pixels
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
 
-__all__ = ["Base", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
+__all__ = ["Base", "Cameras", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
 
 ENDING = ".plumb.toml"
 Seconds = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
@@ -97,6 +98,15 @@ class Massless:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Cameras:
+    """Pictures by an MJCF file's cameras that ride on a body: rate [Hz]; width, height [pixels] of those that state none."""
+
+    rate: Positive = 10.0
+    width: Pixels = 160
+    height: Pixels = 120
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Units:
     """What the file's unit of length is in metres and its unit of mass in kilograms."""
 
@@ -109,7 +119,8 @@ class Companion:
     """All that the file beside a robot says.
 
     Terms:
-        root: how the root is held. start: joints start at zero, or in the middle of their range. keyframe: the name of a pose
+        root: how the root is held. start: joints start at zero, in the middle of
+        their range, or at zero but within it; None is zero, and within it in a scenario. keyframe: the name of a pose
         of the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do its own links touch each
         other? materials: by link, where it is not 'robot'. commands: a CSV file beside it with targets of joints over time.
         sensors: as a scene has them, with a link for their body and poses in it. duration [s], dt [s] (the coarsest time step),
@@ -117,7 +128,7 @@ class Companion:
     """
 
     root: Root | None = None
-    start: Literal["zero", "middle"] = "zero"
+    start: Start | None = None
     keyframe: Name | None = None
     base: Base | None = None
     gravity: Vector3 | None = None
@@ -129,6 +140,7 @@ class Companion:
     joints: dict[Name, JointWish] = Field(default_factory=dict)
     density: Positive | None = None
     massless: Massless | None = None
+    cameras: Cameras | None = None
     units: Units | None = None
     drop: tuple[Drop, ...] = ()
     packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
@@ -143,7 +155,14 @@ class Companion:
 
 
 _ADAPTER: TypeAdapter[Companion] = TypeAdapter(Companion)
-_TABLES: dict[str, Any] = {"base": Base, "ground": Ground, "drives": Drives, "massless": Massless, "units": Units}
+_TABLES: dict[str, Any] = {
+    "base": Base,
+    "ground": Ground,
+    "drives": Drives,
+    "massless": Massless,
+    "cameras": Cameras,
+    "units": Units,
+}
 
 _MOTIONS: dict[str, Any] = {"sinusoid": Sinusoid, "samples": Samples}
 _SENSORS: dict[str, Any] = {"imu": Imu, "lidar": Lidar, "camera": Camera, "depth_camera": DepthCamera}

@@ -25,6 +25,7 @@ class Massive:
 
     Terms:
         mass [kg], centre in W [m], inertia about it in W's axes [kg m2]; lines that move it; stated: did the user put it there?
+        between: does it stand between the joints of a link, with a moment that the link does not have?
     """
 
     mass: float
@@ -32,6 +33,7 @@ class Massive:
     inertia_W: Array
     lines: tuple[Line, ...]
     stated: bool = False
+    between: bool = False
 
 
 def _columns(lines: Sequence[Line]) -> dict[str, list[tuple[Array, Array]]]:
@@ -86,6 +88,8 @@ def consequences(bodies: Sequence[Massive], dropped: frozenset[str]) -> list[Fid
     rows += _stiff(scalars, M, places)
     if any(body.stated for body in bodies):
         rows += _stated(bodies, held)
+    if any(body.between for body in bodies):
+        rows += _between(bodies, held)
     return rows
 
 
@@ -159,13 +163,34 @@ def _stiff(scalars: Sequence[Coordinate], M: Array, places: Array) -> list[Fidel
     ]
 
 
-def _stated(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
-    scalars, M, places = inertias([body for body in bodies if not body.stated])
+def _added(without: Sequence[Massive], held: Mapping[str, float]) -> tuple[str, float | None]:
+    """The joint to whose inertia what is not among these adds most, and its share in what they have; None if they have none."""
+    scalars, M, places = inertias(without)
     bare = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
     shares = {name: value / bare[name] - 1 if bare.get(name, 0) > 0 else float("inf") for name, value in held.items()}
     worst = max(shares, key=lambda name: shares[name], default="")
+    return worst, shares[worst] if shares.get(worst, float("inf")) < float("inf") else None
+
+
+def _between(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
+    worst, value = _added([body for body in bodies if not body.between], held)
+    return [
+        Fidelity(
+            element="several joints of a link",
+            name="",
+            count=sum(body.between for body in bodies),
+            outcome="approximated",
+            becomes="a chain of bodies with a hundredth of the link's own mass at most, where the axes meet",
+            consequence=f"a moment of inertia that the robot does not have; about '{worst}', the others held, its share is",
+            value=value,
+            unit="1",
+        )
+    ]
+
+
+def _stated(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
     stated = [body for body in bodies if body.stated]
-    value = shares.get(worst)
+    worst, value = _added([body for body in bodies if not body.stated], held)
     return [
         Fidelity(
             element="link without mass",
@@ -174,7 +199,7 @@ def _stated(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fideli
             outcome="approximated",
             becomes=f"a ball of {stated[0].mass:g} kg, as the companion file states",
             consequence=f"inertia that the robot does not have; about '{worst}', the others held, its share is",
-            value=None if value is None or value == float("inf") else value,
+            value=value,
             unit="1",
         )
     ]

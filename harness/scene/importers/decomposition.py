@@ -1,8 +1,18 @@
-"""A mesh taken apart into convex pieces by CoACD, which is asked for once for each mesh and scale.
+"""A mesh taken apart into convex pieces by CoACD, which is asked for once for each mesh and scale, on this machine.
 
 Source: Wei, Liu, Ling, Su, Approximate convex decomposition for 3D meshes with collision-aware concavity and tree search,
 ACM Transactions on Graphics 41(4), 2022.
 """
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -10,6 +20,7 @@ from harness.intake.refusal import RobotError
 from harness.intake.safe_text import readable
 from harness.scene import ConvexHull
 from harness.scene.importers.meshes import Mesh, hull_of
+from harness.scene.importers.poses import Array
 
 __all__ = ["CONCAVITY", "pieces_of"]
 
@@ -20,23 +31,65 @@ SEARCH = {"mcts_iterations": 20, "mcts_nodes": 8, "mcts_max_depth": 1, "resoluti
 """A shorter search for cuts than CoACD's own, which takes minutes for a robot of eight links; the error is measured anyhow."""
 
 
-def pieces_of(mesh: Mesh, most: int, where: str) -> tuple[list[ConvexHull], float]:
+def pieces_of(mesh: Mesh, most: int, where: str, tell: Callable[[str], object] | None) -> tuple[list[ConvexHull], float]:
     """At most `most` convex pieces of a mesh, and the sum of their volumes [m3], overlaps counted twice.
 
+    Args: tell: is told, before a mesh is taken apart, that this takes its time; None where nobody listens.
     Raises: RobotError, where CoACD is not installed or finds none.
     """
     try:
         import coacd
     except ImportError:
         raise RobotError(f"{where}: --convex needs CoACD: pip install plumbline[decomposition]") from None
-    coacd.set_log_level("error")
-    whole = coacd.Mesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int32))
-    try:
-        pieces = coacd.run_coacd(whole, threshold=CONCAVITY, max_convex_hull=most, seed=0, **SEARCH)
-    except Exception as error:  # a broken mesh may break it anywhere
-        message = readable(f"{type(error).__name__}: {error}", 160)
-        raise RobotError(f"{where}: CoACD cannot take the mesh apart ({message}); without --convex its hull is taken") from None
-    made = [hull_of(np.asarray(points, np.float64), where) for points, _ in pieces]
+    kept = _place(mesh, most)
+    points = _kept(kept)
+    if points is None:
+        if tell is not None:
+            tell(f"{where}: {len(mesh.faces)} faces are taken apart into convex pieces, once on this machine")
+        coacd.set_log_level("error")
+        whole = coacd.Mesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int32))
+        try:
+            pieces = coacd.run_coacd(whole, threshold=CONCAVITY, max_convex_hull=most, seed=0, **SEARCH)
+        except Exception as error:  # a broken mesh may break it anywhere
+            message = readable(f"{type(error).__name__}: {error}", 160)
+            raise RobotError(
+                f"{where}: CoACD cannot take the mesh apart ({message}); without --convex its hull is taken"
+            ) from None
+        points = [np.asarray(corners, np.float64) for corners, _ in pieces]
+        _keep(kept, points)
+    made = [hull_of(corners, where) for corners in points]
     if not made:
         raise RobotError(f"{where}: CoACD finds no pieces; without --convex the mesh's hull is taken")
     return [shape for shape, _ in made], sum(volume for _, volume in made)
+
+
+def _place(mesh: Mesh, most: int) -> Path:
+    """Where the pieces of a mesh are kept, by all that they depend on."""
+    import platformdirs  # late: only meshes in pieces need it
+
+    asked = {"coacd": version("coacd"), "most": most, "concavity": CONCAVITY, **SEARCH}
+    digest = hashlib.sha256(json.dumps(asked, sort_keys=True).encode())
+    for array in (mesh.vertices, mesh.faces):
+        digest.update(repr((array.shape, array.dtype.str)).encode() + np.ascontiguousarray(array).tobytes())
+    return Path(platformdirs.user_cache_dir("plumbline")) / "pieces" / f"{digest.hexdigest()}.npz"
+
+
+def _kept(place: Path) -> list[Array] | None:
+    """The corners (n, 3) m of each piece that is kept; None where none are, or no such thing."""
+    try:
+        with np.load(place, allow_pickle=False) as arrays:
+            points = [np.asarray(arrays[name], np.float64) for name in sorted(arrays.files)]
+    except (OSError, ValueError, EOFError, BadZipFile, KeyError):
+        return None
+    sound = all(corners.ndim == 2 and corners.shape[1] == 3 and np.isfinite(corners).all() for corners in points)
+    return points if points and sound else None
+
+
+def _keep(place: Path, points: Sequence[Array]) -> None:
+    """Keep the pieces, all or nothing; where that cannot be done they are worked out again."""
+    with suppress(OSError):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=place.parent, suffix=".part", delete=False) as part:
+            arrays: dict[str, Any] = {f"{k:03}": corners for k, corners in enumerate(points)}
+            np.savez(part, allow_pickle=False, **arrays)
+        Path(part.name).replace(place)

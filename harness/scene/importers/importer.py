@@ -19,12 +19,13 @@ class Reading:
 
     Terms:
         folders: where references may lead; they are followed through it alone. companion: what the file beside the robot says.
-        convex: the most convex pieces that a mesh is taken apart into; None for its hull.
+        convex: the most convex pieces that a mesh is taken apart into; None for its hull. tell: is told of what takes long.
     """
 
     folders: "Folders"
     companion: "Companion"
     convex: int | None = None
+    tell: Callable[[str], object] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

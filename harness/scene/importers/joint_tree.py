@@ -1,7 +1,7 @@
 """A settled robot as a scene: merged groups are bodies at their centres of mass, coordinates are joints, in W at time 0."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from harness.scene.importers.materials import Laws
 from harness.scene.importers.merging import Group, check_inertia
 from harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
 from harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
+from harness.scene.importers.stand_ins import StandIns, stand_ins
 from harness.scene.importers.ties import coupled
 
 __all__ = ["Tree", "tree_of"]
@@ -84,10 +85,14 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
         free = any(line.coordinate.kind == "free" for line in lines)
         above[lead] = lines if free else (*before, *lines)
         parent = WORLD if group.parent is None else held[group.parent]
+        between = None if companion.massless is not None or len(lines) < 2 else stand_ins(lines, group.solid, X)
+        if between is not None:
+            check_inertia(group, _tensor(group))
+            group = replace(group, solid=between.rest)
         for k, line in enumerate(lines[:-1]):
-            extra = _between(line, group, companion.massless, body_names)
+            extra = _between(line, k, group, between, companion.massless, body_names)
             bodies.append(extra)
-            massive.append(_massive(extra, (*before, *lines[: k + 1]), stated=True))
+            massive += _of_between(extra, (*before, *lines[: k + 1]), own=between is not None)
             joints.append(_joint(line, parent, extra.name, joint_names, robot))
             called[line.coordinate.name] = joints[-1].name
             parent = extra.name
@@ -147,27 +152,44 @@ def _stated_inertia(massless: Massless) -> float:
     return 0.4 * massless.mass * massless.radius**2
 
 
-def _between(line: Line, group: Group, massless: Massless | None, names: _Names) -> Body:
-    """What stands between two coordinates of one link. Raises: RobotError, where the user states no mass for it."""
+def _between(line: Line, place: int, group: Group, between: StandIns | None, massless: Massless | None, names: _Names) -> Body:
+    """What stands behind a coordinate of a link that is not its last one. Raises: RobotError, where nothing can."""
     c = line.coordinate
-    if massless is None:
+    if between is not None:
+        mass, moment, centre = between.mass, between.moment, between.centres[place]
+    elif massless is not None:
+        mass, moment, centre = massless.mass, _stated_inertia(massless), line.after.of(c.anchor)
+    else:
         named = [each.name for each in group.lead.coordinates]
         raise RobotError(
             f"{group.lead.where}: several joints {listed(named)} move one body, and a scene has one joint between two bodies "
-            "and no body without mass; [massless] mass = ... in the companion file puts bodies of that mass between them, "
-            "and says what they change"
+            "and no body without mass; the body's own mass does where the axes of all but the first meet in a point, which "
+            "these do not; [massless] mass = ... in the companion file puts bodies of that mass between them, and says what "
+            "they change"
         )
-    moment = _stated_inertia(massless)
-    anchor = line.after.of(c.anchor)
     return Body(
         name=names.fresh(f"{group.lead.name}.{c.name}"[:170]),
-        mass=massless.mass,
+        mass=mass,
         inertia=symmetric(moment * np.eye(3)),
-        p_WB=vector(anchor),
+        p_WB=vector(centre),
         q_WB=quaternion(line.after.R),
-        v_WB=vector(line.twist.at(anchor)),
+        v_WB=vector(line.twist.at(centre)),
         w_WB=vector(line.twist.w),
     )
+
+
+def _tensor(group: Group) -> Array:
+    assert group.solid is not None
+    assert group.solid.inertia is not None
+    return group.solid.inertia
+
+
+def _of_between(body: Body, lines: tuple[Line, ...], *, own: bool) -> list[Massive]:
+    """What a body between two joints adds: all of it, or its moment alone where its mass is the link's own."""
+    if not own:
+        return [_massive(body, lines, stated=True)]
+    whole = _massive(body, lines, stated=False)
+    return [replace(whole, inertia_W=np.zeros((3, 3))), replace(whole, mass=0.0, between=True)]
 
 
 def _body(group: Group, X: Pose, at: Posed, material: str, massless: Massless | None, names: _Names) -> tuple[Body, bool]:

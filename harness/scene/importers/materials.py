@@ -35,6 +35,16 @@ def laws_of(robot: Robot, groups: Mapping[str, Group], companion: Companion) -> 
     excluded = {
         frozenset((owner[a], owner[b])) for a, b in (robot.contacts.excluded if robot.contacts else ()) if owner[a] != owner[b]
     }
+    passing = "self_collision" in robot.dropped
+    if passing:
+        excluded = set()
+    elif not robot.collide:
+        # No joint of a scene is between a link and what it hangs on where several joints are: a body is between those.
+        excluded |= {
+            frozenset((lead, group.parent))
+            for lead, group in groups.items()
+            if group.parent is not None and len(group.lead.coordinates) > 1
+        }
     alone = {lead for pair in excluded for lead in pair}
     keys: dict[str, frozenset[str]] = {}
     material: dict[str, str] = {}
@@ -50,7 +60,8 @@ def laws_of(robot: Robot, groups: Mapping[str, Group], companion: Companion) -> 
         if not of_group:
             material[lead] = "robot"
             continue
-        name = "+".join(sorted(of_group))[:120] + (f":{lead}"[:79] if lead in alone else "")
+        # Where links pass through each other, they are of no material that something still has.
+        name = "+".join(sorted(of_group))[:120] + (":links" if passing else f":{lead}"[:79] if lead in alone else "")
         if len(of_group) > 1:
             mixed.append(lead)
         material[lead], keys[name] = name, of_group
@@ -58,17 +69,20 @@ def laws_of(robot: Robot, groups: Mapping[str, Group], companion: Companion) -> 
         keys.setdefault(companion.ground.material, frozenset((companion.ground.material,)))
     valid_name((side for law in companion.surfaces for side in law.between), keys, "surface between", robot.source)
     holders = {name: lead for lead, name in material.items() if lead in alone}
-    return _paired(robot, companion, keys, _Held(material, still, holders, excluded), mixed)
+    moving = frozenset(material.values()) if passing else frozenset()
+    return _paired(robot, companion, keys, _Held(material, still, holders, excluded, moving), mixed)
 
 
 @dataclass(frozen=True, slots=True)
 class _Held:
-    """Terms: holders: the group that a material of its own is of. excluded: pairs of groups that never touch."""
+    """Terms: holders: the group that a material of its own is of. excluded: pairs of groups that never touch.
+    passing: materials none of which touches any of the others."""
 
     material: Mapping[str, str]
     still: Mapping[str, str]
     holders: Mapping[str, str]
     excluded: "set[frozenset[str]]"
+    passing: frozenset[str]
 
 
 def _paired(robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str]], held: _Held, mixed: list[str]) -> Laws:
@@ -78,7 +92,8 @@ def _paired(robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str
     spread = 0.0
     ground = None if companion.ground is None else companion.ground.material
     for a, b in combinations_with_replacement(sorted(keys), 2):
-        if frozenset((held.holders.get(a, a), held.holders.get(b, b))) in held.excluded:
+        within = {a, b} <= held.passing
+        if within or frozenset((held.holders.get(a, a), held.holders.get(b, b))) in held.excluded:
             apart.append((a, b))
             continue
         candidates = [law for x in keys[a] for y in keys[b] if (law := given.get(frozenset((x, y)))) is not None]
@@ -127,7 +142,16 @@ def _rows(robot: Robot, companion: Companion, assumed: list[str], mixed: list[st
                 unit="1",
             )
         )
-    if robot.contacts is None and not companion.self_collision and any(link.geometries for link in robot.links):
+    if "self_collision" in robot.dropped and (robot.contacts is not None or companion.self_collision):
+        rows.append(
+            Fidelity(
+                element="self-collision",
+                name="",
+                outcome="left_out",
+                consequence="self collision was dropped by the user: the robot's links pass through each other",
+            )
+        )
+    elif robot.contacts is None and not companion.self_collision and any(link.geometries for link in robot.links):
         rows.append(
             Fidelity(
                 element="self-collision",

@@ -13,7 +13,8 @@ import numpy as np
 from harness.intake.documents import named
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
-from harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_sensors, mjcf_shapes, mjcf_tendons
+from harness.scene.importers import mjcf_actuators, mjcf_cameras, mjcf_contacts, mjcf_sensors, mjcf_shapes, mjcf_tendons
+from harness.scene.importers.companion import Cameras
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders
 from harness.scene.importers.mjcf_model import Model, compile_apart
@@ -27,15 +28,17 @@ __all__ = ["read", "robot_of"]
 _KINDS: dict[str, Kind] = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "free"}
 
 
-def read(path: Path, root: Element, folders: Folders, keyframe: str | None = None) -> Robot:
+def read(path: Path, root: Element, folders: Folders, keyframe: str | None = None, cameras: Cameras | None = None) -> Robot:
     """The robot of an MJCF file whose text is read. Args: keyframe: the pose of the start. Raises: RobotError."""
     text = prepared(root, folders)
     model = compile_apart(text, named(path))
     name = readable(root.attributes.get("model", ""), 100) or path.stem
-    return robot_of(model, text, name, named(path), keyframe)
+    return robot_of(model, text, name, named(path), keyframe, cameras)
 
 
-def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str | None = None) -> Robot:
+def robot_of(
+    model: Model, text: Prepared, name: str, source: str, keyframe: str | None = None, cameras: Cameras | None = None
+) -> Robot:
     """The robot of a compiled model. Raises: RobotError."""
     _check(model, source)
     start = _start(model, keyframe, source)
@@ -69,7 +72,8 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
     closures += springs.values()
     needs += _others(model, text, springs)
     sensors, more = mjcf_sensors.read(model, names)
-    rows += [*more, *_beside(model, text)]
+    seen, looks_on = mjcf_cameras.read(model, names, cameras)
+    rows += [*more, *looks_on, *_beside(model, text)]
     free = any(c.kind == "free" for link in links for c in link.coordinates)
     gravity = (0.0, 0.0, 0.0) if model.flag("gravity") else tuple(float(g) for g in model.opt_gravity)
     return Robot(
@@ -81,7 +85,7 @@ def robot_of(model: Model, text: Prepared, name: str, source: str, keyframe: str
         contacts=contacts,
         filter_world=False,
         collide=model.flag("filterparent"),
-        sensors=sensors,
+        sensors=(*sensors, *seen),
         rows=tuple(rows),
         needs=tuple(needs),
         source=source,
@@ -318,19 +322,11 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
         )
         for tag, count in text.removed.items()
     ]
-    for kind, count in (("camera", model.ncam), ("light", model.nlight)):
-        if count:
-            rows.append(
-                Fidelity(
-                    element=kind,
-                    name="",
-                    count=int(count),
-                    outcome="left_out",
-                    consequence="it shows, and moves nothing; [[sensors]] of the companion file mount a camera on a link"
-                    if kind == "camera"
-                    else "it shows, and moves nothing",
-                )
-            )
+    if model.nlight:
+        row = Fidelity(
+            element="light", name="", count=int(model.nlight), outcome="left_out", consequence="it shows, and moves nothing"
+        )
+        rows.append(row)
     passive = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))

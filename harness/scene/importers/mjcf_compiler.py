@@ -27,6 +27,7 @@ ARRAYS = (
     "mesh_vert", "mesh_vertadr", "mesh_vertnum", "mesh_face", "mesh_faceadr", "mesh_facenum",
     "geom_rgba", "geom_matid", "mat_rgba", "key_qpos", "key_qvel", "key_ctrl", "site_quat", "sensor_type", "sensor_objtype",
     "sensor_objid", "sensor_cutoff", "sensor_noise",
+    "cam_mode", "cam_bodyid", "cam_pos", "cam_quat", "cam_fovy", "cam_resolution", "cam_sensorsize", "cam_projection",
 )  # fmt: skip
 """What is read of a compiled model."""
 NAMED = ("body", "joint", "geom", "equality", "actuator", "tendon", "key", "sensor", "camera", "light", "site")
@@ -80,6 +81,7 @@ def compiled() -> dict[str, Any]:
             ("DisableBit", "DSBL"),
             ("Obj", "OBJ"),
             ("Sensor", "SENS"),
+            ("CamLight", "CAMLIGHT"),
         )
     }
     kept["words"] = np.frombuffer(

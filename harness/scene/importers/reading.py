@@ -107,7 +107,9 @@ def _inside(path: Path, companion: Companion) -> dict[str, Path]:
 
 
 def _robot(path: Path, companion: Companion, wishes: Wishes) -> Robot:
-    reading = Reading(folders=Folders(path.parent, wishes.packages), companion=companion, convex=wishes.convex)
+    reading = Reading(
+        folders=Folders(path.parent, wishes.packages), companion=companion, convex=wishes.convex, tell=wishes.tell
+    )
     return importer_of(path).read(path, reading)
 
 
@@ -127,7 +129,8 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     rows += undropped(robot, wishes.drop)
     robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
     rows += more
-    robot, more = settled(robot, companion, commands)
+    start = wishes.start or companion.start or ("inside" if wishes.scenario else "zero")
+    robot, more = settled(robot, replace(companion, start=start), commands)
     rows += more
     if wishes.scenario in ("drop", "swing"):
         robot = scenarios.unpowered(robot)
@@ -180,7 +183,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     )
 
 
-_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic"))
+_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic", "self_collision"))
 """What may be dropped although a scene has words for it, as far as joints and ties have it."""
 
 

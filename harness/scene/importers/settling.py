@@ -143,7 +143,10 @@ def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, ro
         raise RobotError(
             f"joints > {quoted(c.name, 80)} > position: the joint follows {quoted(c.tie.joint, 80)}, which says where it starts"
         )
-    c = replace(c, position=_start(c, wish, companion), velocity=wish.velocity or c.velocity)
+    position = _start(c, wish, companion)
+    if wish.position is None and companion.start == "inside":
+        position = _inside(c, position, rows)
+    c = replace(c, position=position, velocity=wish.velocity or c.velocity)
     _outside(c, rows)
     return replace(c, servo=_servo(c, wish, companion, wish.motion if samples is None else samples))
 
@@ -154,6 +157,25 @@ def _start(c: Coordinate, wish: JointWish, companion: Companion) -> float:
     if companion.start == "middle" and c.lower is not None and c.upper is not None:
         return (c.lower + c.upper) / 2
     return c.reference if c.position is None else c.position
+
+
+def _inside(c: Coordinate, position: float, rows: list[Fidelity]) -> float:
+    """The position, or the bound of its range that is nearest to it, with a row that says so."""
+    lower, upper = (position if bound is None else bound for bound in (c.lower, c.upper))
+    nearest = min(max(position, lower), upper)
+    if nearest != position:
+        rows.append(
+            Fidelity(
+                element="start",
+                name=c.name,
+                outcome="approximated",
+                becomes=f"{nearest:.6g}, the bound of its range",
+                consequence="the robot's own start lies outside its range, by",
+                value=abs(nearest - position),
+                unit="rad" if c.kind == "revolute" else "m",
+            )
+        )
+    return nearest
 
 
 def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
@@ -167,7 +189,8 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
                 name=c.name,
                 outcome="exact",
                 becomes=f"{c.position:.6g}, outside the range",
-                consequence='engines push it back at once, a kick at t = 0; start = "middle" begins within; outside by',
+                consequence="engines push it back at once, a kick at t = 0, in most of them the harder the smaller the step, "
+                "so that no limit is reached; --start inside begins at the bound, --start middle within; outside by",
                 value=beyond,
                 unit="rad" if c.kind == "revolute" else "m",
             )

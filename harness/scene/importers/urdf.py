@@ -4,6 +4,7 @@ URDF says nothing of how the root is held, of gravity, friction, gains and the s
 radians, the origin of a joint is its child's frame where its coordinate is 0, rpy turns about fixed axes, x first.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -25,10 +26,17 @@ from harness.scene.importers.xml_text import Element, elements
 __all__ = ["read"]
 
 
-def read(path: Path, folders: Folders, density: float | None = None, convex: int | None = None) -> Robot:
+def read(
+    path: Path,
+    folders: Folders,
+    density: float | None = None,
+    convex: int | None = None,
+    tell: Callable[[str], object] | None = None,
+) -> Robot:
     """The robot of a URDF file.
 
     Args: density [kg/m3] of shapes where no mass is given. convex: the most pieces of a mesh, None for its hull.
+        tell: is told of what takes long.
     Raises: RobotError.
     """
     where = named(path)
@@ -39,7 +47,7 @@ def read(path: Path, folders: Folders, density: float | None = None, convex: int
             raise checked.refuse(f"<{tag}>: {excess}")
     urdf_grammar.check_tree(checked)
     parsed = _parsed(checked)
-    shapes = urdf_shapes.Shapes(folders, density, convex)
+    shapes = urdf_shapes.Shapes(folders, density, convex, tell)
     links = {link.name: link for link in parsed.links}
     joints = {joint.child: joint for joint in parsed.joints}
     lines = {(tag, element.attributes["name"]): element for tag in ("link", "joint") for element in checked.all(tag)}

@@ -1,6 +1,6 @@
 """The shapes of URDF's links: primitives as they are, meshes as hulls or convex pieces, and mass from them if none is given."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +23,10 @@ __all__ = ["Shapes"]
 class Shapes:
     """Reads the shapes of one link after the other, and keeps what is to be said of them all."""
 
-    def __init__(self, folders: Folders, density: float | None, convex: int | None = None) -> None:
-        self._folders, self._density, self._convex = folders, density, convex
+    def __init__(
+        self, folders: Folders, density: float | None, convex: int | None = None, tell: Callable[[str], object] | None = None
+    ) -> None:
+        self._folders, self._density, self._convex, self._tell = folders, density, convex, tell
         self._solids: dict[str, list[Solid]] = {}
         self._exact = 0
         self._excess: dict[str, float] = {}
@@ -100,7 +102,7 @@ class Shapes:
         inside = of_mesh(mesh) if mesh.closed else None
         shapes = [hull]
         if self._convex is not None:
-            shapes, volume = pieces_of(mesh, self._convex, where)
+            shapes, volume = pieces_of(mesh, self._convex, where, self._tell)
         if inside is None or inside.mass <= 0:
             return shapes, float("nan"), of_shape(hull)
         return shapes, volume / inside.mass - 1, inside

@@ -63,6 +63,13 @@ def _pipe_to_main() -> Connection:
     return pipe
 
 
+def busy_for(seconds: float) -> None:
+    """Take so much CPU time."""
+    until = time.process_time() + seconds
+    while time.process_time() < until:
+        pass
+
+
 class Falling:
     """Semi-implicit Euler of bodies in free fall; at `fatal_step` it does what `fault` says."""
 
@@ -113,6 +120,8 @@ class Falling:
             self.resolved = replace(self.resolved, iterations=np.int64(5))
         elif self._fault == "slow":
             time.sleep(0.4)
+        elif self._fault == "work":
+            busy_for(2.5)
         elif self._fault == "patricide":
             os.kill(os.getppid(), signal.SIGKILL)
             time.sleep(60)
@@ -193,6 +202,7 @@ RAISE = Faulty(name="raise", fault="raise")
 FLOOD = Faulty(name="flood", fault="flood")
 NAN = Faulty(name="nan", fault="nan")
 COMPILE = Faulty(name="compile", compilation=5.0, compile_allowance=60.0)
+LOADING_SLOWLY = Faulty(name="loading_slowly", fault="work", loads=("slow_to_load",))
 COMPILE_HANG = Faulty(name="compile_hang", fault="hang", compilation=1.0, compile_allowance=60.0)
 ABSENT = Faulty(name="absent", fault="absent")
 SURROGATE = Faulty(name="surrogate", fault="surrogate")

@@ -22,8 +22,9 @@ def read(path: Path, reading: Reading) -> "Robot":
     where = named(path)
     root = elements(text_of(path, where), where)
     if root.tag == "robot":
-        return urdf.read(path, reading.folders, reading.companion.density, reading.convex)
-    return replace(mjcf.read(path, root, reading.folders, reading.companion.keyframe), wordless=frozenset({"speed"}))
+        return urdf.read(path, reading.folders, reading.companion.density, reading.convex, reading.tell)
+    said = reading.companion
+    return replace(mjcf.read(path, root, reading.folders, said.keyframe, said.cameras), wordless=frozenset({"speed"}))
 
 
 IMPORTER = Importer(name="mjcf", title="MJCF", endings=(".xml", ".mjcf"), read=read)

@@ -15,7 +15,7 @@ def read(path: Path, reading: Reading) -> "Robot":
     """The robot of a URDF file. Raises: RobotError."""
     from harness.scene.importers import urdf  # late: endings are asked for more often than robots
 
-    return urdf.read(path, reading.folders, reading.companion.density, reading.convex)
+    return urdf.read(path, reading.folders, reading.companion.density, reading.convex, reading.tell)
 
 
 IMPORTER = Importer(name="urdf", title="URDF", endings=(".urdf",), read=read)

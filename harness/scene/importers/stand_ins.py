@@ -1,0 +1,93 @@
+"""What stands between the joints of one link: a share of the link's own mass, at a point that no later joint moves in it.
+
+A scene has one joint between two bodies, and no body without mass. Where the axes of all later joints of a link meet in a
+point, that point is fixed in the link and in what stands before it, so that a part of the link's mass which lies there moves
+alike whether it belongs to the one or the other: nothing changes but by the moment of inertia that a body has to have.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.scene.importers.kinematics import Line
+from harness.scene.importers.poses import Array, Pose
+from harness.scene.importers.robot import Solid
+
+__all__ = ["MOMENT", "SHARE", "StandIns", "stand_ins"]
+
+SHARE = 0.01
+"""Of the link's mass that all that stands before it takes together; a tenth of that, again and again, where the rest would have
+a tensor that no body has."""
+LEAST = 1e-5
+MOMENT = 1e-4
+"""Of the link's least principal moment of inertia that each gets: what it adds is smaller than what engines agree to."""
+MEETS = 1e-9
+"""How far from an axis a point may be that lies on it [m]: rounding of numbers of a metre."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StandIns:
+    """Terms: centres (k, 3) m in W, of one behind each joint but the last; mass [kg], moment [kg m2] of each; rest: what the
+    link keeps, in its frame."""
+
+    centres: Array
+    mass: float
+    moment: float
+    rest: Solid
+
+
+def stand_ins(lines: Sequence[Line], solid: Solid | None, X: Pose) -> StandIns | None:
+    """What stands between these joints of a link with this mass at the pose X; None where nothing can without changing more."""
+    if solid is None or solid.inertia is None or any(line.coordinate.kind not in ("revolute", "ball") for line in lines[1:]):
+        return None
+    centres = [_meeting(lines[k + 1 :]) for k in range(len(lines) - 1)]
+    points = [centre for centre in centres if centre is not None]
+    least = float(np.linalg.eigvalsh(solid.inertia)[0])
+    if len(points) < len(centres) or least <= 0:
+        return None
+    share = SHARE
+    while share >= LEAST:
+        mass = share * solid.mass / len(points)
+        rest = _without(solid, mass, [X.R.T @ (point - X.p) for point in points])
+        assert rest.inertia is not None
+        a, b, c = np.linalg.eigvalsh(rest.inertia)
+        if a > 0 and a + b >= c:
+            return StandIns(np.array(points), mass, MOMENT * least, rest)
+        share /= 10
+    return None
+
+
+def _meeting(lines: Sequence[Line]) -> Array | None:
+    """The point in W [m] in which the axes of all these joints meet, nearest to the first one's anchor; None without one."""
+    normal, offset, anchor = np.zeros((3, 3)), np.zeros(3), lines[0].anchor_W
+    for line in lines:
+        # A ball has no axis: its point alone.
+        across = np.eye(3) if line.coordinate.kind == "ball" else np.eye(3) - np.outer(line.axis_W, line.axis_W)
+        normal += across
+        offset += across @ (line.anchor_W - anchor)
+    point: Array = anchor + np.linalg.lstsq(normal, offset, rcond=1e-9)[0]
+    for line in lines:
+        away = point - line.anchor_W
+        if line.coordinate.kind == "revolute":
+            away = away - line.axis_W * (line.axis_W @ away)
+        if np.linalg.norm(away) > MEETS:
+            return None
+    return point
+
+
+def _without(solid: Solid, mass: float, points: Sequence[Array]) -> Solid:
+    """The solid without so much mass at each of these points of its frame."""
+    assert solid.inertia is not None
+    left = solid.mass - mass * len(points)
+    centre = (solid.mass * solid.centre - mass * np.sum(points, axis=0)) / left
+    tensor = solid.inertia + solid.mass * _of_point(solid.centre - centre)
+    for point in points:
+        tensor = tensor - mass * _of_point(point - centre)
+    return Solid(left, centre, tensor)
+
+
+def _of_point(r: Array) -> Array:
+    """The inertia of 1 kg at a place r [m]."""
+    tensor: Array = float(r @ r) * np.eye(3) - np.outer(r, r)
+    return tensor

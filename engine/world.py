@@ -249,6 +249,20 @@ class World:
         if target_velocity is not None:
             row[at.DRIVE + 3] = finite(f"joint '{joint}'", "target_velocity", target_velocity, (), "rad/s or m/s")
 
+    def reaction(self, joint: str) -> FloatArray:
+        """What a joint carried over the last step, springs and drives included: force [N] and torque [N m], (6,), on its child.
+
+        The mean over the step, in W, about the child's anchor (of a fixed joint, its centre of mass); NaN before any step.
+        Raises: ValueError for an unknown joint.
+        """
+        if joint not in self._joints:
+            raise ValueError(f"joint '{joint}': not in this world, expected one of {', '.join(self._joint_names)}")
+        if self.steps == 0:
+            return np.full(6, np.nan)
+        total = float_table(self._floats, self._ints, at.JOINT)[self._joints[joint], at.REACTION : at.REACTION + 6]
+        mean: FloatArray = total / self.options.dt
+        return mean
+
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0

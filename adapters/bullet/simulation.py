@@ -8,6 +8,7 @@ import numpy as np
 
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.drives import Actuation
+from adapters.bullet.reactions import ReactionReader
 from adapters.bullet.sensing import Twin
 from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
 from harness.adapter import Diverged, Notice, Settings, Unsupported
@@ -43,6 +44,7 @@ class BulletSimulation:
             a.joint: a for group in made.actuators.values() for a in (*group.actuators, *group.motors) if a.drive is not None
         }
         self._pushed: Pushes = ()
+        self._reactions = ReactionReader(scene, made, settings.dt / self._substeps)
         self._twin: Twin | None = None
         self._open = True
         self._watched = False
@@ -66,6 +68,7 @@ class BulletSimulation:
         if breaks["at"] != self._breaks:
             break_contacts_at(self._port, self._breaks)
         self._touched = []
+        self._reactions.stepped(count)
         for left in range(count * self._substeps, 0, -1):
             if acts:
                 self._act()
@@ -183,13 +186,16 @@ class BulletSimulation:
         out.v_WB[moving], out.w_WB[moving] = table[:, 7:10], table[:, 10:]
 
     def joint_states(self) -> JointStates:
-        """Coordinates and rates of the joints of multibodies; what closes a loop has none, and pybullet tells no reactions."""
+        """Coordinates, rates and reactions of the joints of multibodies; of what closes a loop pybullet tells nothing."""
         states = JointStates.unknown(self._scene)
         for k, joint in enumerate(self._scene.joints):
             if joint.name in self._made.coordinates:
                 number, link, position = self._made.coordinates[joint.name]
                 q, rate = self._port.call("getJointState", number, link)[:2]
                 states.coordinate[k], states.rate[k] = position + q, rate
+        present = State.empty(len(self._scene.bodies))
+        self.state(present)
+        states.reaction[:] = self._reactions.read(present)
         return states
 
     def _points(self) -> list[Any]:

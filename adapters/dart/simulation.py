@@ -9,6 +9,7 @@ from adapters.dart.built import Built
 from adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, LastSeen, reported
 from adapters.dart.forces import Wrenches, push
 from adapters.dart.foresight import Foresight
+from adapters.dart.reactions import reactions
 from adapters.dart.sensing import Caster
 from adapters.dart.vectors import quaternions
 from adapters.dart.vendor import correcting
@@ -130,13 +131,17 @@ class DartSimulation(Simulation):
         self._last.q_WB[places] = q_WB
 
     def joint_states(self) -> JointStates:
-        """Coordinates and rates of the joints of skeletons; what is a constraint has none, and dartpy tells no reactions."""
+        """Coordinates, rates and reactions of the joints of skeletons; of what is a constraint dartpy tells nothing."""
         scene = self._open.scene
         states = JointStates.unknown(scene)
         for k, joint in enumerate(scene.joints):
             if joint.name in self._open.coordinates:
                 made = self._open.coordinates[joint.name]
                 states.coordinate[k], states.rate[k] = made.getPosition(0), made.getVelocity(0)
+        if self._steps > 0:
+            present = State.empty(len(scene.bodies))
+            self.state(present)
+            states.reaction[:] = reactions(self._open, present)
         return states
 
     def contacts(self) -> Contacts:

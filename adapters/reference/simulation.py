@@ -11,6 +11,7 @@ from harness.adapter import Diverged, Notice, Settings, Unsupported
 from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
 from harness.scene import Camera, Effect, Prismatic, Revolute, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
+from harness.trajectory.joint_states import JointStates
 
 if TYPE_CHECKING:
     import engine
@@ -60,6 +61,14 @@ class ReferenceSimulation:
         table = self._world.state()
         check_state(len(table), out)
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
+
+    def joint_states(self) -> JointStates:
+        """Reactions of the last step; the engine has no coordinates of joints, which follow from the poses."""
+        states = JointStates.unknown(self._scene)
+        if Effect.JOINTS in self._scene.effects:
+            for k, joint in enumerate(self._scene.joints):
+                states.reaction[k] = self._world.reaction(joint.name)
+        return states
 
     def contacts(self) -> Contacts:
         """The contacts of the last step."""

@@ -11,6 +11,7 @@ from harness.conformance.checks.joints import (
     distance_springs,
     drives,
     joint_states,
+    reactions,
 )
 from harness.conformance.checks.motion import dynamics, frames, precision, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
@@ -38,6 +39,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *drives.CHECKS,
     *along_coordinates.CHECKS,
     *joint_states.CHECKS,
+    *reactions.CHECKS,
     *rays.CHECKS,
     *images.CHECKS,
     *present.CHECKS,

@@ -239,6 +239,17 @@ class World:
         load[body, :3] += f
         load[body, 3:] += np.cross(point - self.state()[body, :3], f)
 
+    def prescribe(self, body: int, v_WB: Any, w_WB: Any) -> None:
+        """Give a kinematic body the velocities (3,) m/s and (3,) rad/s in W, which it keeps. Raises: ValueError."""
+        if not 0 <= body < len(self._names) or self._bodies[body].motion != "kinematic":
+            raise ValueError(f"world: body {body} is not kinematic, which a prescribed velocity is for")
+        label = f"body '{self._names[body]}'"
+        row = self.state()[body]
+        row[at.V : at.V + 3], row[at.W : at.W + 3] = (
+            finite(label, "v_WB", v_WB, (3,), "m/s"),
+            finite(label, "w_WB", w_WB, (3,), "rad/s"),
+        )
+
     def command(self, joint: str, target: float, target_velocity: float | None = None) -> None:
         """Set the target [rad or m] of a drive, and its target velocity unless None. Raises: ValueError without a drive."""
         j = self._joints.get(joint)

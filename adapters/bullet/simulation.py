@@ -13,8 +13,8 @@ from adapters.bullet.sensing import Twin
 from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
 from harness.adapter import Diverged, Notice, Settings, Unsupported
 from harness.adapter.rotations import IDENTITY, products
-from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
-from harness.scene import Camera, Scene
+from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
+from harness.scene import Camera, Scene, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
@@ -80,11 +80,8 @@ class BulletSimulation:
     def _act(self) -> None:
         """Prescribe velocities, apply springs, drives and wrenches for the coming (sub)step."""
         p, client = self._port.bullet, self._port.client
-        for place, number, weight in self._made.prescribed:
-            body = self._scene.bodies[place]
-            position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
-            p.resetBaseVelocity(number, body.v_WB, body.w_WB, physicsClientId=client)
-            p.applyExternalForce(number, -1, weight, position, p.WORLD_FRAME, physicsClientId=client)
+        for belt in self._made.prescribed:
+            belt.push(self._port)
         for number, actuation in self._made.actuators.items():
             links = [a.link for a in actuation.actuators]
             efforts = actuation.efforts(self._port, number)
@@ -265,6 +262,13 @@ class BulletSimulation:
         for name, target in targets.items():
             if name in self._drives:
                 self._drives[name].target = float(target)
+
+    def prescribe(self, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
+        """Set v_WB and w_WB of kinematic bodies."""
+        check_velocities(self._scene, velocities)
+        for belt in self._made.prescribed:
+            if belt.body in velocities:
+                belt.aim = velocities[belt.body]
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""

@@ -130,6 +130,7 @@ ADAPTER = DartAdapter(
         | Feature.COMPOUND
         | Feature.FULL_INERTIA
         | Feature.KINEMATIC
+        | Feature.PRESCRIBED_MOTION
         | Feature.FIXED
         | Feature.BALL
         | Feature.REVOLUTE

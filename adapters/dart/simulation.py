@@ -14,8 +14,8 @@ from adapters.dart.sensing import Caster
 from adapters.dart.vectors import quaternions
 from adapters.dart.vendor import correcting
 from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
-from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
-from harness.scene import Camera, Effect
+from harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
+from harness.scene import Camera, Effect, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
@@ -169,6 +169,13 @@ class DartSimulation(Simulation):
             motor.target = float(target)
             motor.rest()
             self._forced = self._forced or motor.works
+
+    def prescribe(self, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
+        """Set v_WB and w_WB of kinematic bodies, whose joints are DART's velocity actuators."""
+        check_velocities(self._open.scene, velocities)
+        belts = self._open.belts
+        for name, (v, w) in velocities.items():
+            belts[name] = belts[name][0], np.array([*w, *v])
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Apply f_B_W (n, 3) N and tau_B_W (n, 3) N m in every step from now on; fixed and kinematic bodies take no notice."""

@@ -13,7 +13,7 @@ from harness.conformance.checks.joints import (
     joint_states,
     reactions,
 )
-from harness.conformance.checks.motion import dynamics, frames, precision, stepping
+from harness.conformance.checks.motion import dynamics, frames, precision, prescribed, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
 
 __all__ = ["CHECKS"]
@@ -30,6 +30,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *compounds.CHECKS,
     *resting.CHECKS,
     *contacts.CHECKS,
+    *prescribed.CHECKS,
     *pairs.CHECKS,
     *balance.CHECKS,
     *friction.CHECKS,

@@ -82,8 +82,9 @@ def test_what_cannot_be_is_refused_by_name(change: dict[str, object], said: str)
 def test_a_pose_begins_where_the_scene_has_it_and_adds_shift_turn_and_uniform_motion() -> None:
     """Half a second: 1 rad about z for a body a metre beside the axis, .05 m up, and what the wave has gone since 0."""
     law, q = replace(ARM, shifts=SHAKER.shifts), axis_angle((1.0, 2.0, 3.0), 0.4)
-    start = law.pose((2.0, 0.0, 0.0), q, (0.0, 0.0, 0.1), 0.0)
-    assert start == ((2.0, 0.0, 0.0), pytest.approx(q, abs=1e-15))
+    start, first = law.pose((2.0, 0.0, 0.0), q, (0.0, 0.0, 0.1), 0.0)
+    assert start == (2.0, 0.0, 0.0)
+    assert first == pytest.approx(q, abs=1e-15)
     p, turned_q = law.pose((2.0, 0.0, 0.0), q, (0.0, 0.0, 0.1), 0.5)
     way = 0.2 * (math.sin(math.pi * 1.5 + 0.7) - math.sin(0.7))
     assert p == pytest.approx((1.0 + math.cos(1.0) + way, math.sin(1.0), 0.05), abs=1e-15)

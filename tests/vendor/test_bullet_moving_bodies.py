@@ -27,7 +27,7 @@ def carried(world: World, mass: float, coordinates: int) -> tuple[float, float]:
         position = world.getBasePositionAndOrientation(plate)[0]
         world.applyExternalForce(plate, -1, [0.0, 0.0, 9.81 * mass], position, pybullet.WORLD_FRAME)
         world.stepSimulation()
-    return tuple(world.getBasePositionAndOrientation(number)[0][0] for number in (box, plate))  # type: ignore[return-value]
+    return tuple(world.getBasePositionAndOrientation(number)[0][0] for number in (box, plate))
 
 
 @pytest.mark.parametrize("coordinates", [MULTIBODY, MAXIMAL])

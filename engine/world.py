@@ -239,6 +239,17 @@ class World:
         load[body, :3] += f
         load[body, 3:] += np.cross(point - self.state()[body, :3], f)
 
+    def prescribe(self, body: int, v_WB: Any, w_WB: Any) -> None:
+        """Give a kinematic body the velocities (3,) m/s and (3,) rad/s in W, which it keeps. Raises: ValueError."""
+        if not 0 <= body < len(self._names) or self._bodies[body].motion != "kinematic":
+            raise ValueError(f"world: body {body} is not kinematic, which a prescribed velocity is for")
+        label = f"body '{self._names[body]}'"
+        row = self.state()[body]
+        row[at.V : at.V + 3], row[at.W : at.W + 3] = (
+            finite(label, "v_WB", v_WB, (3,), "m/s"),
+            finite(label, "w_WB", w_WB, (3,), "rad/s"),
+        )
+
     def command(self, joint: str, target: float, target_velocity: float | None = None) -> None:
         """Set the target [rad or m] of a drive, and its target velocity unless None. Raises: ValueError without a drive."""
         j = self._joints.get(joint)
@@ -248,6 +259,20 @@ class World:
         row[at.DRIVE + 2] = finite(f"joint '{joint}'", "target", target, (), "rad or m")
         if target_velocity is not None:
             row[at.DRIVE + 3] = finite(f"joint '{joint}'", "target_velocity", target_velocity, (), "rad/s or m/s")
+
+    def reaction(self, joint: str) -> FloatArray:
+        """What a joint carried over the last step, springs and drives included: force [N] and torque [N m], (6,), on its child.
+
+        The mean over the step, in W, about the child's anchor (of a fixed joint, its centre of mass); NaN before any step.
+        Raises: ValueError for an unknown joint.
+        """
+        if joint not in self._joints:
+            raise ValueError(f"joint '{joint}': not in this world, expected one of {', '.join(self._joint_names)}")
+        if self.steps == 0:
+            return np.full(6, np.nan)
+        total = float_table(self._floats, self._ints, at.JOINT)[self._joints[joint], at.REACTION : at.REACTION + 6]
+        mean: FloatArray = total / self.options.dt
+        return mean
 
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, field
 
+from adapters.bullet.belts import Belt
 from adapters.bullet.drives import Actuation
 from adapters.bullet.vendor import Port
 from harness.adapter import Notice
 from harness.adapter.distance_springs import DistanceSprings
-from harness.scene import Vector3
 from harness.trajectory import Floats
 
 __all__ = ["Assembly"]
@@ -20,8 +20,9 @@ class Assembly:
         unseen: the visual shape without an extent that every body has: pictures are drawn in a twin of this world, and told
         nothing, pybullet would make one of each collision shape. q_IB (n, 4): turns I against B.
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
-        drives. prescribed: (place, number, force [N] that holds it up) of kinematic bodies.
-        coordinates: (number, link, position in the initial pose) of joints with a coordinate, by name. springs: those between
+        drives. prescribed: the kinematic bodies.
+        coordinates: (number, link, position in the initial pose) of joints with a coordinate, by name. hung: (number, link) of
+        those that links of multibodies hang by. springs: those between
         points of two bodies. address: (number, link) -> place. waiting: (number, link) of bodies whose contacts wait until they
         touch.
         notices: what the engine computes beside the scene.
@@ -33,8 +34,9 @@ class Assembly:
     bases: list[tuple[int, int]] = field(default_factory=list)
     linked: dict[int, tuple[int, ...]] = field(default_factory=dict)
     actuators: dict[int, Actuation] = field(default_factory=dict)
-    prescribed: list[tuple[int, int, Vector3]] = field(default_factory=list)
+    prescribed: list[Belt] = field(default_factory=list)
     coordinates: dict[str, tuple[int, int, float]] = field(default_factory=dict)
+    hung: dict[str, tuple[int, int]] = field(default_factory=dict)
     springs: DistanceSprings | None = None
     address: dict[tuple[int, int], int] = field(default_factory=dict)
     waiting: set[tuple[int, int]] = field(default_factory=set)

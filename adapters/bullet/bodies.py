@@ -3,6 +3,7 @@
 from typing import Any
 
 from adapters.bullet.assembly import Assembly
+from adapters.bullet.belts import Belt
 from adapters.bullet.coordinates import damping_of
 from adapters.bullet.frames import xyzw
 from adapters.bullet.plan import Plan
@@ -59,8 +60,8 @@ def put_base(plan: Plan, made: Assembly, number: int, place: int, maximal: bool)
     tell_multibody(plan, made, number, place, maximal)
     made.port.call("resetBaseVelocity", number, body.v_WB, body.w_WB)
     if body.motion == "kinematic":
-        x, y, z = (-plan.mass(place) * g for g in plan.gravity)
-        made.prescribed.append((place, number, (x, y, z)))
+        velocity = body.v_WB, body.w_WB
+        made.prescribed.append(Belt(body.name, number, plan.mass(place), plan.gravity, plan.h, velocity, velocity))
 
 
 def renew_inertia(plan: Plan, made: Assembly) -> None:

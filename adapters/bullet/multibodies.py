@@ -60,6 +60,7 @@ def put_multibody(plan: Plan, made: Assembly, tree: Tree) -> None:
     made.linked[number] = tuple(link.place for link in tree.links)
     for k, link in enumerate(tree.links):
         made.address[number, k] = link.place
+        made.hung[link.joint.name] = number, k
         tell_body(plan, made, number, k, link.place, maximal=False)
         _tell_joint(plan, made, number, k, link, tree)
     actuation = actuated(plan, made, tree)

@@ -8,12 +8,13 @@ import numpy as np
 
 from adapters.bullet.assembly import Assembly
 from adapters.bullet.drives import Actuation
+from adapters.bullet.reactions import ReactionReader
 from adapters.bullet.sensing import Twin
 from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
 from harness.adapter import Diverged, Notice, Settings, Unsupported
 from harness.adapter.rotations import IDENTITY, products
-from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
-from harness.scene import Camera, Scene
+from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
+from harness.scene import Camera, Scene, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
@@ -43,6 +44,7 @@ class BulletSimulation:
             a.joint: a for group in made.actuators.values() for a in (*group.actuators, *group.motors) if a.drive is not None
         }
         self._pushed: Pushes = ()
+        self._reactions = ReactionReader(scene, made, settings.dt / self._substeps)
         self._twin: Twin | None = None
         self._open = True
         self._watched = False
@@ -66,6 +68,7 @@ class BulletSimulation:
         if breaks["at"] != self._breaks:
             break_contacts_at(self._port, self._breaks)
         self._touched = []
+        self._reactions.stepped(count)
         for left in range(count * self._substeps, 0, -1):
             if acts:
                 self._act()
@@ -77,11 +80,8 @@ class BulletSimulation:
     def _act(self) -> None:
         """Prescribe velocities, apply springs, drives and wrenches for the coming (sub)step."""
         p, client = self._port.bullet, self._port.client
-        for place, number, weight in self._made.prescribed:
-            body = self._scene.bodies[place]
-            position = p.getBasePositionAndOrientation(number, physicsClientId=client)[0]
-            p.resetBaseVelocity(number, body.v_WB, body.w_WB, physicsClientId=client)
-            p.applyExternalForce(number, -1, weight, position, p.WORLD_FRAME, physicsClientId=client)
+        for belt in self._made.prescribed:
+            belt.push(self._port)
         for number, actuation in self._made.actuators.items():
             links = [a.link for a in actuation.actuators]
             efforts = actuation.efforts(self._port, number)
@@ -183,13 +183,16 @@ class BulletSimulation:
         out.v_WB[moving], out.w_WB[moving] = table[:, 7:10], table[:, 10:]
 
     def joint_states(self) -> JointStates:
-        """Coordinates and rates of the joints of multibodies; what closes a loop has none, and pybullet tells no reactions."""
+        """Coordinates, rates and reactions of the joints of multibodies; of what closes a loop pybullet tells nothing."""
         states = JointStates.unknown(self._scene)
         for k, joint in enumerate(self._scene.joints):
             if joint.name in self._made.coordinates:
                 number, link, position = self._made.coordinates[joint.name]
                 q, rate = self._port.call("getJointState", number, link)[:2]
                 states.coordinate[k], states.rate[k] = position + q, rate
+        present = State.empty(len(self._scene.bodies))
+        self.state(present)
+        states.reaction[:] = self._reactions.read(present)
         return states
 
     def _points(self) -> list[Any]:
@@ -259,6 +262,13 @@ class BulletSimulation:
         for name, target in targets.items():
             if name in self._drives:
                 self._drives[name].target = float(target)
+
+    def prescribe(self, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
+        """Set v_WB and w_WB of kinematic bodies."""
+        check_velocities(self._scene, velocities)
+        for belt in self._made.prescribed:
+            if belt.body in velocities:
+                belt.aim = velocities[belt.body]
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""

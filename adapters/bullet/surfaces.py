@@ -124,7 +124,7 @@ def braked(scene: Scene) -> frozenset[Kind]:
 
 def stands(scene: Scene) -> bool:
     """Does nothing move at the start, and is gravity along or across the normal of every plane?"""
-    if any(any(body.v_WB) or any(body.w_WB) for body in scene.bodies):
+    if any(any(body.v_WB) or any(body.w_WB) or body.prescribed is not None for body in scene.bodies):
         return False
     pull = np.asarray(scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
     for body in scene.bodies:

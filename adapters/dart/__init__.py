@@ -132,6 +132,7 @@ ADAPTER = DartAdapter(
         | Feature.COMPOUND
         | Feature.FULL_INERTIA
         | Feature.KINEMATIC
+        | Feature.PRESCRIBED_MOTION
         | Feature.FIXED
         | Feature.BALL
         | Feature.REVOLUTE

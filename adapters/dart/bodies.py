@@ -45,6 +45,8 @@ def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tupl
         node.setName(f"body {edge.body}")
         node.setInertia(dynamics.Inertia(body.mass, np.zeros(3), np.asarray(body.inertia)))
         built.nodes[edge.body] = node
+        if edge.joint is not None:
+            built.hung[edge.joint.name] = edge.body
         add_shapes(built, edge.body, coefficients)
         _damp(built, edge, joint, edge.body in built.free)
     for i, body in enumerate(scene.bodies):

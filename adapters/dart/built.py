@@ -18,9 +18,10 @@ class Built:
 
     Terms:
         nodes: one BodyNode for each body. free: bodies alone under a FreeJoint; linked: all other moving ones. belts: joints of
-        kinematic bodies with (w_WB, v_WB). coordinates: DART's joints that have one, by name. damped: (body, linear, angular
-        damping [1/s]) that act as forces. shapes: for rays. springs: those between points of two bodies. loops: (place of the
-        body, point in B [m]) of what a constraint holds together. cone: the solver of the exact friction cone.
+        kinematic bodies with (w_WB, v_WB), by body. coordinates: DART's joints that have one, by name. hung: the place of the
+        body that hangs on each joint of a skeleton, by name. damped: (body, linear, angular damping [1/s]) that act as forces.
+        shapes: for rays. springs: those between points of two bodies. loops: (place of the body, point in B [m]) of what a
+        constraint holds together. cone: the solver of the exact friction cone.
     """
 
     scene: Scene
@@ -32,8 +33,9 @@ class Built:
     free: list[int] = field(default_factory=list)
     linked: list[int] = field(default_factory=list)
     skeletons: list[Any] = field(default_factory=list)
-    belts: list[tuple[Any, Floats]] = field(default_factory=list)
+    belts: dict[str, tuple[Any, Floats]] = field(default_factory=dict)
     coordinates: dict[str, Any] = field(default_factory=dict)
+    hung: dict[str, int] = field(default_factory=dict)
     damped: list[tuple[int, float, float]] = field(default_factory=list)
     motors: dict[str, Motor] = field(default_factory=dict)
     shapes: list[Any] = field(default_factory=list)

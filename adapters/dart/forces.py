@@ -26,7 +26,7 @@ def push(built: Built, wrenches: Wrenches | None, pushed: Iterable[int]) -> None
         node.addExtForce(-body.mass * c / (1 + c * dt) * node.getCOMLinearVelocity())
         R_WB = node.getWorldTransform().rotation()
         node.addExtTorque(-d / (1 + d * dt) * (R_WB @ np.asarray(body.inertia) @ R_WB.T @ node.getAngularVelocity()), False)
-    for joint, velocity in built.belts:
+    for joint, velocity in built.belts.values():
         joint.setCommands(velocity)
     limited: dict[int, list[Motor]] = {}
     for motor in built.motors.values():

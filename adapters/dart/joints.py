@@ -25,8 +25,8 @@ def add_joint(built: Built, owner: Any, edge: Edge) -> tuple[Any, Any]:
         if not body.movable:
             free.setActuatorType(dart.dynamics.ActuatorType.VELOCITY)
             velocity = np.array([*body.w_WB, *body.v_WB])
-            if velocity.any():
-                built.belts.append((free, velocity))
+            if velocity.any() or body.prescribed is not None:
+                built.belts[body.name] = free, velocity
         free.setTransform(X_WC)
         free.setVelocities(np.array([*body.w_WB, *body.v_WB]))
         return free, node

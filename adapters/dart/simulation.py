@@ -9,12 +9,13 @@ from adapters.dart.built import Built
 from adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, LastSeen, reported
 from adapters.dart.forces import Wrenches, push
 from adapters.dart.foresight import Foresight
+from adapters.dart.reactions import reactions
 from adapters.dart.sensing import Caster
 from adapters.dart.vectors import quaternions
 from adapters.dart.vendor import correcting
 from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
-from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
-from harness.scene import Camera, Effect
+from harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
+from harness.scene import Camera, Effect, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
@@ -130,13 +131,17 @@ class DartSimulation(Simulation):
         self._last.q_WB[places] = q_WB
 
     def joint_states(self) -> JointStates:
-        """Coordinates and rates of the joints of skeletons; what is a constraint has none, and dartpy tells no reactions."""
+        """Coordinates, rates and reactions of the joints of skeletons; of what is a constraint dartpy tells nothing."""
         scene = self._open.scene
         states = JointStates.unknown(scene)
         for k, joint in enumerate(scene.joints):
             if joint.name in self._open.coordinates:
                 made = self._open.coordinates[joint.name]
                 states.coordinate[k], states.rate[k] = made.getPosition(0), made.getVelocity(0)
+        if self._steps > 0:
+            present = State.empty(len(scene.bodies))
+            self.state(present)
+            states.reaction[:] = reactions(self._open, present)
         return states
 
     def contacts(self) -> Contacts:
@@ -164,6 +169,13 @@ class DartSimulation(Simulation):
             motor.target = float(target)
             motor.rest()
             self._forced = self._forced or motor.works
+
+    def prescribe(self, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
+        """Set v_WB and w_WB of kinematic bodies, whose joints are DART's velocity actuators."""
+        check_velocities(self._open.scene, velocities)
+        belts = self._open.belts
+        for name, (v, w) in velocities.items():
+            belts[name] = belts[name][0], np.array([*w, *v])
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Apply f_B_W (n, 3) N and tau_B_W (n, 3) N m in every step from now on; fixed and kinematic bodies take no notice."""

@@ -80,4 +80,4 @@ class Plan:
 
     def prescribed(self, body: Body) -> bool:
         """Is it a kinematic body that moves?"""
-        return body.motion == "kinematic" and (any(body.v_WB) or any(body.w_WB))
+        return body.motion == "kinematic" and (any(body.v_WB) or any(body.w_WB) or body.prescribed is not None)

@@ -9,13 +9,14 @@ from adapters.mujoco.frames import cross
 from adapters.mujoco.images import Renderer
 from adapters.mujoco.inertial import Inertial
 from adapters.mujoco.joint_states import JointReader
+from adapters.mujoco.prescribed import prescribe
 from adapters.mujoco.rays import cast, caster
 from adapters.mujoco.vendor import OPEN, counters, fatal, flag
 from adapters.mujoco.world import World
 from harness.adapter import Diverged, Notice, Settings
 from harness.adapter.rotations import products
-from harness.adapter.what_goes_in import check_state, check_targets, check_wrench
-from harness.scene import Camera
+from harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
+from harness.scene import Camera, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
@@ -121,6 +122,11 @@ class MujocoSimulation:
         for name, target in targets.items():
             if name in self._indices.drives:
                 self._d.ctrl[self._indices.drives[name]] = target
+
+    def prescribe(self, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
+        """Set v_WB and w_WB of kinematic bodies."""
+        check_velocities(self._world.scene, velocities)
+        prescribe(self._world, velocities)
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Force [N] at the centre of mass and torque [N m] in W on every movable body, in every step from now on."""

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, cast
 from adapters.reference.joints import shift_of_target
 from adapters.reference.sensing import picture
 from harness.adapter import Diverged, Notice, Settings, Unsupported
-from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_wrench
-from harness.scene import Camera, Effect, Prismatic, Revolute, Scene
+from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
+from harness.scene import Camera, Effect, Prismatic, Revolute, Scene, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
+from harness.trajectory.joint_states import JointStates
 
 if TYPE_CHECKING:
     import engine
@@ -61,6 +62,14 @@ class ReferenceSimulation:
         check_state(len(table), out)
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
 
+    def joint_states(self) -> JointStates:
+        """Reactions of the last step; the engine has no coordinates of joints, which follow from the poses."""
+        states = JointStates.unknown(self._scene)
+        if Effect.JOINTS in self._scene.effects:
+            for k, joint in enumerate(self._scene.joints):
+                states.reaction[k] = self._world.reaction(joint.name)
+        return states
+
     def contacts(self) -> Contacts:
         """The contacts of the last step."""
         manifold = self._world.contacts()
@@ -90,6 +99,12 @@ class ReferenceSimulation:
         for name, target in targets.items():
             if name in self._shifts:
                 self._world.command(name, float(target) + self._shifts[name])
+
+    def prescribe(self, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
+        """Set v_WB and w_WB of kinematic bodies."""
+        check_velocities(self._scene, velocities)
+        for name, (v, w) in velocities.items():
+            self._world.prescribe(self._scene.index(name), v, w)
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""

@@ -11,7 +11,8 @@ from engine.constrain.bounded import KNOWN, NEW, solve_bounded
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import assemble
 from engine.constrain.joint_rows import equality_rows
-from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, LOW, ROTOR_OF, ROTOR_RATE, SOFTNESS
+from engine.constrain.reactions import add_reactions
+from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, JOINT_OF, LOW, ROTOR_RATE, SOFTNESS
 from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["KNOWN", "NEW", "hold_joints", "keep_rotors", "write_rows"]
@@ -33,13 +34,14 @@ def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> tuple[in
 
 
 @kernel
-def hold_joints(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: int) -> None:
+def hold_joints(bodies: Bodies, joints: Joints, rows: Rows, equalities: int, n: int, matrix: int) -> None:
     """Solve all rows for the present velocities, and count what soft and bounded rows have given against their law.
 
     Args: matrix: NEW, or KNOWN from the second time on since it was assembled.
     """
     row, vector = rows.row, rows.vector
     solve_bounded(bodies, rows, equalities, n, matrix)
+    add_reactions(joints, rows, n, IMPULSE, 1.0)
     for r in range(n):
         if r < equalities and row[r, SOFTNESS] == 0.0:
             continue
@@ -54,4 +56,4 @@ def keep_rotors(joints: Joints, rows: Rows, equalities: int) -> None:
     """Let each rotor have the rate that all impulses of the sub-step have left it with, which is what its row now aims at."""
     for r in range(equalities):
         if rows.row[r, SOFTNESS] > 0.0:
-            joints.joint[rows.body[r, ROTOR_OF], ROTOR_RATE] = -rows.row[r, BIAS]
+            joints.joint[rows.body[r, JOINT_OF], ROTOR_RATE] = -rows.row[r, BIAS]

@@ -47,13 +47,13 @@ from engine.memory.arena import (
     HAS_ARMATURE,
     HIGH,
     JACOBIAN,
+    JOINT_OF,
     JOINT_TYPE,
     LENGTH,
     LOW,
     PARENT,
     PRISMATIC,
     REVOLUTE,
-    ROTOR_OF,
     ROTOR_RATE,
     SOFTNESS,
     TURN_AB,
@@ -73,10 +73,10 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @kernel
-def put_row(rows: Rows, r: int, a: int, b: int, jacobian: Jacobian, gap: float, curvature: float) -> None:
-    """Write row r between bodies a and b."""
+def put_row(rows: Rows, r: int, j: int, a: int, b: int, jacobian: Jacobian, gap: float, curvature: float) -> None:
+    """Write row r of joint j between bodies a and b."""
     row = rows.row
-    rows.body[r, 0], rows.body[r, 1] = a, b
+    rows.body[r, 0], rows.body[r, 1], rows.body[r, JOINT_OF] = a, b, j
     store3(row, r, JACOBIAN, jacobian[0])
     store3(row, r, JACOBIAN + 3, jacobian[1])
     store3(row, r, JACOBIAN + 6, jacobian[2])
@@ -91,7 +91,6 @@ def soften(rows: Rows, r: int, joint: Floats, j: int) -> int:
     """Give row r what the rotor of joint j is: softness and the rate that it has. Returns: the next row."""
     rows.row[r, SOFTNESS] = 1.0 / joint[j, ARMATURE]
     rows.row[r, BIAS] = -joint[j, ROTOR_RATE]
-    rows.body[r, ROTOR_OF] = j
     return r + 1
 
 
@@ -123,14 +122,14 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
             for k in range(3):
                 e = AXES[k]
                 jacobian = (neg(e), neg(cross(ra, e)), e, cross(rb, e))
-                put_row(rows, r, a, b, jacobian, dot(e, d), dot(e, centripetal))
+                put_row(rows, r, j, a, b, jacobian, dot(e, d), dot(e, centripetal))
                 r += 1
         if kind in (FIXED, PRISMATIC):
             turn = quat_mul(load4(state, b, Q), quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))))
             sign = 2.0 if turn[0] >= 0.0 else -2.0
             for k in range(3):
                 e = AXES[k]
-                put_row(rows, r, a, b, (zero, neg(e), zero, e), sign * turn[k + 1], 0.0)
+                put_row(rows, r, j, a, b, (zero, neg(e), zero, e), sign * turn[k + 1], 0.0)
                 r += 1
         if kind == REVOLUTE:
             axis_a = mat_vec(turn_a, load3(joint, j, AXIS_A))
@@ -138,11 +137,11 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
             tilt = cross(axis_a, axis_b)
             t = mat_vec(turn_a, perpendicular(load3(joint, j, AXIS_A)))
             for _ in range(2):
-                put_row(rows, r, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
+                put_row(rows, r, j, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
                 t = cross(axis_a, t)
                 r += 1
             if joints.kind[j, HAS] & HAS_ARMATURE:
-                put_row(rows, r, a, b, (zero, neg(axis_a), zero, axis_a), 0.0, dot(cross(wa, axis_a), sub(wb, wa)))
+                put_row(rows, r, j, a, b, (zero, neg(axis_a), zero, axis_a), 0.0, dot(cross(wa, axis_a), sub(wb, wa)))
                 r = soften(rows, r, joint, j)
         if kind == PRISMATIC:
             axis_a = mat_vec(turn_a, load3(joint, j, AXIS_A))
@@ -151,13 +150,13 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
             for _ in range(2):
                 curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)
                 jacobian = (neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t))
-                put_row(rows, r, a, b, jacobian, dot(t, d), curvature)
+                put_row(rows, r, j, a, b, jacobian, dot(t, d), curvature)
                 t = cross(axis_a, t)
                 r += 1
             if joints.kind[j, HAS] & HAS_ARMATURE:
                 n = axis_a
                 curvature = dot(cross(wa, cross(wa, n)), d) + 2.0 * dot(cross(wa, n), rate) + dot(n, centripetal)
-                put_row(rows, r, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), 0.0, curvature)
+                put_row(rows, r, j, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), 0.0, curvature)
                 r = soften(rows, r, joint, j)
         if kind == DISTANCE and joints.kind[j, HAS] == 0:
             length = norm(d)
@@ -166,6 +165,6 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
             radial = dot(u, rate)
             curvature = dot(u, centripetal) + (dot(rate, rate) - radial * radial) / max(length, 1e-12)
             jacobian = (neg(u), neg(cross(ra, u)), u, cross(rb, u))
-            put_row(rows, r, a, b, jacobian, length - joint[j, LENGTH], curvature)
+            put_row(rows, r, j, a, b, jacobian, length - joint[j, LENGTH], curvature)
             r += 1
     return r

@@ -20,6 +20,7 @@ from engine.constrain.coordinate import coordinate_row, explicit_force
 from engine.constrain.direct import apply_all, assemble, factor, is_careful, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import project
+from engine.constrain.reactions import add_reaction, add_reactions
 from engine.integrate.runge_kutta import quat_rate
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
 from engine.maths.vec import (
@@ -91,8 +92,11 @@ def is_explicit(joints: Joints, j: int) -> bool:
 
 
 @kernel
-def slopes(bodies: Bodies, joints: Joints, rows: Rows, slope: Floats, setting: Floats, gyroscopic: int) -> None:
-    """Write the accelerations of all dynamic bodies under loads and joints into `slope` (columns V and W)."""
+def slopes(bodies: Bodies, joints: Joints, rows: Rows, slope: Floats, setting: Floats, gyroscopic: int, share: float) -> None:
+    """Write the accelerations of all dynamic bodies under loads and joints into `slope` (columns V and W).
+
+    Args: share [s]: the part of the step that counts towards what joints carry.
+    """
     state, body, turned, row = bodies.state, bodies.body, bodies.turned, rows.row
     g = load3(setting, 0, GRAVITY)
     for b in range(state.shape[0]):
@@ -110,6 +114,7 @@ def slopes(bodies: Bodies, joints: Joints, rows: Rows, slope: Floats, setting: F
         if is_explicit(joints, j):
             x, rate_of_x = coordinate_row(state, joints, j, rows, last)
             f = explicit_force(joints, j, x, rate_of_x)
+            add_reaction(joints, rows, last, share * f)
             for side in range(2):
                 b = rows.body[last, side]
                 store3(slope, b, V, axpy(f * body[b, INV_MASS], load3(row, last, 6 * side), load3(slope, b, V)))
@@ -127,9 +132,11 @@ def slopes(bodies: Bodies, joints: Joints, rows: Rows, slope: Floats, setting: F
     factor(rows, n, body)
     if is_careful(rows, n):
         careful_slopes(bodies, joints, rows, n, slope, g, gyroscopic)
+        add_reactions(joints, rows, n, WORK, share)
         return
     solve(rows, n, bodies, RIGHT, WORK)
     apply_all(slope, rows, n, bodies, WORK, 1.0)
+    add_reactions(joints, rows, n, WORK, share)
 
 
 @kernel
@@ -179,8 +186,8 @@ def jointed_runge_kutta(
             start[b, c] = state[b, c]
             total[b, c] = 0.0
     for stage in range(4):
-        slopes(bodies, joints, rows, slope, setting, gyroscopic)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
+        slopes(bodies, joints, rows, slope, setting, gyroscopic, weight * dt / 6.0)
         ahead = 0.5 * dt if stage < 2 else dt
         for b in range(last):
             if kind[b, MOTION] == KINEMATIC:

@@ -12,9 +12,10 @@ from engine.constrain.bounded import NEW, solve_bounded
 from engine.constrain.coordinate import implicit_rows
 from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
+from engine.constrain.reactions import add_reactions
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.vec import Floats, add, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import BIAS, DYNAMIC, GAP, MOTION, PIVOT, RIGHT, SOFTNESS, WORK, P, Q, V, W
+from engine.memory.arena import BIAS, DYNAMIC, GAP, IMPULSE, MOTION, PIVOT, RIGHT, SOFTNESS, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["close_gaps", "project", "widest_gap"]
@@ -77,3 +78,4 @@ def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: floa
     every = implicit_rows(bodies.state, joints, rows, n, dt)
     assemble(rows, every, bodies)
     solve_bounded(bodies, rows, n, every, NEW)
+    add_reactions(joints, rows, every, IMPULSE, 1.0)

@@ -22,9 +22,10 @@ from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import ROUND_OFF, widest_gap
+from engine.constrain.reactions import add_reactions
 from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.vec import Floats, axpy, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import GAP, MOTION, PIVOT, RIGHT, ROTOR_OF, ROTOR_RATE, SOFTNESS, STATIC, WORK, P, Q, V, W
+from engine.memory.arena import GAP, IMPULSE, JOINT_OF, MOTION, PIVOT, RIGHT, ROTOR_RATE, SOFTNESS, STATIC, WORK, P, Q, V, W
 from engine.memory.tables import Bodies, Joints, Rows
 
 __all__ = ["joint_gaps", "shake", "solve_joints"]
@@ -55,6 +56,7 @@ def solve_joints(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> int:
     n = bounded_rows(bodies.state, joints, rows, equalities, h)
     assemble(rows, n, bodies)
     solve_bounded(bodies, rows, equalities, n, NEW)
+    add_reactions(joints, rows, n, IMPULSE, 1.0)
     return equalities
 
 
@@ -83,13 +85,15 @@ def shake(bodies: Bodies, joints: Joints, rows: Rows, start: Floats, setting: Fl
             break
         if widest > before:
             apply_all(state, rows, n, bodies, WORK, -1.0)
+            add_reactions(joints, rows, n, WORK, -1.0)
             break
         before = widest
         solve(rows, n, bodies, RIGHT, WORK)
         apply_all(state, rows, n, bodies, WORK, 1.0)
+        add_reactions(joints, rows, n, WORK, 1.0)
     for r in range(n):
         if rows.row[r, SOFTNESS] > 0.0:
-            joints.joint[rows.body[r, ROTOR_OF], ROTOR_RATE] = rate(state, rows, r)
+            joints.joint[rows.body[r, JOINT_OF], ROTOR_RATE] = rate(state, rows, r)
     for b in range(last):
         for c in range(7):
             state[b, c] = start[b, c]

@@ -6,6 +6,7 @@ their sum.
 
 from engine.compile.jit import kernel
 from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, keep_rotors, write_rows
+from engine.constrain.reactions import clear_reactions
 from engine.integrate.semi_implicit_euler import drift
 from engine.islands.contacts import (
     copy_row,
@@ -123,6 +124,7 @@ def take_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
         for c in range(joint_kind.shape[1]):
             if c not in (PARENT, CHILD):
                 joint_kind[k, c] = all_kinds[j, c]
+    clear_reactions(Joints(joint, joint_kind))
 
 
 @kernel
@@ -133,18 +135,18 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> b
     count, n, soft = ints_of(ints, COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
     equalities, all_rows = write_rows(bodies, joints, rows, soft.h)
     warm_start(bodies, contacts, n)
-    hold_joints(bodies, rows, equalities, all_rows, NEW)
+    hold_joints(bodies, joints, rows, equalities, all_rows, NEW)
     # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.
     sweeps = patience if count[0, MANIFOLDS] > 0 else 0
     for _ in range(count[0, ITERATIONS] * sweeps):
         sweep(bodies, contacts, n, soft, PRESS)
-        hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+        hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
     for b in range(bodies.state.shape[0]):
         drift(bodies, b, soft.h, count[0, GYROSCOPIC])
     refresh(bodies.state, contacts, n)
     for _ in range(count[0, RELAXATIONS] * sweeps):
         sweep(bodies, contacts, n, soft, RELAX)
-        hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+        hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
     span = ints_of(ints, SPAN_OF_ISLAND)
     span[i, EQUALITIES], span[i, ROWS] = equalities, all_rows
     return bounce(contacts, n)
@@ -153,16 +155,17 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> b
 @kernel
 def release_jointed_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
     """Restitution of island i, where any island was hit, and the end of the sub-step."""
-    bodies, contacts, rows = island_bodies(floats, ints, i), island_contacts(floats, ints, i), island_rows(floats, ints, i)
+    bodies, contacts = island_bodies(floats, ints, i), island_contacts(floats, ints, i)
+    joints, rows = island_joints(floats, ints, i), island_rows(floats, ints, i)
     count, span = ints_of(ints, COUNT), ints_of(ints, SPAN_OF_ISLAND)
     n, soft = contacts.manifold.shape[0], softness_in(floats, ints)
     if hit == 1:
         for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
             sweep(bodies, contacts, n, soft, REBOUND)
-            hold_joints(bodies, rows, span[i, EQUALITIES], span[i, ROWS], KNOWN)
+            hold_joints(bodies, joints, rows, span[i, EQUALITIES], span[i, ROWS], KNOWN)
     friction_mode(bodies, contacts, n)
     end_substep(contacts, n)
-    keep_rotors(island_joints(floats, ints, i), rows, span[i, EQUALITIES])
+    keep_rotors(joints, rows, span[i, EQUALITIES])
 
 
 @kernel

@@ -157,6 +157,7 @@ POSITION: Final = 28  # the coordinate at the start
 ARMATURE: Final = 29  # inertia of the rotor along the coordinate
 ROTOR_RATE: Final = 30  # of the rotor, as the last sub-step left it
 FRICTION_LOSS: Final = 31
+REACTION: Final = 32  # 6: impulse and angular impulse on B about its anchor over the last step, in W
 
 JOINT_KIND: Final = int_columns(Per.JOINT, 6)
 JOINT_TYPE: Final = 0
@@ -185,7 +186,7 @@ LOW: Final = 16
 HIGH: Final = 17
 
 ROW_BODY: Final = int_columns(Per.ROW_OR_TRIAL, 4)
-ROTOR_OF: Final = 2  # of a soft equality row: whose rotor it is
+JOINT_OF: Final = 2  # whose row it is
 REACH: Final = float_columns(Per.ROW, 12)  # mass-weighted Jacobian
 MATRIX: Final = float_columns(Per.ROW, Per.ROW)
 FACTOR: Final = float_columns(Per.ROW, Per.ROW)

@@ -3,6 +3,7 @@
 from engine.compile.jit import entry
 from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, keep_rotors, write_rows
 from engine.constrain.open_joints import open_joint
+from engine.constrain.reactions import clear_reactions
 from engine.contact.find_contacts import find_contacts
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
 from engine.maths.vec import Floats, Ints
@@ -50,6 +51,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
             bodies.kind[joints.kind[j, PARENT], TOUCHED] = 1
             bodies.kind[joints.kind[j, CHILD], TOUCHED] = 1
         advance_untouched(bodies, setting, count)
+        clear_reactions(joints)
         n = count[0, MANIFOLDS]
         for substep in range(count[0, SUBSTEPS]):
             kick_touched(bodies, setting, count, soft.h)
@@ -58,22 +60,22 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
             times = patience(count, substep, strikes)
             share_loads(bodies, contacts, n, sums)
             warm_start(bodies, contacts, n)
-            hold_joints(bodies, rows, equalities, all_rows, NEW)
+            hold_joints(bodies, joints, rows, equalities, all_rows, NEW)
             for _ in range(count[0, ITERATIONS] * times):
                 if n > 0:
                     sweep(bodies, contacts, n, soft, PRESS)
-                    hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+                    hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
             drift_touched(bodies, count, soft.h)
             if n > 0:
                 refresh(bodies.state, contacts, n)
                 share_loads(bodies, contacts, n, sums)
                 for _ in range(count[0, RELAXATIONS] * times):
                     sweep(bodies, contacts, n, soft, RELAX)
-                    hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+                    hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
                 if bounce(contacts, n):
                     for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
                         sweep(bodies, contacts, n, soft, REBOUND)
-                        hold_joints(bodies, rows, equalities, all_rows, KNOWN)
+                        hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
                 friction_mode(bodies, contacts, n)
                 end_substep(contacts, n)
             keep_rotors(joints, rows, equalities)

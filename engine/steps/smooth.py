@@ -3,6 +3,7 @@
 from engine.compile.jit import entry
 from engine.constrain.jointed_runge_kutta import jointed_runge_kutta, stages_of
 from engine.constrain.open_joints import open_joint
+from engine.constrain.reactions import clear_reactions
 from engine.constrain.shake import shake
 from engine.constrain.stiffness import mark_stiff
 from engine.integrate.runge_kutta import runge_kutta_free
@@ -41,6 +42,7 @@ def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int
     setting, start, count = floats_of(floats, ints, SETTING), floats_of(floats, ints, START), ints_of(ints, COUNT)
     h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
     for step in range(steps):
+        clear_reactions(joints)
         for _ in range(count[0, SUBSTEPS]):
             shake(bodies, joints, rows, start, setting, h, gyroscopic)
         if count_step(bodies.state, count) == DIVERGED:
@@ -57,6 +59,7 @@ def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[in
     for step in range(steps):
         if count[0, STEPS] == 0:
             mark_stiff(bodies, joints, rows, dt)
+        clear_reactions(joints)
         jointed_runge_kutta(bodies, joints, rows, stages, setting, dt, gyroscopic)
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED

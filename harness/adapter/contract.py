@@ -28,14 +28,16 @@ The contract, proven by `harness.conformance`:
 * Arrays that are handed in are checked at one door, `harness.adapter.what_goes_in`: `wrench`, `cast`, `caster`, `command` and
   `state` raise `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
-* Five things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
+* Six things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
   and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock:
   `build_batch`, many worlds of one scene on one thread, and `Simulation.caster(origins, directions, max_range)`, a function
   that casts the same rays again into arrays made beforehand. For forces told anew before each step: `Simulation.force_lead`,
   the share of a step after whose start a force held over it is to be evaluated (see `harness.case.forces`); 0 unless said.
   For joints: `Simulation.joint_states()`, the coordinates, rates and reactions that the engine itself holds of the scene's
   joints at this instant (see `harness.trajectory.joint_states`), NaN where it holds none; `harness.adapter.joints.joints_of`
-  reads every engine's, from the poses of the bodies where the engine says nothing.
+  reads every engine's, from the poses of the bodies where the engine says nothing. For bodies whose motion is prescribed:
+  `Simulation.prescribe(velocities)`, (v_WB, w_WB) [m/s, rad/s] by the names of such bodies, which hold from the next step on
+  until told otherwise. What is joined to such a body follows by its joints alone, and contacts meet it at its velocity.
 """
 
 from abc import ABC, abstractmethod
@@ -85,6 +87,8 @@ class Feature(Flag):
     FULL_INERTIA = auto()
     """Products of inertia: principal axes turned against B."""
     KINEMATIC = auto()
+    PRESCRIBED_MOTION = auto()
+    """Kinematic bodies whose velocities are told anew before each step."""
     FIXED = auto()
     BALL = auto()
     REVOLUTE = auto()

@@ -40,6 +40,8 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
     for body in scene.bodies:
         if body.motion == "kinematic" and (any(body.v_WB) or any(body.w_WB)):
             yield Feature.KINEMATIC
+        if body.prescribed is not None:
+            yield Feature.KINEMATIC | Feature.PRESCRIBED_MOTION
         if len(body.collision) > 1:
             yield Feature.COMPOUND
         if Effect.CONTACT in effects:

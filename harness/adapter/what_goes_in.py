@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import Prismatic, Revolute, Scene
+from harness.scene import Prismatic, Revolute, Scene, Vector3
 from harness.trajectory import Floats, State
 
-__all__ = ["DIRECTION", "check_rays", "check_state", "check_targets", "check_wrench"]
+__all__ = ["DIRECTION", "check_rays", "check_state", "check_targets", "check_velocities", "check_wrench"]
 
 DIRECTION = 1e-6
 """By how much the square of a direction's length may differ from 1: unit vectors that were rounded to single precision have
@@ -63,6 +63,17 @@ def check_targets(scene: Scene, targets: Mapping[str, float]) -> None:
             raise ValueError(f"command: joint {name!r} has no drive, expected one of {', '.join(driven) or 'none'}")
         if not isinstance(target, int | float | np.number) or not isfinite(target):
             raise ValueError(f"command: target {target!r} of joint {name!r}, expected a finite number")
+
+
+def check_velocities(scene: Scene, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
+    """Finite v_WB [m/s] and w_WB [rad/s] of bodies of the scene whose motion is prescribed. Raises: ValueError."""
+    moved = {body.name: None for body in scene.bodies if body.prescribed is not None}
+    for name, velocity in velocities.items():
+        if name not in moved:
+            raise ValueError(f"prescribe: body {name!r} is not prescribed, expected one of {', '.join(moved) or 'none'}")
+        table = np.asarray(velocity, dtype=np.float64)
+        if table.shape != (2, 3) or not np.isfinite(table).all():
+            raise ValueError(f"prescribe: velocities {velocity!r} of body {name!r}, expected v_WB and w_WB, finite")
 
 
 def check_state(bodies: int, out: State) -> None:

@@ -1,11 +1,11 @@
-"""What acts on the scene of a case: its own control, and the targets of those drives that the scene says move."""
+"""What acts on the scene of a case: its own control, and the drives and kinematic bodies that the scene says move."""
 
 from collections.abc import Callable, Mapping
 
-from harness.case.forces import Control
+from harness.case.forces import Control, Velocities
 from harness.scene import Effect, Prismatic, Revolute, Scene
 
-__all__ = ["acting", "targets_of"]
+__all__ = ["acting", "targets_of", "velocities_of"]
 
 Targets = Callable[[float], Mapping[str, float]]
 
@@ -24,19 +24,31 @@ def targets_of(scene: Scene) -> Targets | None:
     return lambda time: {name: motion.at(time, target) for name, motion, target in moving}
 
 
+def velocities_of(scene: Scene) -> Velocities | None:
+    """The velocities over a step of all bodies whose motion is prescribed, by a time and a step [s]; None where none is."""
+    moving = [(body, body.prescribed) for body in scene.bodies if body.prescribed is not None]
+    if not moving:
+        return None
+    return lambda time, dt: {
+        body.name: prescribed.velocity(body.p_WB, body.q_WB, body.v_WB, time, dt) for body, prescribed in moving
+    }
+
+
 def acting(scene: Scene, control: Control | None = None) -> Control | None:
-    """A case's control together with the motions of its scene's drives; None where nothing acts.
+    """A case's control together with the motions of its scene's drives and kinematic bodies; None where nothing acts.
 
     Raises:
-        ValueError: both the control and the scene move targets.
+        ValueError: both the control and the scene move targets or bodies, or the control is held for an interval.
     """
-    targets = targets_of(scene)
-    if targets is None:
+    targets, velocities = targets_of(scene), velocities_of(scene)
+    if targets is None and velocities is None:
         return control
     if control is None:
-        return Control(targets=targets)
-    if control.targets is not None:
+        return Control(targets=targets, velocities=velocities)
+    if control.velocities is not None and velocities is not None:
+        raise ValueError("control: its bodies and those of the scene both are moved, expected one of them to")
+    if control.targets is not None and targets is not None:
         raise ValueError("control: its targets and those of the scene's drives both move, expected one of them to")
     if control.interval > 0.0:
-        raise ValueError("control: it is held for an interval, and the scene's drives move at every step; expected no interval")
-    return Control(wrench=control.wrench, targets=targets)
+        raise ValueError("control: it is held for an interval, and the scene moves at every step; expected no interval")
+    return Control(wrench=control.wrench, targets=targets or control.targets, velocities=velocities or control.velocities)

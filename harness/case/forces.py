@@ -1,4 +1,4 @@
-"""What acts on a scene from outside: laws of forces and of drives' targets, told to a simulation before its steps.
+"""What acts on a scene from outside: laws of forces, of targets and of kinematic bodies, told to a simulation before its steps.
 
 A force that is held over a step dt moves a body by v' = v + f dt and x' = x + v dt + c f dt^2, where c is 1 for semi-implicit
 Euler and 1/2 where the motion under a constant force is exact. With f asked for at x + (1 - c) v dt that map is a drift, a
@@ -8,6 +8,8 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., sectio
 
 Targets of drives are a signal of time. What is held over a step is taken from its middle, which differs from the mean over the
 step by a term in dt^2 alone: every engine is told the same numbers at the same steps, and all steps follow one signal.
+Velocities of kinematic bodies are those that lead from where a law has them at a step's start to where it has them at its end:
+they are there after every step, whatever its length.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,29 +19,35 @@ from typing import Any
 import numpy as np
 
 from harness.adapter import Simulation
+from harness.scene import Vector3
 from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import product
 
-__all__ = ["Control", "Controlled", "wrench_after"]
+__all__ = ["Control", "Controlled", "Velocities", "wrench_after"]
+
+Velocities = Callable[[float, float], Mapping[str, tuple[Vector3, Vector3]]]
+"""(time, step) [s] to v_WB [m/s] and w_WB [rad/s] over that step, by the names of kinematic bodies."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
-    """A law of forces, of targets, or both.
+    """A law of forces, of targets, of kinematic bodies, or of several.
 
     Terms:
         wrench(time [s], state) gives f_B_W (n, 3) N at the centres of mass and tau_B_W (n, 3) N m, and leaves the state alone.
         targets(time [s]) gives those of drives [rad or m] by the names of their joints.
+        velocities(time, step [s]) gives v_WB and w_WB of kinematic bodies over that step, by their names.
         interval [s]: how long each answer is held; 0 for a single step.
     """
 
     wrench: Callable[[float, State], tuple[Floats, Floats]] | None = None
     targets: Callable[[float], Mapping[str, float]] | None = None
+    velocities: Velocities | None = None
     interval: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.wrench is None and self.targets is None:
-            raise ValueError("control: neither wrench nor targets, expected at least one of them")
+        if self.wrench is None and self.targets is None and self.velocities is None:
+            raise ValueError("control: neither wrench nor targets nor velocities, expected at least one of them")
 
 
 class Controlled:
@@ -62,6 +70,9 @@ class Controlled:
                 if self._lead > 0.0:
                     _drift(self._reading, self._lead)
                 self.simulation.wrench(*law.wrench(time + self._lead, self._reading))
+            if law.velocities is not None:
+                moved: Any = self.simulation
+                moved.prescribe(law.velocities(time, self._every * self._dt))
             if law.targets is not None:
                 self.simulation.command(law.targets(time + (self._dt / 2 if law.interval <= 0.0 else 0.0)))
         count = min(most, self._every - self._here % self._every)
@@ -109,4 +120,6 @@ def wrench_after(control: Control, state: State) -> bytes:
             answer += b"".join(np.ascontiguousarray(array).tobytes() for array in control.wrench(time, state))
         if control.targets is not None:
             answer += repr(sorted(control.targets(time).items())).encode()
+        if control.velocities is not None:
+            answer += repr(sorted(control.velocities(time, 1.0).items())).encode()
     return answer

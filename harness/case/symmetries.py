@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import WORLD, Body, Joint, Quaternion, Scene, Vector3
+from harness.scene import WORLD, Body, Joint, Prescribed, Quaternion, Scene, Vector3
 from harness.scene import multiply as times
 from harness.scene import rotate as turned_vector
 from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
@@ -75,7 +75,10 @@ def reordered(scene: Scene) -> Retelling:
 
 def moved(scene: Scene, by: Vector3) -> Retelling:
     """Everything `by` [m] away."""
-    bodies = tuple(replace(body, p_WB=_sum(body.p_WB, by)) for body in scene.bodies)
+    bodies = tuple(
+        replace(body, p_WB=_sum(body.p_WB, by), prescribed=_led(body.prescribed, lambda point: _sum(point, by)))
+        for body in scene.bodies
+    )
     joints = tuple(_anchored(joint, lambda point: _sum(point, by)) for joint in scene.joints)
 
     def back(run: Trajectory) -> Trajectory:
@@ -91,7 +94,14 @@ def turned(scene: Scene, q: Quaternion) -> Retelling:
         return turned_vector(q, vector)
 
     bodies = tuple(
-        replace(body, p_WB=at(body.p_WB), q_WB=times(q, body.q_WB), v_WB=at(body.v_WB), w_WB=at(body.w_WB))
+        replace(
+            body,
+            p_WB=at(body.p_WB),
+            q_WB=times(q, body.q_WB),
+            v_WB=at(body.v_WB),
+            w_WB=at(body.w_WB),
+            prescribed=_led(body.prescribed, at, at),
+        )
         for body in scene.bodies
     )
     joints = tuple(_anchored(joint, at, at) for joint in scene.joints)
@@ -124,7 +134,8 @@ def in_motion(scene: Scene, velocity: Vector3) -> Retelling:
 def scaled(scene: Scene, name: str, size: float) -> Retelling:
     """All lengths times `size` under the same gravity: times and speeds go with its root (Froude's number is kept).
 
-    Masses stay, since no motion depends on all of them together. Raises: ValueError for springs, drives, limits and damping.
+    Masses stay, since no motion depends on all of them together. Raises: ValueError for springs, drives, limits, damping and
+    prescribed motion.
     """
     speed, clock = float(np.sqrt(size)), float(np.sqrt(size))
     for joint in scene.joints:
@@ -137,6 +148,8 @@ def scaled(scene: Scene, name: str, size: float) -> Retelling:
     def of(body: Body) -> Body:
         if body.linear_damping > 0 or body.angular_damping > 0:
             raise ValueError(f"body '{body.name}': is damped, which is not scaled")
+        if body.prescribed is not None:
+            raise ValueError(f"body '{body.name}': its motion is prescribed, which is not scaled")
         parts = tuple(
             replace(placed, shape=_sized(placed.shape, size), p_BS=at(placed.p_BS, size)) for placed in body.collision
         )
@@ -168,6 +181,21 @@ def _anchored(
     if hasattr(joint, "axis_W"):
         changed["axis_W"] = axis(joint.axis_W)
     return replace(joint, **changed)
+
+
+def _led(
+    prescribed: Prescribed | None,
+    point: Callable[[Vector3], Vector3],
+    axis: Callable[[Vector3], Vector3] = lambda vector: vector,
+) -> Prescribed | None:
+    """The prescribed motion with another place for its anchor and other directions for its axes."""
+    if prescribed is None:
+        return None
+    turn = prescribed.turn
+    return Prescribed(
+        shifts=tuple(replace(shift, axis_W=axis(shift.axis_W)) for shift in prescribed.shifts),
+        turn=None if turn is None else replace(turn, anchor_W=point(turn.anchor_W), axis_W=axis(turn.axis_W)),
+    )
 
 
 def _sized(shape: Shape, size: float) -> Shape:

@@ -11,8 +11,9 @@ from harness.conformance.checks.joints import (
     distance_springs,
     drives,
     joint_states,
+    reactions,
 )
-from harness.conformance.checks.motion import dynamics, frames, precision, stepping
+from harness.conformance.checks.motion import dynamics, frames, precision, prescribed, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
 
 __all__ = ["CHECKS"]
@@ -29,6 +30,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *compounds.CHECKS,
     *resting.CHECKS,
     *contacts.CHECKS,
+    *prescribed.CHECKS,
     *pairs.CHECKS,
     *balance.CHECKS,
     *friction.CHECKS,
@@ -38,6 +40,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *drives.CHECKS,
     *along_coordinates.CHECKS,
     *joint_states.CHECKS,
+    *reactions.CHECKS,
     *rays.CHECKS,
     *images.CHECKS,
     *present.CHECKS,

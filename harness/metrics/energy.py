@@ -64,8 +64,16 @@ def _check(scene: Scene, actual: Trajectory) -> None:
     for body in scene.bodies:
         if body.movable and (body.linear_damping > 0 or body.angular_damping > 0):
             raise NotMeasurable(f"body '{body.name}' is damped: mechanical energy is not conserved")
+    _check_led(scene)
     if len(actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
+
+
+def _check_led(scene: Scene) -> None:
+    """Raises: NotMeasurable, where a body is led by a law of time, which does work on the others."""
+    for body in scene.bodies:
+        if body.prescribed is not None:
+            raise NotMeasurable(f"body '{body.name}' is led: mechanical energy is not conserved")
 
 
 def _scale(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -99,6 +107,7 @@ def _held_change(scene: Scene, actual: Trajectory) -> Floats:
         if drive.target_velocity != 0 or drive.limit is not None or drive.motion is not None or drive.feedforward:
             raise NotMeasurable(f"joint '{joint.name}': its drive moves, pushes or has a limit, so that it is no spring")
         held += 0.5 * drive.stiffness * np.square(joint_coordinate(scene, joint, actual) - drive.target)
+    _check_led(scene)
     if len(actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
     energy = _kinetic(scene, actual, actual.v_WB, actual.w_WB) + _potential(scene, actual) + held

@@ -26,6 +26,8 @@ def _isolated(scene: Scene, actual: Trajectory) -> None:
     for body in scene.bodies:
         if body.movable and (body.linear_damping > 0 or body.angular_damping > 0):
             raise NotMeasurable(f"body '{body.name}' is damped: momentum is not conserved")
+        if body.prescribed is not None:
+            raise NotMeasurable(f"body '{body.name}' is led: momentum is not conserved")
     if len(movable(scene)) == 0:
         raise NotMeasurable("no body can move")
     if len(actual) == 0:

@@ -10,6 +10,7 @@ from harness.scene.inertia import box_inertia, capsule_inertia, cylinder_inertia
 from harness.scene.joint import WORLD, Ball, Coupling, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from harness.scene.lidar import Lidar, LidarNoise
 from harness.scene.motion import Motion, Samples, Sinusoid, sampled
+from harness.scene.prescribed import Prescribed, Shift, Turn
 from harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
 from harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
 from harness.scene.sensor import Sensor
@@ -47,6 +48,7 @@ __all__ = [
     "Motion",
     "PlacedShape",
     "Plane",
+    "Prescribed",
     "Prismatic",
     "Quaternion",
     "Revolute",
@@ -55,6 +57,7 @@ __all__ = [
     "SceneError",
     "Sensor",
     "Shape",
+    "Shift",
     "Sinusoid",
     "Sphere",
     "Spring",
@@ -64,6 +67,7 @@ __all__ = [
     "Surface",
     "TimeOfFlightNoise",
     "TriangleMesh",
+    "Turn",
     "Vector3",
     "axis_angle",
     "box_inertia",

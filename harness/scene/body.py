@@ -6,6 +6,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from harness.scene.appearance import Appearance
+from harness.scene.prescribed import Prescribed
 from harness.scene.shape import Shape
 from harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
 
@@ -31,6 +32,7 @@ class Body:
         material: the name that surfaces pair up. appearance: what light does at its surface.
         p_WB [m], q_WB, v_WB [m/s], w_WB [rad/s]: pose and velocity at time 0, in W.
         motion: static bodies never move, kinematic ones keep their velocity whatever touches them.
+        prescribed: how a kinematic body moves beside its v_WB, as a law of time; None: as v_WB and w_WB alone say.
         linear_damping, angular_damping [1/s]: v' = -c v and w' = -c w beside all other accelerations.
     """
 
@@ -46,6 +48,7 @@ class Body:
     v_WB: Vector3 = (0.0, 0.0, 0.0)
     w_WB: Vector3 = (0.0, 0.0, 0.0)
     motion: Literal["dynamic", "static", "kinematic"] = "dynamic"
+    prescribed: Prescribed | None = None
     linear_damping: NonNegative = 0.0
     angular_damping: NonNegative = 0.0
 
@@ -68,6 +71,10 @@ class Body:
             )
         if self.motion == "static" and (any(self.v_WB) or any(self.w_WB)):
             raise ValueError(f"{where}: a static body moves with v_WB {self.v_WB}, w_WB {self.w_WB}; expected zero")
+        if self.prescribed is not None and self.motion != "kinematic":
+            raise ValueError(f"{where}: its motion is prescribed; expected motion 'kinematic', got '{self.motion}'")
+        if self.prescribed is not None and any(self.w_WB):
+            raise ValueError(f"{where}: w_WB {self.w_WB} beside a prescribed motion; expected zero, and a turn for it")
         if self.motion == "dynamic" and any(placed.shape.type == "plane" for placed in self.collision):
             raise ValueError(f"{where}: a plane has no bounds; expected motion 'static' or 'kinematic', got 'dynamic'")
 

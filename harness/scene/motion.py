@@ -1,4 +1,4 @@
-"""How the target of a drive moves: a sinusoid, or samples joined by straight lines. Both are signals of time, not of steps."""
+"""How a drive's target or a kinematic body moves: a sinusoid, or straight lines between samples. Both are signals of time."""
 
 import math
 from bisect import bisect_right

@@ -22,7 +22,8 @@ class JointStates:
     Terms:
         coordinate (j,) rad or m, rate (j,) per second: of revolute, prismatic and distance joints. reaction (j, 6): force [N]
         and torque [N m] in W that the parent exerts on the child through the joint, springs and drives included, about the
-        joint's anchor on the child (of a fixed joint, the child's centre of mass).
+        joint's anchor on the child (of a fixed joint, the child's centre of mass). MuJoCo tells it of this instant, ours as the
+        mean over the last step, Bullet and DART of its last sub-step: of a joint that turns at w they differ by w dt of it.
     """
 
     coordinate: Floats

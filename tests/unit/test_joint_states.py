@@ -79,8 +79,9 @@ def test_the_harness_reads_what_the_engine_says_and_fills_in_the_rest_by_the_pos
     np.testing.assert_allclose(read.rate, meant.rate, atol=1e-11)
 
 
-def test_reading_the_joints_leaves_the_motion_as_it_is() -> None:
-    one = adapter("mujoco")
+@pytest.mark.parametrize("engine", ["mujoco", "bullet", "dart", "reference"])
+def test_reading_the_joints_leaves_the_motion_as_it_is(engine: str) -> None:
+    one = adapter(engine)
     scene = replace(SCENE, joints=(PIN, replace(SLIDE, spring=Spring(stiffness=100.0, rest=-1.0))))
     unread = record(one, scene, one.tracks["tuned"].with_dt(1e-3), 0.05)
     with built(one, scene, one.tracks["tuned"].with_dt(1e-3)) as simulation:

@@ -5,7 +5,16 @@ from dataclasses import replace
 from typing import Any
 
 from harness.adapter import Feature
-from harness.conformance.faults.broken_joints import misread_joints, on_the_parent, reversed_rates, within_a_turn
+from harness.conformance.faults.broken_joints import (
+    about_the_centre,
+    in_the_child,
+    misread_joints,
+    misread_reactions,
+    on_the_parent,
+    reversed_rates,
+    weightless,
+    within_a_turn,
+)
 from harness.conformance.faults.broken_scenes import every_joint, stiffer, tied_to_centres
 from harness.conformance.faults.broken_steps import CommandsFirstDriveOnly, DeafToUnknownJoints, joined
 from harness.conformance.faults.control import Control
@@ -14,7 +23,7 @@ from harness.scene import Distance, Joint, Prismatic, Revolute
 
 __all__ = ["JOINT_CONTROLS"]
 
-_TOLD = Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS
+_TOLD = Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS | Feature.SPHERE
 _D = Feature.PRISMATIC | Feature.DRIVES
 
 
@@ -160,7 +169,35 @@ JOINT_CONTROLS: tuple[Control, ...] = (
         name="joint_reactions_on_the_parent",
         fault="the reactions of joints are told as they act on the parent",
         plant=misread_joints(on_the_parent),
+        caught_by=("joint_reactions_bear_what_hangs", "joint_reactions_add_up_along_a_chain"),
+        needs=_TOLD | Feature.BALL,
+    ),
+    Control(
+        name="joint_reactions_in_the_child",
+        fault="the reactions of joints are told in the frame of the child",
+        plant=misread_reactions(in_the_child),
+        caught_by=(
+            "joint_reactions_bear_what_hangs",
+            "joint_reactions_at_the_bottom_of_a_swing",
+        ),
+        needs=_TOLD,
+    ),
+    Control(
+        name="joint_torques_about_the_centre",
+        fault="the torques of joints are told about the centre of mass of the child",
+        plant=misread_reactions(about_the_centre),
         caught_by=("joint_reactions_bear_what_hangs",),
+        needs=_TOLD,
+    ),
+    Control(
+        name="joint_reactions_without_weight",
+        fault="the reactions of joints are told without the weight of the child",
+        plant=misread_reactions(weightless),
+        caught_by=(
+            "joint_reactions_bear_what_hangs",
+            "joint_reactions_at_the_bottom_of_a_swing",
+            "joint_reactions_beside_contacts",
+        ),
         needs=_TOLD,
     ),
     Control(

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from harness.adapter import Feature
+from harness.conformance.faults.broken_belts import Deaf, Late, Teleported, TurnsInPlace
 from harness.conformance.faults.broken_motion import clamped, losing_speed, sleepy
 from harness.conformance.faults.broken_scenes import every_body, gravity, swap_inertia
 from harness.conformance.faults.broken_states import BodyAngularVelocity, OneStepBehind, ScalarLast, Shuffled
@@ -284,6 +285,42 @@ MOTION_CONTROLS: tuple[Control, ...] = (
         plant=wrapped(KinematicStandsStill),
         caught_by=("kinematic_body_keeps_its_velocity",),
         needs=Feature.KINEMATIC | Feature.BOX,
+    ),
+    Control(
+        name="prescribed_motion_ignored",
+        fault="bodies whose motion is prescribed stay where they are",
+        plant=wrapped(Deaf),
+        caught_by=(
+            "prescribed_motion_is_where_its_law_has_it",
+            "prescribed_plate_takes_along_what_friction_can",
+            "prescribed_platform_lifts_what_it_meets",
+            "prescribed_paddle_sweeps_a_ball_outwards",
+        ),
+        needs=Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
+    ),
+    Control(
+        name="prescribed_motion_a_step_late",
+        fault="bodies whose motion is prescribed are a step late",
+        plant=wrapped(Late),
+        caught_by=("prescribed_motion_is_where_its_law_has_it",),
+        needs=Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
+    ),
+    Control(
+        name="prescribed_turn_in_place",
+        fault="bodies that are turned about an axis turn about their own middle",
+        plant=wrapped(TurnsInPlace),
+        caught_by=(
+            "prescribed_motion_is_where_its_law_has_it",
+            "prescribed_paddle_sweeps_a_ball_outwards",
+        ),
+        needs=Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
+    ),
+    Control(
+        name="prescribed_motion_without_velocity",
+        fault="bodies whose motion is prescribed are put in their places and have no velocity",
+        plant=simulated(Teleported),
+        caught_by=("prescribed_plate_takes_along_what_friction_can",),
+        needs=Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
     ),
 )
 """Each on one engine that has what it needs."""

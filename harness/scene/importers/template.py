@@ -12,7 +12,9 @@ gravity = [0.0, 0.0, -9.81]
 # at the start.
 [[bodies]]
 name = "ground"
-motion = "static"           # dynamic (the default), static, kinematic
+motion = "static"           # dynamic (the default), static, kinematic: it keeps its velocity, or is led:
+# prescribed = { shifts = [{ axis_W = [1.0, 0.0, 0.0], motion = { type = "sinusoid", amplitude = 0.1, frequency = 2.0 } }] }
+# prescribed = { turn = { anchor_W = [0.0, 0.0, 0.0], axis_W = [0.0, 0.0, 1.0], motion = ... } }
 material = "floor"
 [[bodies.collision]]
 shape = { type = "plane" }  # solid below z = 0 of its body

@@ -31,10 +31,13 @@ from harness.scene import (
     Limits,
     PlacedShape,
     Plane,
+    Prescribed,
     Prismatic,
     Revolute,
     Scene,
     Shape,
+    Shift,
+    Sinusoid,
     Sphere,
     Spring,
     Surface,
@@ -161,6 +164,17 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
                 name="belt",
                 motion="kinematic",
                 v_WB=(1.0, 0.0, 0.0),
+                collision=(PlacedShape(shape=Box(half_extents=(1.0, 1.0, 0.1))),),
+            ),
+            free(p=(0.0, 0.0, 1.0)),
+        )
+    ),
+    Feature.PRESCRIBED_MOTION: lambda: Scene(
+        bodies=(
+            Body(
+                name="shaker",
+                motion="kinematic",
+                prescribed=Prescribed(shifts=(Shift(axis_W=(1.0, 0.0, 0.0), motion=Sinusoid(amplitude=0.1, frequency=2.0)),)),
                 collision=(PlacedShape(shape=Box(half_extents=(1.0, 1.0, 0.1))),),
             ),
             free(p=(0.0, 0.0, 1.0)),

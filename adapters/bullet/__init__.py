@@ -35,6 +35,7 @@ Deviations:
       same step (a ball with backspin at 1/60 s: 0.11 of its weight, in the step in which slip ends).
     * Rays and images are taken in a second world that holds the same shapes at the present poses, so that a scene that never
       senses does not pay. Rays on spheres, capsules and cylinders err by millimetres at grazing incidence.
+    * pybullet has no ellipsoid: it is refused, since a hull of corners rests on its faces; pictures draw one.
     * TinyRenderer draws balls, cylinders and capsules as hulls of 42 of their points, whose outlines sag by some 5 % of the
       radius, a plane as a square of a kilometre, and nothing nearer than 5 cm or beyond 100 m. Nothing casts a shadow, and
       what a surface mirrors or lets through is taken to be the sky.
@@ -140,7 +141,8 @@ ADAPTER = BulletAdapter(
     title="Bullet",
     distribution="pybullet",
     features=~(
-        Feature.DISTANCE
+        Feature.ELLIPSOID
+        | Feature.DISTANCE
         | Feature.ARMATURE
         | Feature.PAIR_FRICTION
         | Feature.STATIC_FRICTION

@@ -47,6 +47,8 @@ Deviations:
       contact, on which it rocks and slides by another friction. A scene in which such pairs can meet uses the ODE detector on
       both tracks, and the Bullet detector where capsules can meet boxes or cylinders, cylinders each other, or two hulls or
       meshes that move; `warnings()` says so on 'default'. Where neither has all pairs right the scene is refused.
+    * An ellipsoid stands right under FCL alone, on planes, boxes and cylinders; its other pairs are refused, and so are rays
+      in scenes with one, as DART's own detector meets a polyhedron in its place.
     * Under the Bullet detector, which holds a solid on a plane at one point, a plane is a box that ends a kilometre away;
       and a cylinder that lies creeps by rolling, up to 1 cm/s.
     * DART reports no contacts of bodies that it has put to sleep (track 'default'); theirs are repeated as they were last
@@ -124,6 +126,7 @@ ADAPTER = DartAdapter(
         | Feature.BOX
         | Feature.CAPSULE
         | Feature.CYLINDER
+        | Feature.ELLIPSOID
         | Feature.PLANE
         | Feature.CONVEX_HULL
         | Feature.TRIANGLE_MESH
@@ -248,6 +251,7 @@ ADAPTER = DartAdapter(
         "where FCL, the vendor's default, has shapes wrong (capsules, hulls, meshes, cylinders on boxes or cylinders, solids "
         "on planes), ODE or Bullet detects; what neither has right is refused",
         "hulls and meshes lose digits beyond single precision",
+        "rays in a scene with an ellipsoid are refused, and its contacts but for those with planes, boxes and cylinders",
         "restitution acts above an approach of 0.1 m/s and returns at most 100 m/s",
         "the friction of Dantzig, PGS and the matrix-free solver is a box: up to 1.41 times as strong askew to its axes",
         "rays from inside a solid report the exit",

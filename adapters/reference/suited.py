@@ -8,7 +8,7 @@ import numpy as np
 from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, engine_options
 from adapters.reference.world import make_world
 from harness.adapter import Settings
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Plane, Scene, Shape, Sphere, TriangleMesh
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
 
 __all__ = ["suited"]
 
@@ -72,6 +72,8 @@ def _half_width(shape: Shape) -> float:
             return shape.radius
         case Box():
             return min(shape.half_extents)
+        case Ellipsoid():
+            return min(shape.semi_axes)
         case Cylinder():
             return min(shape.radius, shape.half_length)
         case ConvexHull():

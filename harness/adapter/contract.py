@@ -78,6 +78,7 @@ class Feature(Flag):
     BOX = auto()
     CAPSULE = auto()
     CYLINDER = auto()
+    ELLIPSOID = auto()
     PLANE = auto()
     CONVEX_HULL = auto()
     TRIANGLE_MESH = auto()

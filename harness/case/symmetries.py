@@ -15,7 +15,7 @@ import numpy as np
 from harness.scene import WORLD, Body, Joint, Quaternion, Scene, Vector3
 from harness.scene import multiply as times
 from harness.scene import rotate as turned_vector
-from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
+from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import conjugate, product, rotate
 
@@ -181,6 +181,9 @@ def _sized(shape: Shape, size: float) -> Shape:
             return Capsule(radius=size * shape.radius, half_length=size * shape.half_length)
         case Cylinder():
             return Cylinder(radius=size * shape.radius, half_length=size * shape.half_length)
+        case Ellipsoid():
+            a, b, c = shape.semi_axes
+            return Ellipsoid(semi_axes=(size * a, size * b, size * c))
         case Plane():
             return shape
         case ConvexHull() | TriangleMesh():

@@ -1,7 +1,7 @@
 """The list of all checks, in the order in which they are run and shown."""
 
 from harness.conformance.check import ConformanceCheck
-from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, shapes
+from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, rocking, shapes
 from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
 from harness.conformance.checks.contract.declarations import declarations_check
 from harness.conformance.checks.joints import (
@@ -28,6 +28,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *shapes.CHECKS,
     *compounds.CHECKS,
     *resting.CHECKS,
+    *rocking.CHECKS,
     *contacts.CHECKS,
     *pairs.CHECKS,
     *balance.CHECKS,

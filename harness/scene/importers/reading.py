@@ -29,6 +29,7 @@ from harness.scene.importers.merging import Group, grouped
 from harness.scene.importers.mounting import mounted
 from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from harness.scene.importers.robot import Robot
+from harness.scene.importers.rounded import as_polyhedra
 from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
 from harness.scene.importers.sweeping import poses_of, swept
 from harness.scene.importers.ties import tied, untied
@@ -120,6 +121,9 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     rows = [*robot.rows, *unknown, *suspected(robot, companion.units)]
     if companion.units is not None:
         robot = scaled(robot, companion.units)
+    if companion.ellipsoids == "polyhedra":
+        robot, more = as_polyhedra(robot)
+        rows += more
     if companion.base is not None and robot.gravity is not None:
         raise RobotError(f"{robot.source}: base is for files that do not say where their root is; this one does")
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)

@@ -26,8 +26,8 @@ p_WB = [0.0, 0.0, 0.5]
 v_WB = [0.5, 0.0, 0.0]      # [m/s]; w_WB is the angular velocity [rad/s]
 [[bodies.collision]]
 shape = { type = "sphere", radius = 0.1 }
-# box: half_extents = [x, y, z]; capsule, cylinder: radius, half_length along z; convex_hull: vertices;
-# triangle_mesh: vertices, faces. p_BS and q_BS place a shape in its body.
+# box: half_extents = [x, y, z]; ellipsoid: semi_axes = [x, y, z]; capsule, cylinder: radius,
+# half_length along z; convex_hull: vertices; triangle_mesh: vertices, faces. p_BS and q_BS place a shape in its body.
 
 [[bodies]]
 name = "bob"

@@ -74,6 +74,7 @@ from adapters.dart.options import DRIVES, INTEGRATOR, JOINTS
 from adapters.dart.solvers import SOLVERS
 from adapters.dart.vendor import load
 from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unsupported
+from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
@@ -106,7 +107,7 @@ class DartAdapter(Adapter):
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
-        return build(load(), scene, settings)
+        return built_with_points(lambda told: build(load(), told, settings), scene)
 
 
 _SWEPT = (
@@ -133,6 +134,7 @@ ADAPTER = DartAdapter(
         | Feature.COMPOUND
         | Feature.FULL_INERTIA
         | Feature.KINEMATIC
+        | Feature.MASS_POINT
         | Feature.FIXED
         | Feature.BALL
         | Feature.REVOLUTE
@@ -143,6 +145,7 @@ ADAPTER = DartAdapter(
         | Feature.SPRINGS
         | Feature.DRIVES
         | Feature.FRICTION_LOSS
+        | Feature.SPEED_LIMIT
         | Feature.FEEDFORWARD
         | Feature.RESTITUTION
         | Feature.LINEAR_DAMPING
@@ -200,6 +203,10 @@ ADAPTER = DartAdapter(
     loads=("dartpy",),
     orders={INTEGRATOR: 1},
     emulated=(
+        Emulation(
+            feature=Feature.MASS_POINT,
+            how=POINTS_AS_BODIES,
+        ),
         Emulation(
             feature=Feature.SPRINGS,
             how="the adapter works out a torque for each step (stable PD control); else it is DART's own joint spring",

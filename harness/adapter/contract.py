@@ -86,6 +86,8 @@ class Feature(Flag):
     FULL_INERTIA = auto()
     """Products of inertia: principal axes turned against B."""
     KINEMATIC = auto()
+    MASS_POINT = auto()
+    """Bodies without inertia, which nothing turns or which are fixed to others."""
     FIXED = auto()
     BALL = auto()
     REVOLUTE = auto()
@@ -101,6 +103,8 @@ class Feature(Flag):
     """Inertia of rotors, along joint coordinates alone."""
     FRICTION_LOSS = auto()
     """Dry friction along joint coordinates."""
+    SPEED_LIMIT = auto()
+    """A hard bound of a joint coordinate's rate, whose reaction acts on both bodies."""
     COUPLING = auto()
     """Joint coordinates tied to each other linearly."""
     FEEDFORWARD = auto()

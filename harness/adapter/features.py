@@ -16,7 +16,12 @@ _CONTACT = {
     Effect.TORSIONAL_FRICTION: Feature.TORSIONAL_FRICTION,
     Effect.CONTINUOUS_COLLISION: Feature.CONTINUOUS_COLLISION,
 }
-_ALONG = {"armature": Feature.ARMATURE, "friction_loss": Feature.FRICTION_LOSS, "coupling": Feature.COUPLING}
+_ALONG = {
+    "armature": Feature.ARMATURE,
+    "friction_loss": Feature.FRICTION_LOSS,
+    "speed_limit": Feature.SPEED_LIMIT,
+    "coupling": Feature.COUPLING,
+}
 
 
 def features_of(scene: Scene) -> Feature:
@@ -40,6 +45,8 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
     for body in scene.bodies:
         if body.motion == "kinematic" and (any(body.v_WB) or any(body.w_WB)):
             yield Feature.KINEMATIC
+        if body.mass_point:
+            yield Feature.MASS_POINT
         if len(body.collision) > 1:
             yield Feature.COMPOUND
         if Effect.CONTACT in effects:

@@ -128,7 +128,7 @@ def scaled(scene: Scene, name: str, size: float) -> Retelling:
     """
     speed, clock = float(np.sqrt(size)), float(np.sqrt(size))
     for joint in scene.joints:
-        if any(getattr(joint, field, None) is not None for field in ("spring", "drive", "limits")):
+        if any(getattr(joint, field, None) is not None for field in ("spring", "drive", "limits", "speed_limit")):
             raise ValueError(f"joint '{joint.name}': has a spring, a drive or limits, which are not scaled")
 
     def at(vector: Vector3, by: float) -> Vector3:

@@ -12,7 +12,7 @@ from harness.conformance.checks.joints import (
     drives,
     joint_states,
 )
-from harness.conformance.checks.motion import dynamics, frames, precision, stepping
+from harness.conformance.checks.motion import dynamics, frames, mass_points, precision, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
 
 __all__ = ["CHECKS"]
@@ -25,6 +25,7 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *dynamics.CHECKS,
     *stepping.CHECKS,
     *precision.CHECKS,
+    *mass_points.CHECKS,
     *shapes.CHECKS,
     *compounds.CHECKS,
     *resting.CHECKS,

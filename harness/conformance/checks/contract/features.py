@@ -168,6 +168,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
             free(p=(0.0, 0.0, 1.0)),
         )
     ),
+    Feature.MASS_POINT: lambda: Scene(bodies=(free(moments=(0.0, 0.0, 0.0)),)),
     Feature.FIXED: lambda: _joint(Fixed(name="j", parent=WORLD, child="body")),
     Feature.BALL: lambda: _joint(Ball(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0))),
     Feature.REVOLUTE: lambda: _joint(
@@ -193,6 +194,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.DRIVES: lambda: _slide(drive=Drive(stiffness=10.0, damping=1.0, target=0.5)),
     Feature.ARMATURE: lambda: _joint(replace(_RAIL, armature=0.5)),
     Feature.FRICTION_LOSS: lambda: _joint(replace(_RAIL, friction_loss=0.5)),
+    Feature.SPEED_LIMIT: lambda: _joint(replace(_RAIL, speed_limit=0.5)),
     Feature.COUPLING: lambda: Scene(
         bodies=(free("body", p=(0.0, 0.0, -1.0)), free("other", p=(0.0, 3.0, -1.0))),
         joints=(

@@ -55,11 +55,11 @@ def with_inertia(scene: Scene) -> Scene:
     welds = [joint for joint in scene.joints if isinstance(joint, Fixed)]
     sets = DisjointSets[str]()
     held: set[str] = set()
-    for joint in welds:
-        if joint.parent in still or joint.child in still:
-            held.add(joint.child if joint.parent in still else joint.parent)
+    for weld in welds:
+        if weld.parent in still or weld.child in still:
+            held.add(weld.child if weld.parent in still else weld.parent)
         else:
-            sets.unite(joint.parent, joint.child)
+            sets.unite(weld.parent, weld.child)
     groups: dict[str, list[Body]] = {}
     for body in scene.bodies:
         if body.movable:

@@ -32,7 +32,7 @@ __all__ = ["check_shapes", "collision_shape", "inner_radius", "padded", "single_
 
 NO_ELLIPSOID = (
     "an ellipsoid",
-    "pybullet makes none; the hull of points on one, which rocks on its facets, is another shape: a scene may name it",
+    "pybullet makes none; the hull of points on one is another shape, which ellipsoids = 'polyhedra' beside a robot asks for",
 )
 """What is refused, and why."""
 PLANE_WIDTH = 1000.0

@@ -304,7 +304,7 @@ MOTION_CONTROLS: tuple[Control, ...] = (
         name="mass_point_ten_percent_light",
         fault="mass points weigh .9 of what they should",
         plant=every_body(lambda body: replace(body, mass=0.9 * body.mass) if body.mass_point else body),
-        caught_by=("mass_point_flies_and_hangs", "mass_point_counts_where_it_is_fixed"),
+        caught_by=("mass_point_flies_and_hangs",),
         needs=_POINT | Feature.DISTANCE_SPRING,
     ),
 )

@@ -11,6 +11,7 @@ from harness.scene.importers.meshes import hull_of
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import Pose, pose
 from harness.scene.importers.robot import Geometry, Look, Need
+from harness.scene.importers.rounded import ELEMENT as ELLIPSOIDS
 
 __all__ = ["drawn", "geometries", "looks"]
 
@@ -18,7 +19,7 @@ __all__ = ["drawn", "geometries", "looks"]
 def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:
     """The shapes by body. Args: keys: the contact key of each geom that collides; rows, needs: are added to."""
     made: dict[int, list[Geometry]] = {}
-    exact, hulls, strange = 0, [], []
+    exact, hulls, rounds, strange = 0, [], [], []
     for k, key in keys.items():
         word, name = model.word("Geom", int(model.geom_type[k])), model.name("geom", k)
         body = int(model.geom_bodyid[k])
@@ -30,6 +31,8 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
         shape = _shape(model, k, word, size, name)
         if word == "mesh":
             hulls.append(name)
+        elif word == "ellipsoid":
+            rounds.append(name)
         else:
             exact += 1
         made.setdefault(body, []).append(Geometry(shape, Pose(X.R, X.p), key))
@@ -44,6 +47,18 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
                 outcome="exact",
                 becomes="convex hull",
                 consequence="MuJoCo collides a mesh as its convex hull too; vertices are in single precision",
+            )
+        )
+    if rounds:
+        rows.append(
+            Fidelity(
+                element=ELLIPSOIDS,
+                name=listed(rounds),
+                count=len(rounds),
+                outcome="exact",
+                becomes="ellipsoid",
+                consequence="Bullet has none, DART on planes, boxes and cylinders alone; the companion makes hulls of them by "
+                "ellipsoids = 'polyhedra'",
             )
         )
     if strange:

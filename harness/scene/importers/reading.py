@@ -118,12 +118,11 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     Raises: RobotError.
     """
     whole, unknown = _undropped(robot, companion, wishes, commands)
+    if companion.ellipsoids == "polyhedra":
+        robot = as_polyhedra(robot)
     rows = [*robot.rows, *unknown, *suspected(robot, companion.units)]
     if companion.units is not None:
         robot = scaled(robot, companion.units)
-    if companion.ellipsoids == "polyhedra":
-        robot, more = as_polyhedra(robot)
-        rows += more
     if companion.base is not None and robot.gravity is not None:
         raise RobotError(f"{robot.source}: base is for files that do not say where their root is; this one does")
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)

@@ -9,11 +9,14 @@ from harness.scene import ConvexHull, Ellipsoid, polyhedron_of
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Geometry, Robot
 
-__all__ = ["as_polyhedra"]
+__all__ = ["ELEMENT", "as_polyhedra"]
+
+ELEMENT = "geom ellipsoid"
+"""What rows on ellipsoids are of."""
 
 
-def as_polyhedra(robot: Robot) -> tuple[Robot, list[Fidelity]]:
-    """The robot whose ellipsoids that touch are the hulls of points on them, and a row that says how far those lie inside."""
+def as_polyhedra(robot: Robot) -> Robot:
+    """The robot whose ellipsoids that touch are the hulls of points on them, with a row that says how far those lie inside."""
     links, names, inside = [], [], 0.0
     for link in robot.links:
         made = []
@@ -26,9 +29,9 @@ def as_polyhedra(robot: Robot) -> tuple[Robot, list[Fidelity]]:
                 made.append(geometry)
         links.append(replace(link, geometries=tuple(made)))
     if not names:
-        return robot, []
+        return robot
     row = Fidelity(
-        element="geom ellipsoid",
+        element=ELEMENT,
         name=listed(names),
         count=len(names),
         outcome="approximated",
@@ -37,7 +40,8 @@ def as_polyhedra(robot: Robot) -> tuple[Robot, list[Fidelity]]:
         value=inside,
         unit="m",
     )
-    return replace(robot, links=tuple(links)), [row]
+    rows = tuple(each for each in robot.rows if each.element != ELEMENT)
+    return replace(robot, links=tuple(links), rows=(*rows, row))
 
 
 def _inside(shape: Ellipsoid) -> float:

@@ -6,7 +6,7 @@ from engine.describe.bodies import Body, Surface
 from engine.describe.errors import Diverged, ManyImpacts, NotSupported
 from engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from engine.describe.optics import Optics, Sun
-from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Placed, Plane, Shape, Sphere, TriangleMesh
+from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Placed, Plane, Shape, Sphere, TriangleMesh
 from engine.images.eye import Eye, Lens, Picture
 from engine.options import Options
 
@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged",
-    "Drive", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported", "Optics", "Options", "Picture",
-    "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface", "TriangleMesh", "World",
+    "Drive", "Ellipsoid", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported", "Optics", "Options",
+    "Picture", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface", "TriangleMesh",
+    "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

@@ -1,5 +1,6 @@
 """A world of bodies, joints and surfaces: advance it, read it, cast rays into it, save it."""
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -89,7 +90,9 @@ class World:
         self._bodies = tuple(bodies)
         self._drawn = self if all(body.visual is None for body in bodies) else None
         self.jointed = bool(joints)
-        rubbing = any(getattr(joint, "friction_loss", 0.0) > 0 for joint in joints)
+        unsmooth = "dry friction" if any(getattr(joint, "friction_loss", 0.0) > 0 for joint in joints) else ""
+        if any(getattr(joint, "speed_limit", math.inf) < math.inf for joint in joints):
+            unsmooth = "a limit of speed"
         self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
         self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
         volume, threads = self.options.bounding_volume, self.options.threads
@@ -103,7 +106,7 @@ class World:
             from engine.respond.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, rubbing)
+        self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, unsmooth)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:

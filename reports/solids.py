@@ -31,6 +31,9 @@ def _triangles(shape: Mapping[str, Any]) -> Floats:
     match shape["type"]:
         case "sphere":
             return _turned(shape["radius"], 0.0)
+        case "ellipsoid":
+            ball: Floats = _turned(1.0, 0.0) * np.asarray(shape["semi_axes"], dtype=np.float64)
+            return ball
         case "capsule":
             return _turned(shape["radius"], shape["half_length"])
         case "cylinder":

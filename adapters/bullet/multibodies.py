@@ -13,7 +13,7 @@ from adapters.bullet.shapes import collision_shape
 from adapters.bullet.trees import Link, Tree, joint_axis
 from adapters.bullet.vendor import LIFTED
 from harness.adapter import Unsupported
-from harness.adapter.carried_laws import refuse_armature
+from harness.adapter.carried_laws import refuse_armature, refuse_speed_limit
 from harness.adapter.rotations import IDENTITY, conjugate
 from harness.scene import Ball, Distance, Fixed, Prismatic, Quaternion, Revolute, Vector3, multiply, rotate
 
@@ -109,6 +109,9 @@ def _tell_joint(plan: Plan, made: Assembly, number: int, k: int, link: Link, tre
                 carried = np.asarray(v_P) + np.cross(w_P, np.subtract(child.p_WB, p_P))
                 rate = float(axis @ (np.asarray(child.v_WB) - carried))
             refuse_armature(joint, "pybullet's multibody has no inertia along a joint coordinate: changeDynamics offers none")
+            refuse_speed_limit(
+                joint, "pybullet's maxJointVelocity cuts every coordinate of a multibody after the step, without a reaction"
+            )
             # A motor that asks for no velocity, with a bounded force, is Coulomb's law: it holds, or brakes by all of it.
             made.port.call("setJointMotorControl2", number, k, bullet.VELOCITY_CONTROL, force=joint.friction_loss or 0.0)
             made.port.call("resetJointState", number, k, 0.0, rate)

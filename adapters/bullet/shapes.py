@@ -17,17 +17,24 @@ from harness.scene import (
     Capsule,
     ConvexHull,
     Cylinder,
+    Ellipsoid,
     Plane,
     Quaternion,
     Shape,
     Sphere,
     TriangleMesh,
     Vector3,
+    polyhedron_of,
     rotate,
 )
 
 __all__ = ["check_shapes", "collision_shape", "inner_radius", "padded", "single_shape", "unseen_shape", "visual_shape"]
 
+NO_ELLIPSOID = (
+    "an ellipsoid",
+    "pybullet makes none; the hull of points on one is another shape, which ellipsoids = 'polyhedra' beside a robot asks for",
+)
+"""What is refused, and why."""
 PLANE_WIDTH = 1000.0
 """Side [m] of the square that stands for a plane in images."""
 
@@ -87,6 +94,8 @@ class _ShapeTable:
             case TriangleMesh():
                 kind, file = bullet.GEOM_MESH, _write_mesh(path, shape.vertices, shape.faces)
                 flag = bullet.GEOM_FORCE_CONCAVE_TRIMESH
+            case Ellipsoid():
+                raise Unsupported(*NO_ELLIPSOID)
             case _:
                 assert_never(shape)
         self.types.append(kind)
@@ -127,6 +136,8 @@ def single_shape(port: Port, shape: Shape, p_LS: Vector3, q_LS: Quaternion) -> i
                 indices = [k for face in shape.faces for k in face]
                 flags = bullet.GEOM_FORCE_CONCAVE_TRIMESH
                 made = port.call("createCollisionShape", bullet.GEOM_MESH, vertices=vertices, indices=indices, flags=flags)
+        case Ellipsoid():
+            raise Unsupported(*NO_ELLIPSOID)
         case _:
             assert_never(shape)
     return made
@@ -161,6 +172,9 @@ def visual_shape(port: Port, shape: Shape, colour: Vector3) -> int:
             made = _visual_mesh(port, [tuple(corner.tolist()) for corner in corners], [(0, 1, 2), (0, 2, 3)], paint)
         case ConvexHull():
             made = _visual_mesh(port, shape.vertices, _hull_faces(shape), paint)
+        case Ellipsoid():
+            hull = ConvexHull(vertices=polyhedron_of(shape))
+            made = _visual_mesh(port, hull.vertices, _hull_faces(hull), paint)
         case TriangleMesh():
             made = _visual_mesh(port, shape.vertices, shape.faces, paint)
         case _:
@@ -199,6 +213,8 @@ def unseen_shape(port: Port) -> int:
 def check_shapes(body: Body) -> None:
     """Refuse what Bullet has no collision algorithm for. Raises: Unsupported."""
     for placed in body.collision:
+        if isinstance(placed.shape, Ellipsoid):
+            raise Unsupported(*NO_ELLIPSOID)
         if isinstance(placed.shape, TriangleMesh) and body.motion != "static":
             raise Unsupported(f"triangle mesh of body '{body.name}'", "Bullet collides moving bodies as convex shapes only")
         vertices = getattr(placed.shape, "vertices", ())
@@ -250,6 +266,8 @@ def inner_radius(body: Body) -> float:
                 radii.append(min(placed.shape.radius, placed.shape.half_length))
             case Box():
                 radii.append(min(placed.shape.half_extents))
+            case Ellipsoid():
+                radii.append(min(placed.shape.semi_axes))
             case ConvexHull():
                 radii.append(0.25 * float(np.ptp(np.asarray(placed.shape.vertices), axis=0).min()))
             case Plane() | TriangleMesh():

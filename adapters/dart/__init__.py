@@ -47,6 +47,8 @@ Deviations:
       contact, on which it rocks and slides by another friction. A scene in which such pairs can meet uses the ODE detector on
       both tracks, and the Bullet detector where capsules can meet boxes or cylinders, cylinders each other, or two hulls or
       meshes that move; `warnings()` says so on 'default'. Where neither has all pairs right the scene is refused.
+    * An ellipsoid stands right under FCL alone, on planes, boxes and cylinders; its other pairs are refused, and so are rays
+      in scenes with one, as DART's own detector meets a polyhedron in its place.
     * Under the Bullet detector, which holds a solid on a plane at one point, a plane is a box that ends a kilometre away;
       and a cylinder that lies creeps by rolling, up to 1 cm/s.
     * DART reports no contacts of bodies that it has put to sleep (track 'default'); theirs are repeated as they were last
@@ -72,6 +74,7 @@ from adapters.dart.options import DRIVES, INTEGRATOR, JOINTS
 from adapters.dart.solvers import SOLVERS
 from adapters.dart.vendor import load
 from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unsupported
+from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
@@ -104,7 +107,7 @@ class DartAdapter(Adapter):
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
-        return build(load(), scene, settings)
+        return built_with_points(lambda told: build(load(), told, settings), scene)
 
 
 _SWEPT = (
@@ -126,6 +129,7 @@ ADAPTER = DartAdapter(
         | Feature.BOX
         | Feature.CAPSULE
         | Feature.CYLINDER
+        | Feature.ELLIPSOID
         | Feature.PLANE
         | Feature.CONVEX_HULL
         | Feature.TRIANGLE_MESH
@@ -133,6 +137,7 @@ ADAPTER = DartAdapter(
         | Feature.FULL_INERTIA
         | Feature.KINEMATIC
         | Feature.PRESCRIBED_MOTION
+        | Feature.MASS_POINT
         | Feature.FIXED
         | Feature.BALL
         | Feature.REVOLUTE
@@ -143,6 +148,7 @@ ADAPTER = DartAdapter(
         | Feature.SPRINGS
         | Feature.DRIVES
         | Feature.FRICTION_LOSS
+        | Feature.SPEED_LIMIT
         | Feature.FEEDFORWARD
         | Feature.RESTITUTION
         | Feature.LINEAR_DAMPING
@@ -201,6 +207,10 @@ ADAPTER = DartAdapter(
     orders={INTEGRATOR: 1},
     emulated=(
         Emulation(
+            feature=Feature.MASS_POINT,
+            how=POINTS_AS_BODIES,
+        ),
+        Emulation(
             feature=Feature.SPRINGS,
             how="the adapter works out a torque for each step (stable PD control); else it is DART's own joint spring",
             where="where contacts, limits or loops can hold the joint",
@@ -251,6 +261,7 @@ ADAPTER = DartAdapter(
         "where FCL, the vendor's default, has shapes wrong (capsules, hulls, meshes, cylinders on boxes or cylinders, solids "
         "on planes), ODE or Bullet detects; what neither has right is refused",
         "hulls and meshes lose digits beyond single precision",
+        "rays in a scene with an ellipsoid are refused, and its contacts but for those with planes, boxes and cylinders",
         "restitution acts above an approach of 0.1 m/s and returns at most 100 m/s",
         "the friction of Dantzig, PGS and the matrix-free solver is a box: up to 1.41 times as strong askew to its axes",
         "rays from inside a solid report the exit",

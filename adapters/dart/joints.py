@@ -72,6 +72,10 @@ def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prisma
     made.setPosition(0, joint.position)
     if joint.friction_loss:
         made.setCoulombFriction(0, joint.friction_loss)
+    if joint.speed_limit is not None:
+        made.setLimitEnforcement(True)
+        made.setVelocityLowerLimit(0, -joint.speed_limit)
+        made.setVelocityUpperLimit(0, joint.speed_limit)
     if joint.limits is not None:
         made.setLimitEnforcement(True)
         if joint.limits.lower is not None:

@@ -4,7 +4,9 @@ import numpy as np
 
 from adapters.dart.built import Built
 from adapters.dart.vendor import body_of
+from harness.adapter import Unsupported
 from harness.adapter.what_goes_in import check_rays
+from harness.scene import Ellipsoid
 from harness.trajectory import Floats, Hits, Integers
 
 __all__ = ["LONGEST_RAY", "Caster"]
@@ -18,13 +20,21 @@ class Caster:
 
     def __init__(self, built: Built) -> None:
         self._collision, self._any = built.dart.collision, bool(built.shapes)
+        self._round = [b.name for b in built.scene.bodies if any(isinstance(p.shape, Ellipsoid) for p in b.collision)]
         self._group = self._collision.DARTCollisionDetector().createCollisionGroup()
         for node in built.shapes:
             self._group.addShapeFrame(node)
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
-        """First hit of each ray within max_range [m]. Args: origins, directions: (n, 3), m and 1, in W. Raises: ValueError."""
+        """First hit of each ray within max_range [m]. Args: origins, directions: (n, 3), m and 1, in W.
+
+        Raises: ValueError, Unsupported.
+        """
         check_rays(origins, directions, max_range)
+        if self._round:
+            raise Unsupported(
+                f"rays on the ellipsoid of body '{self._round[0]}'", "DART's own detector meets a polyhedron in its place"
+            )
         if max_range > LONGEST_RAY:
             raise ValueError(f"cast: max_range {max_range} m, expected at most {LONGEST_RAY:g}")
         distance: Floats = np.full(len(origins), np.inf)

@@ -12,7 +12,7 @@ from adapters.dart.vectors import tangents
 from adapters.dart.vendor import pose
 from harness.adapter import Unsupported
 from harness.adapter.touching_kinds import Kind
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Plane, Shape, Sphere, TriangleMesh
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
 from harness.trajectory import Floats, Integers
 
 __all__ = ["SLAB", "add_shapes"]
@@ -57,6 +57,8 @@ def _shape(dart: Any, shape: Shape) -> Any:
             return dynamics.CapsuleShape(r, 2 * h)
         case Cylinder(radius=r, half_length=h):
             return dynamics.CylinderShape(r, 2 * h)
+        case Ellipsoid(semi_axes=semi_axes):
+            return dynamics.EllipsoidShape(2 * np.array(semi_axes))
         case Plane(normal=n):
             return dynamics.PlaneShape(np.array(n), 0.0)
         case ConvexHull(vertices=vertices):

@@ -8,7 +8,7 @@ import numpy as np
 
 from adapters.dart.surfaces import touching_bodies
 from harness.adapter import Settings
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Plane, Scene, Shape, Sphere, TriangleMesh
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
 
 __all__ = ["SOLVERS", "SolverInUse", "choose_solver", "set_solver"]
 
@@ -113,6 +113,8 @@ def _reach(shape: Shape) -> float:
             return r + h
         case Cylinder(radius=r, half_length=h):
             return math.hypot(r, h)
+        case Ellipsoid(semi_axes=semi_axes):
+            return max(semi_axes)
         case Plane():
             return math.inf
         case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):

@@ -60,10 +60,10 @@ from typing import TYPE_CHECKING
 
 from adapters.mujoco.build import build
 from adapters.mujoco.options import INTEGRATORS, SOLVERS
-from adapters.mujoco.simulation import MujocoSimulation
 from adapters.mujoco.softness import VENDOR_TIME_CONSTANT
 from adapters.mujoco.vendor import mujoco_module
-from harness.adapter import Adapter, Emulation, Feature, Settings, Unsupported
+from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unsupported
+from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
@@ -99,9 +99,9 @@ class MujocoAdapter(Adapter):
 
         return moved(robot, motion)
 
-    def build(self, scene: Scene, settings: Settings) -> MujocoSimulation:
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene. Raises: Unsupported, Unavailable, SettingsError."""
-        return build(mujoco_module(), scene, settings)
+        return built_with_points(lambda told: build(mujoco_module(), told, settings), scene)
 
 
 ADAPTER = MujocoAdapter(
@@ -111,7 +111,7 @@ ADAPTER = MujocoAdapter(
     distribution="mujoco",
     licence="Apache-2.0",
     platforms=("linux-x86_64", "linux-aarch64", "macos-arm64", "windows-x86_64"),
-    features=~(Feature.STATIC_FRICTION | Feature.RAY_TRACING),
+    features=~(Feature.STATIC_FRICTION | Feature.SPEED_LIMIT | Feature.RAY_TRACING),
     tracks={
         "default": Settings(
             source="MuJoCo's own defaults: Euler, Newton, 100 iterations, tolerance 1e-8, pyramidal cone, impratio 1"
@@ -219,6 +219,10 @@ ADAPTER = MujocoAdapter(
     loads=("mujoco",),
     orders={"euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1, "rk4": 4},
     emulated=(
+        Emulation(
+            feature=Feature.MASS_POINT,
+            how=POINTS_AS_BODIES,
+        ),
         Emulation(
             feature=Feature.RESTITUTION,
             how="MuJoCo has no coefficient of restitution; the contact is given a stiffness and a damping whose mean rebound "

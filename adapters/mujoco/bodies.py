@@ -10,6 +10,7 @@ from adapters.mujoco.plan import Plan
 from adapters.mujoco.softness import hold_dry, stop
 from adapters.mujoco.trees import Link
 from adapters.mujoco.vendor import linear_law
+from harness.adapter.carried_laws import refuse_speed_limit
 from harness.adapter.rotations import conjugate
 from harness.scene import Ball, Distance, Fixed, Joint, Revolute, multiply
 
@@ -57,6 +58,7 @@ def _add_joint(plan: Plan, draft: Draft, node: Any, link: Link, joint: Joint) ->
     if isinstance(joint, Ball):
         node.add_joint(name=f"f{k}", type=kinds.mjJNT_BALL, pos=anchor)
         return
+    refuse_speed_limit(joint, "MuJoCo bounds positions and forces of joints, not their rates")
     kind = kinds.mjJNT_HINGE if isinstance(joint, Revolute) else kinds.mjJNT_SLIDE
     axis = plan.R_WM[k].T @ np.array(joint.axis_W) * (-1.0 if link.turned else 1.0)
     made = node.add_joint(name=f"f{k}", type=kind, pos=anchor, axis=axis, ref=joint.position)

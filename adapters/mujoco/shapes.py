@@ -16,6 +16,7 @@ from harness.scene import (
     ConvexHull,
     Cylinder,
     Effect,
+    Ellipsoid,
     PlacedShape,
     Plane,
     Sphere,
@@ -48,6 +49,8 @@ def add_geom(plan: Plan, draft: Draft, k: int, placed: PlacedShape, name: str, d
             return node.add_geom(type=kinds.mjGEOM_CAPSULE, size=[r, l, 0], **pose)
         case Cylinder(radius=r, half_length=l):
             return node.add_geom(type=kinds.mjGEOM_CYLINDER, size=[r, l, 0], **pose)
+        case Ellipsoid(semi_axes=semi_axes):
+            return node.add_geom(type=kinds.mjGEOM_ELLIPSOID, size=semi_axes, **pose)
         case Plane(normal=n):
             if plan.prescribed(body):
                 raise Unsupported(f"body '{body.name}': a plane that moves", "MuJoCo's planes are part of static bodies only")

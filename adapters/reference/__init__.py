@@ -54,6 +54,7 @@ from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SUITED
 from adapters.reference.vendor import engine_version
 from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.adapter.many_worlds import Batch
+from harness.adapter.mass_points import built_with_points, with_inertia
 from harness.scene import Effect, Scene
 
 __all__ = ["ADAPTER"]
@@ -73,11 +74,11 @@ class ReferenceAdapter(Adapter):
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
-        return build(scene, settings)
+        return built_with_points(lambda told: build(told, settings), scene)
 
     def build_batch(self, scene: Scene, settings: Settings, count: int) -> Batch:
         """Worlds in one array where the engine knows them so, else one after the other. Raises: Unsupported, SettingsError."""
-        batch = build_batch(scene, settings, count)
+        batch = build_batch(with_inertia(scene), settings, count)
         return super().build_batch(scene, settings, count) if batch is None else batch
 
 
@@ -94,10 +95,10 @@ ADAPTER = ReferenceAdapter(
     distribution="plumbline",
     licence="Apache-2.0",
     platforms=("linux-x86_64", "linux-aarch64", "macos-arm64", "windows-x86_64"),
-    features=F.SPHERE | F.BOX | F.CAPSULE | F.CYLINDER | F.PLANE | F.CONVEX_HULL | F.TRIANGLE_MESH | F.COMPOUND | F.FULL_INERTIA
-    | F.KINEMATIC | F.PRESCRIBED_MOTION
-    | F.FIXED | F.BALL | F.REVOLUTE | F.PRISMATIC | F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.LIMITS
-    | F.SPRINGS | F.DRIVES | F.FEEDFORWARD | F.ARMATURE | F.FRICTION_LOSS
+    features=F.SPHERE | F.BOX | F.CAPSULE | F.CYLINDER | F.ELLIPSOID | F.PLANE | F.CONVEX_HULL | F.TRIANGLE_MESH
+    | F.COMPOUND | F.FULL_INERTIA | F.KINEMATIC | F.PRESCRIBED_MOTION | F.MASS_POINT | F.FIXED | F.BALL | F.REVOLUTE
+    | F.PRISMATIC | F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES | F.FEEDFORWARD
+    | F.ARMATURE | F.FRICTION_LOSS | F.SPEED_LIMIT
     | F.PAIR_FRICTION | F.STATIC_FRICTION | F.ROLLING_FRICTION | F.TORSIONAL_FRICTION
     | F.RESTITUTION | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS
     | F.RENDER | F.RAY_TRACING | F.WRENCH | F.SAVE | F.NATIVE_STEPS,

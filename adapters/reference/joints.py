@@ -55,12 +55,16 @@ def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
 
 
 def _along(joint: Revolute | Prismatic) -> dict[str, Any]:
-    """Rotor and dry friction of a joint with one coordinate. Raises: Unsupported."""
+    """Rotor, dry friction and speed limit of a joint with one coordinate. Raises: Unsupported."""
     if joint.coupling is not None:
         raise Unsupported(
             f"joint '{joint.name}': coupling to '{joint.coupling.joint}'", "a row of the solver is between two bodies"
         )
-    return {"armature": joint.armature or 0.0, "friction_loss": joint.friction_loss or 0.0}
+    return {
+        "armature": joint.armature or 0.0,
+        "friction_loss": joint.friction_loss or 0.0,
+        "speed_limit": np.inf if joint.speed_limit is None else joint.speed_limit,
+    }
 
 
 def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, assert_never
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, PlacedShape, Plane, Sphere, TriangleMesh
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, PlacedShape, Plane, Sphere, TriangleMesh
 
 if TYPE_CHECKING:
     import engine
@@ -27,6 +27,8 @@ def engine_shape(placed: PlacedShape) -> "engine.Placed":
             made = engine.Plane(shape.normal)
         case Cylinder():
             made = engine.Cylinder(shape.radius, shape.half_length)
+        case Ellipsoid():
+            made = engine.Ellipsoid(shape.semi_axes)
         case ConvexHull():
             made = engine.ConvexHull(shape.vertices)
         case TriangleMesh():

@@ -8,7 +8,7 @@ import numpy as np
 from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, engine_options
 from adapters.reference.world import make_world
 from harness.adapter import Settings
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Plane, Scene, Shape, Sphere, TriangleMesh
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
 
 __all__ = ["suited"]
 
@@ -27,14 +27,15 @@ def suited(scene: Scene, settings: Settings) -> Settings:
     dt. Under a body r times heavier it gives by r g/w^2 = 4 r/(pi n)^2 g dt^2, and Gauss-Seidel sweeps need the more steps to
     load it the larger r is. Up to r = n^2 that is less than half of g dt^2, one step of falling; above, contacts are exact.
 
-    Dry friction in joints is not smooth: Runge-Kutta does not know it, semi-implicit Euler does.
+    Dry friction and limits of speed in joints are not smooth: Runge-Kutta does not know them, semi-implicit Euler does.
 
     Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
     Sequential impulses correct positions apart from velocities; they leave a tenth of the margin as it is, which is made
     g dt^2 here.
     """
     effects = scene.effects
-    if settings.integrator == "rk4" and any(getattr(joint, "friction_loss", None) for joint in scene.joints):
+    laws = ("friction_loss", "speed_limit")
+    if settings.integrator == "rk4" and any(getattr(joint, law, None) for joint in scene.joints for law in laws):
         settings = replace(settings, integrator="semi_implicit_euler")
     springs = replace(settings, solver=SOFT)
     kept = {name: value for name, value in settings.options.items() if name not in SOFT_OPTIONS}
@@ -72,6 +73,8 @@ def _half_width(shape: Shape) -> float:
             return shape.radius
         case Box():
             return min(shape.half_extents)
+        case Ellipsoid():
+            return min(shape.semi_axes)
         case Cylinder():
             return min(shape.radius, shape.half_length)
         case ConvexHull():

@@ -12,6 +12,7 @@ from engine.memory.arena import (
     BALL_RADIUS,
     BOX,
     CAPSULE,
+    ELLIPSOID,
     GRAVITY,
     HULL,
     MARGIN,
@@ -77,6 +78,10 @@ def write_bounds(
                     + shape[s, SIZE + 1] * abs(m[3 * k + 1])
                     + shape[s, SIZE + 2] * abs(m[3 * k + 2])
                 )
+            elif kind == ELLIPSOID:
+                one, two = shape[s, SIZE] * m[3 * k], shape[s, SIZE + 1] * m[3 * k + 1]
+                three = shape[s, SIZE + 2] * m[3 * k + 2]
+                half = math.sqrt(one * one + two * two + three * three)
             else:
                 half = shape[s, BALL_RADIUS]
             bounds[s, k] = pose[s, k] - half - grow

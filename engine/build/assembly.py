@@ -105,7 +105,7 @@ def assemble_world(
     index[WORLD] = n
     shapes = [(i, solid) for i, body in enumerate(bodies) for solid in body_solids(body)]
     ns = len(shapes)
-    convex = any(solid.kind in (at.CYLINDER, at.HULL, at.TRIANGLE) for _, solid in shapes)
+    convex = any(solid.kind in (at.CYLINDER, at.ELLIPSOID, at.HULL, at.TRIANGLE) for _, solid in shapes)
     polyhedra = [(s, solid.polyhedron) for s, (_, solid) in enumerate(shapes) if convex and solid.polyhedron is not None]
     rows = sum(ROWS[type(joint)] + 3 + _along(joint) for joint in joints) + 1
     movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
@@ -265,8 +265,10 @@ def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) ->
 
 
 def _along(joint: Joint) -> int:
-    """How many rows the rotor and the dry friction of a joint take."""
-    return (joint.armature > 0) + (joint.friction_loss > 0) if isinstance(joint, Revolute | Prismatic) else 0
+    """How many rows the rotor, the dry friction and the limit of speed of a joint take."""
+    if not isinstance(joint, Revolute | Prismatic):
+        return 0
+    return (joint.armature > 0) + (joint.friction_loss > 0) + 2 * (joint.speed_limit < math.inf)
 
 
 def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArray, anchor: FloatArray) -> float:
@@ -327,6 +329,9 @@ def _write_joint(
         if joint.friction_loss > 0:
             kind[at.HAS] |= at.HAS_FRICTION
             row[at.FRICTION_LOSS] = joint.friction_loss
+        if joint.speed_limit < math.inf:
+            kind[at.HAS] |= at.HAS_SPEED_LIMIT
+            row[at.SPEED_LIMIT] = joint.speed_limit
     if joint.limits is not None:
         kind[at.HAS] |= at.HAS_LIMITS
         row[at.LOWER], row[at.UPPER] = joint.limits.lower, joint.limits.upper

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from engine.build.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, inner_edges, triangle_polyhedron
 from engine.describe.bodies import Body
 from engine.describe.check import unit_quaternion
-from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
+from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
 from engine.memory import arena as at
 
 __all__ = ["Solid", "body_solids", "mat_quat", "quat_mat", "quat_mul"]
@@ -70,6 +70,8 @@ def _closed_form(shape: Shape) -> tuple[int, list[float], float, FloatArray]:
         return at.CAPSULE, [shape.radius, shape.half_length, 0.0], shape.radius + shape.half_length, turn
     if isinstance(shape, Cylinder):
         return at.CYLINDER, [shape.radius, shape.half_length, 0.0], math.hypot(shape.radius, shape.half_length), turn
+    if isinstance(shape, Ellipsoid):
+        return at.ELLIPSOID, list(shape.semi_axes), float(max(shape.semi_axes)), turn
     if isinstance(shape, Plane):
         normal = np.asarray(shape.normal, float)
         return at.PLANE, [0.0, 0.0, 0.0], math.inf, from_z(normal / np.linalg.norm(normal))

@@ -1,8 +1,9 @@
-"""What acts along the one free coordinate of a joint: limits, dry friction, spring and drive, as forces or as bounded rows.
+"""What acts along the one free coordinate of a joint, as forces or as bounded rows: limits, friction, springs, drives.
 
 A spring-damper taken implicitly over h is the soft row  J v + gamma lambda + beta = 0  with
 gamma = 1 / (h (c + h k)) and beta = k (x - rest) / (c + h k). Dry friction is the hard row J v = 0 with impulses within h times
-its bound: it holds where they suffice, else it brakes by all of it.
+its bound: it holds where they suffice, else it brakes by all of it. A limit s of speed is two rows, s - J v >= 0 and
+s + J v >= 0, each with an impulse that brakes alone.
 
 Source: Catto, Soft Constraints, GDC 2011; Lacoursiere, Ghosts and Machines, 2007, section 4.
 """
@@ -38,6 +39,7 @@ from engine.memory.arena import (
     HAS_DRIVE,
     HAS_FRICTION,
     HAS_LIMITS,
+    HAS_SPEED_LIMIT,
     HAS_SPRING,
     HIGH,
     IMPLICIT,
@@ -50,6 +52,7 @@ from engine.memory.arena import (
     PRISMATIC,
     REVOLUTE,
     SOFTNESS,
+    SPEED_LIMIT,
     SPRING,
     TURN_AB,
     UPPER,
@@ -133,6 +136,14 @@ def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r
                 row[r, c] = -row[r, c]
             row[r, BIAS], row[r, LOW], row[r, HIGH] = above / h, 0.0, math.inf
         r += 1
+    if has & HAS_SPEED_LIMIT:
+        for way in range(2):
+            coordinate_row(state, joints, j, rows, r)
+            if way == 0:
+                for c in range(JACOBIAN, JACOBIAN + 12):
+                    row[r, c] = -row[r, c]
+            row[r, BIAS], row[r, LOW], row[r, HIGH] = joint[j, SPEED_LIMIT], 0.0, math.inf
+            r += 1
     if has & HAS_FRICTION:
         coordinate_row(state, joints, j, rows, r)
         row[r, LOW], row[r, HIGH] = -h * joint[j, FRICTION_LOSS], h * joint[j, FRICTION_LOSS]

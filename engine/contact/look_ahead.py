@@ -8,6 +8,7 @@ from engine.memory.arena import (
     BALL_RADIUS,
     BOX,
     CYLINDER,
+    ELLIPSOID,
     HULL,
     MARGIN,
     OFF,
@@ -30,7 +31,7 @@ def thinnest(shape: Floats, shape_kind: Ints, s: int) -> float:
     """Half the smallest width of a shape [m]; inf for planes and triangles, which bound a solid."""
     if shape_kind[s, TYPE] == CYLINDER:
         return float(min(shape[s, SIZE], shape[s, SIZE + 1]))
-    if shape_kind[s, TYPE] == BOX or shape_kind[s, TYPE] == HULL:
+    if shape_kind[s, TYPE] in (BOX, ELLIPSOID, HULL):
         return float(min(min(shape[s, SIZE], shape[s, SIZE + 1]), shape[s, SIZE + 2]))
     if shape_kind[s, TYPE] == TRIANGLE:
         return math.inf

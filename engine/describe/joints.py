@@ -89,6 +89,7 @@ class Revolute:
     """Rotation about an axis alone; `position` [rad] is the coordinate in the initial pose.
 
     Terms: armature [kg m2]: of a rotor that turns with the coordinate. friction_loss [N m]: bound of a dry friction along it.
+    speed_limit [rad/s]: the most that the coordinate's rate may be, either way.
     """
 
     name: str
@@ -102,6 +103,7 @@ class Revolute:
     drive: Drive | None = None
     armature: float = 0.0
     friction_loss: float = 0.0
+    speed_limit: float = math.inf
     collide: bool = False
 
     def __post_init__(self) -> None:
@@ -112,7 +114,7 @@ class Revolute:
 class Prismatic:
     """Translation along an axis of the parent alone; `position` [m] is the coordinate in the initial pose.
 
-    Terms: armature [kg], friction_loss [N]: as of `Revolute`.
+    Terms: armature [kg], friction_loss [N], speed_limit [m/s]: as of `Revolute`.
     """
 
     name: str
@@ -126,6 +128,7 @@ class Prismatic:
     drive: Drive | None = None
     armature: float = 0.0
     friction_loss: float = 0.0
+    speed_limit: float = math.inf
     collide: bool = False
 
     def __post_init__(self) -> None:
@@ -163,6 +166,8 @@ def _check_coordinate(joint: Revolute | Prismatic) -> None:
     finite(label, "position", joint.position, (), "rad or m")
     not_negative(label, "armature", joint.armature, "kg m2 or kg")
     not_negative(label, "friction_loss", joint.friction_loss, "N m or N")
+    if not number(label, "speed_limit", joint.speed_limit) > 0:
+        raise ValueError(f"{label}: speed_limit {joint.speed_limit}, expected above 0")
 
 
 def _axis(name: str, axis_W: Sequence[float]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from engine.describe.check import finite, positive
 
-__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Placed", "Plane", "Shape", "Sphere", "TriangleMesh"]
+__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Ellipsoid", "Placed", "Plane", "Shape", "Sphere", "TriangleMesh"]
 
 
 FLAT = 1e-12
@@ -62,6 +62,18 @@ class Cylinder:
 
 
 @dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """A solid ellipsoid about the origin, (x/a)^2 + (y/b)^2 + (z/c)^2 <= 1 with the semi-axes (a, b, c)."""
+
+    semi_axes: Sequence[float]
+
+    def __post_init__(self) -> None:
+        finite("ellipsoid", "semi_axes", self.semi_axes, (3,), "m")
+        for one in self.semi_axes:
+            positive("ellipsoid", "semi_axes", one, "m")
+
+
+@dataclass(frozen=True, slots=True)
 class Plane:
     """The half space normal . x <= 0."""
 
@@ -110,7 +122,7 @@ class TriangleMesh:
             raise ValueError(f"triangle mesh: face {face} of vertices {faces[face].tolist()} has no area")
 
 
-Shape = Sphere | Box | Capsule | Cylinder | Plane | ConvexHull | TriangleMesh
+Shape = Sphere | Box | Capsule | Cylinder | Ellipsoid | Plane | ConvexHull | TriangleMesh
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.compile.jit import entry, kernel
 from engine.images.polygons import draw_polygon
-from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder
+from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder, draw_ellipsoid
 from engine.images.scanlines import flat_row
 from engine.images.screen import Screen, row_of, screen_of
 from engine.maths.vec import (
@@ -35,6 +35,7 @@ from engine.memory.arena import (
     CAPSULE,
     COUNT,
     CYLINDER,
+    ELLIPSOID,
     FACE,
     FACES,
     FIRST_FACE,
@@ -125,6 +126,8 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
             draw_capsule(screen, c, a, size[0], size[1], tag)
         elif kind == CYLINDER:
             draw_cylinder(screen, c, a, size[0], size[1], tag)
+        elif kind == ELLIPSOID:
+            draw_ellipsoid(screen, c, m, size, tag)
         elif kind == PLANE:
             for j in range(depth.shape[0]):
                 flat_row(0, depth.shape[1], row_of(screen, j, pinhole[0, 4]), a, dot(a, c), tag)

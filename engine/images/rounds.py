@@ -1,4 +1,4 @@
-"""Balls, cylinders and capsules on the screen: the rectangle of pixels that each may cover, and its rows.
+"""Balls, ellipsoids, cylinders and capsules on the screen: the rectangle of pixels that each may cover, and its rows.
 
 Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere, 2013 (tangents in a plane).
 """
@@ -6,11 +6,11 @@ Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 
 import math
 
 from engine.compile.jit import kernel
-from engine.images.scanlines import ball_end_row, ball_row, cap_row, side_row
+from engine.images.scanlines import ball_end_row, ball_row, cap_row, ellipsoid_row, side_row
 from engine.images.screen import Screen, pixel_range, row_of
-from engine.maths.vec import Floats, Vec, axpy, dot, neg
+from engine.maths.vec import Floats, Mat, Vec, axpy, dot, neg
 
-__all__ = ["draw_ball", "draw_capsule", "draw_cylinder"]
+__all__ = ["draw_ball", "draw_capsule", "draw_cylinder", "draw_ellipsoid"]
 
 Window = tuple[float, float, float, float]
 """Left, right, upper and lower end in units of the focal lengths."""
@@ -88,6 +88,16 @@ def draw_ball(screen: Screen, c: Vec, radius: float, tag: int) -> None:
     for j in range(top, bottom):
         first, last = ball_span(c, radius, screen.v[j], screen.pinhole, left, right) if whole else (left, right)
         ball_row(first, last, row_of(screen, j, near), c, radius, tag)
+
+
+@kernel
+def draw_ellipsoid(screen: Screen, c: Vec, m: Mat, semi_axes: Vec, tag: int) -> None:
+    """Draw the ellipsoid about c, its axes the columns of m, in E: within the rectangle of the ball that holds it."""
+    near, (a, b, d) = screen.pinhole[0, 4], semi_axes
+    left, right, top, bottom = pixels_of(ball_window(c, max(a, b, d), near), screen)
+    shrink = (m[0] / a, m[3] / a, m[6] / a, m[1] / b, m[4] / b, m[7] / b, m[2] / d, m[5] / d, m[8] / d)
+    for j in range(top, bottom):
+        ellipsoid_row(left, right, row_of(screen, j, near), c, shrink, tag)
 
 
 @kernel

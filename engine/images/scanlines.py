@@ -12,9 +12,9 @@ import math
 
 from engine.compile.jit import kernel, stream
 from engine.images.screen import Row
-from engine.maths.vec import Vec, cross, dot
+from engine.maths.vec import Mat, Vec, cross, dot, mat_vec
 
-__all__ = ["ball_end_row", "ball_row", "cap_row", "flat_row", "side_row"]
+__all__ = ["ball_end_row", "ball_row", "cap_row", "ellipsoid_row", "flat_row", "side_row"]
 
 
 @kernel
@@ -45,6 +45,24 @@ def ball_row(first: int, last: int, row: Row, c: Vec, radius: float, tag: int) -
         d2, middle = u[i] * u[i] + rest2, u[i] * c[0] + rest
         y, w = c[0] - u[i] * c[2], u[i] * c[1] - v * c[0]
         root = root_of(square * d2 - (x2 + y * y + w * w))
+        front, back = (middle - root) / d2, (middle + root) / d2
+        depth = front if front >= near else back
+        closer = (depth >= near) & (depth < z[i])
+        z[i] = depth if closer else z[i]
+        who[i] = tag if closer else who[i]
+
+
+@stream
+def ellipsoid_row(first: int, last: int, row: Row, c: Vec, shrink: Mat, tag: int) -> None:
+    """As `ball_row`, of the ellipsoid about c that `shrink` [1/m] takes to a unit ball: its axes as rows over its semi-axes."""
+    u, v, near, z, who = row
+    p = mat_vec(shrink, c)
+    rest = mat_vec(shrink, (0.0, v, 1.0))
+    for i in range(first, last):
+        dx, dy, dz = u[i] * shrink[0] + rest[0], u[i] * shrink[3] + rest[1], u[i] * shrink[6] + rest[2]
+        d2, middle = dx * dx + dy * dy + dz * dz, dx * p[0] + dy * p[1] + dz * p[2]
+        x, y, w = dy * p[2] - dz * p[1], dz * p[0] - dx * p[2], dx * p[1] - dy * p[0]
+        root = root_of(d2 - (x * x + y * y + w * w))
         front, back = (middle - root) / d2, (middle + root) / d2
         depth = front if front >= near else back
         closer = (depth >= near) & (depth < z[i])

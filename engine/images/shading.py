@@ -34,6 +34,7 @@ from engine.memory.arena import (
     BOX,
     COUNT,
     CYLINDER,
+    ELLIPSOID,
     FACE,
     FIRST_FACE,
     HULL,
@@ -53,8 +54,8 @@ __all__ = ["name_bodies", "shade"]
 
 
 @kernel
-def patch_normal(kind: int, half: float, pose: Floats, face: Floats, first_face: int, s: int, patch: int, x: Vec) -> Vec:
-    """The outward normal in W of a patch of shape s at x [m] on it; half [m]: half length of a capsule, 0 of a ball."""
+def patch_normal(kind: int, size: Vec, pose: Floats, face: Floats, first_face: int, s: int, patch: int, x: Vec) -> Vec:
+    """The outward normal in W of a patch of shape s at x [m] on it; size [m]: the shape's three."""
     axes = load9(pose, s, 3)
     if kind == PLANE:
         n = (0.0, 0.0, 1.0)
@@ -65,9 +66,13 @@ def patch_normal(kind: int, half: float, pose: Floats, face: Floats, first_face:
         n = load3(face, first_face + patch, 0)
     elif kind == CYLINDER and patch > 0:
         n = (0.0, 0.0, 1.0 if patch == 1 else -1.0)
+    elif kind == ELLIPSOID:
+        local = tmat_vec(axes, sub(x, load3(pose, s, 0)))
+        away = (local[0] / (size[0] * size[0]), local[1] / (size[1] * size[1]), local[2] / (size[2] * size[2]))
+        n = scale(1.0 / norm(away), away)
     else:
         local = tmat_vec(axes, sub(x, load3(pose, s, 0)))
-        level = local[2] if kind == CYLINDER else min(max(local[2], -half), half)
+        level = local[2] if kind == CYLINDER else min(max(local[2], -size[1]), size[1])
         away = (local[0], local[1], local[2] - level)
         n = scale(1.0 / norm(away), away)
     return mat_vec(axes, n)
@@ -101,7 +106,7 @@ def shade(
             way = mat_vec(turn, (z * ((i + 0.5 - eye[0, 14]) / eye[0, 12]), z * ((j + 0.5 - eye[0, 15]) / eye[0, 13]), z))
             kind = shape_kind[s, TYPE]
             first = polyhedron[s, FIRST_FACE] if kind >= HULL else 0
-            n = patch_normal(kind, shape[s, SIZE + 1], pose, face, first, s, tags[j, i] % TAGS, add(at, way))
+            n = patch_normal(kind, load3(shape, s, SIZE), pose, face, first, s, tags[j, i] % TAGS, add(at, way))
             n = n if dot(n, way) <= 0.0 else neg(n)
             lit = sun[0, 3] / math.pi * max(0.0, dot(n, towards)) + sun[0, 4]
             scattered = (1.0 - optics[b, 3]) * (1.0 - optics[b, 4])

@@ -49,7 +49,7 @@ from engine.memory.arena import (
     TURNED,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import Bodies, Contacts
+from engine.memory.tables import Bodies, Contacts, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.soft import sweep
 from engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
@@ -161,7 +161,7 @@ def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
         sweep(bodies, contacts, n, soft, PRESS)
     for b in range(bodies.state.shape[0]):
         drift(bodies, b, soft.h, count[0, GYROSCOPIC])
-    refresh(bodies.state, contacts, n)
+    refresh(bodies.state, shapes_of(floats, ints), contacts, n)
     for _ in range(count[0, RELAXATIONS] * patience):
         sweep(bodies, contacts, n, soft, RELAX)
     return bounce(contacts, n)

@@ -32,6 +32,7 @@ from engine.memory.arena import (
     HAS,
     HAS_ARMATURE,
     HAS_FRICTION,
+    HAS_SPEED_LIMIT,
     HIT,
     ISLANDS,
     ITERATIONS,
@@ -54,7 +55,7 @@ from engine.memory.arena import (
     VECTOR,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import Joints, Rows
+from engine.memory.tables import Joints, Rows, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.soft import sweep
 from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX
@@ -78,6 +79,7 @@ def make_room_for_rows(ints: Ints) -> None:
             j = grouped[at, 0]
             row += ROOM[joint_kind[j, JOINT_TYPE]]
             row += (joint_kind[j, HAS] & HAS_ARMATURE != 0) + (joint_kind[j, HAS] & HAS_FRICTION != 0)
+            row += 2 * (joint_kind[j, HAS] & HAS_SPEED_LIMIT != 0)
     span[islands, FIRST_ROW] = row
 
 
@@ -143,7 +145,7 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> b
         hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
     for b in range(bodies.state.shape[0]):
         drift(bodies, b, soft.h, count[0, GYROSCOPIC])
-    refresh(bodies.state, contacts, n)
+    refresh(bodies.state, shapes_of(floats, ints), contacts, n)
     for _ in range(count[0, RELAXATIONS] * sweeps):
         sweep(bodies, contacts, n, soft, RELAX)
         hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)

@@ -96,7 +96,7 @@ REST: Final = float_columns(Per.BODY, 7)  # pose since which a body counts as st
 SHAPE: Final = float_columns(Per.SHAPE, 12)
 OFFSET: Final = 0  # 3, in B
 TURN: Final = 3  # 4, in B
-SIZE: Final = 7  # 3: radius | half extents | radius, half length
+SIZE: Final = 7  # 3: radius | half extents or semi-axes | radius, half length
 BALL_RADIUS: Final = 10  # of the bounding sphere; inf for a plane
 
 SHAPE_KIND: Final = int_columns(Per.SHAPE, 4)
@@ -108,9 +108,10 @@ SPHERE: Final = 0
 CAPSULE: Final = 1
 BOX: Final = 2
 CYLINDER: Final = 3
-PLANE: Final = 4
-HULL: Final = 5
-TRIANGLE: Final = 6
+ELLIPSOID: Final = 4
+PLANE: Final = 5
+HULL: Final = 6
+TRIANGLE: Final = 7
 
 POSE: Final = float_columns(Per.SHAPE, 12)  # position and rotation matrix in W
 BOUNDS: Final = float_columns(Per.SHAPE, 7)  # lower and upper corner, and by how much they are widened
@@ -158,12 +159,13 @@ ARMATURE: Final = 29  # inertia of the rotor along the coordinate
 ROTOR_RATE: Final = 30  # of the rotor, as the last sub-step left it
 FRICTION_LOSS: Final = 31
 REACTION: Final = 32  # 6: impulse and angular impulse on B about its anchor over the last step, in W
+SPEED_LIMIT: Final = 38  # of the coordinate's rate, both ways
 
 JOINT_KIND: Final = int_columns(Per.JOINT, 6)
 JOINT_TYPE: Final = 0
 PARENT: Final = 1
 CHILD: Final = 2
-HAS: Final = 3  # bits: 1 limits, 2 spring, 4 drive, 8 armature, 16 dry friction
+HAS: Final = 3  # bits: 1 limits, 2 spring, 4 drive, 8 armature, 16 dry friction, 32 a limit of speed
 IMPLICIT: Final = 4  # bits 2 and 4: too stiff for the explicit stages
 FIXED: Final = 0
 BALL: Final = 1
@@ -175,6 +177,7 @@ HAS_SPRING: Final = 2
 HAS_DRIVE: Final = 4
 HAS_ARMATURE: Final = 8
 HAS_FRICTION: Final = 16
+HAS_SPEED_LIMIT: Final = 32
 
 ROW: Final = float_columns(Per.ROW_OR_TRIAL, 18)  # one scalar constraint J v = ... between two bodies
 JACOBIAN: Final = 0  # 12: linear and angular part of A, then of B
@@ -217,7 +220,7 @@ TANGENT_BLOCK: Final = 31  # 6: on (V1, V2, W3)
 COUPLING: Final = 37  # 9: rows V1, V2, W3 by the forces of the other block
 STOP_BLOCK: Final = 46  # 6: inverse of TANGENT_BLOCK, or of its part on (V1, V2) for points that give no moment
 POINT_SHARE: Final = 53  # 1 / number of points
-RIMS: Final = 54  # 1 where points roll on along the rim of a cylinder, else 0
+RIMS: Final = 54  # 1 where points roll on along the rim of a cylinder, 2 on an ellipsoid, else 0
 RIM_AXIS_A: Final = 55  # 3, in A: of the cylinder that has such a rim
 RIM_AXIS_B: Final = 58
 STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre

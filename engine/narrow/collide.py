@@ -2,11 +2,12 @@
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Ints, Vec
-from engine.memory.arena import BOX, CAPSULE, CYLINDER, HULL, PLANE, SPHERE, TYPE
+from engine.memory.arena import BOX, CAPSULE, CYLINDER, ELLIPSOID, HULL, PLANE, SPHERE, TYPE
 from engine.memory.tables import Shapes
 from engine.narrow.box_box import box_box
 from engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
 from engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
+from engine.narrow.ellipsoid_plane import ellipsoid_plane
 from engine.narrow.point import Points
 from engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
 from engine.narrow.solid import solid_of
@@ -26,7 +27,7 @@ def ordered(shape_kind: Ints, one: int, two: int) -> tuple[int, int]:
 @kernel
 def is_convex_pair(ta: int, tb: int) -> bool:
     """Whether a pair of types, ta <= tb, has no closed form here, so that the convex narrow phase answers it."""
-    return tb >= HULL or (tb == CYLINDER and ta != SPHERE)
+    return tb >= HULL or tb == ELLIPSOID or (tb == CYLINDER and ta != SPHERE)
 
 
 @kernel
@@ -62,4 +63,6 @@ def collide(shapes: Shapes, a: int, b: int, margin: float, out: Points, at: int)
             return box_plane(one, two, margin, out, at)
     elif ta == CYLINDER and tb == PLANE:
         return cylinder_plane(one, two, margin, out, at)
+    elif ta == ELLIPSOID and tb == PLANE:
+        return ellipsoid_plane(one, two, margin, out, at)
     return UNKNOWN, (0.0, 0.0, 1.0)

@@ -6,8 +6,9 @@ Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (preferri
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
-from engine.memory.arena import BALL_RADIUS, CYLINDER, INNER, SPHERE, TRIANGLE, TYPE
+from engine.memory.arena import BALL_RADIUS, CYLINDER, ELLIPSOID, INNER, SPHERE, TRIANGLE, TYPE
 from engine.narrow.clip_features import clip_features, crossing_lines
+from engine.narrow.curved import sharpen
 from engine.narrow.epa import depth
 from engine.narrow.features import facing, is_line, write_feature
 from engine.narrow.gjk import SHARE, Simplex, distance
@@ -42,9 +43,9 @@ def part_cores(
         qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for k in range(count):
             qa, qb = axpy(work[k, SHARE], load3(work, k, 3), qa), axpy(work[k, SHARE], load3(work, k, 6), qb)
-        return gap, scale(-1.0 / norm(v), v), qa, qb
+        return sharpen(t, a, b, d, size, gap, scale(-1.0 / norm(v), v), qa, qb)
     deep, n, qa, qb = depth(t, a, b, d, size, count, simplex)
-    return -deep, n, qa, qb
+    return sharpen(t, a, b, d, size, -deep, n, qa, qb)
 
 
 @kernel
@@ -80,6 +81,8 @@ def convex_contact(
     else:
         gap_a, gap_b = separation_along(t, a, b, d, na), separation_along(t, a, b, d, neg(nb))
         on_a, on_b = gap - gap_a <= slack, gap - gap_b <= slack
+        # Whatever faces an ellipsoid is as good as its own tangent: it has no faces to prefer.
+        on_a, on_b = on_a and t.shape_kind[a, TYPE] != ELLIPSOID, on_b and t.shape_kind[b, TYPE] != ELLIPSOID
         if on_b and (one_sided or gap_b > gap_a + slack):
             on_a = False
     if on_a and on_b:

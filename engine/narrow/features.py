@@ -7,9 +7,9 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
-from engine.memory.arena import CAPSULE, CYLINDER, FACES, FIRST_FACE, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
+from engine.memory.arena import CAPSULE, CYLINDER, ELLIPSOID, FACES, FIRST_FACE, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
 from engine.narrow.point import Points
-from engine.narrow.support import Solids
+from engine.narrow.support import Solids, core_support
 
 __all__ = ["RIM", "UPRIGHT", "facing", "is_line", "write_feature"]
 
@@ -28,7 +28,7 @@ def facing(t: Solids, s: int, n: Vec) -> tuple[int, Vec, float]:
     Returns: its row, -1 for a cap or where there is no face; its outward normal in W; the cosine between it and n, -2 if none.
     """
     kind = t.shape_kind[s, TYPE]
-    if kind in (SPHERE, CAPSULE):
+    if kind in (SPHERE, CAPSULE, ELLIPSOID):
         return -1, n, -2.0
     m = load9(t.pose, s, 3)
     u = tmat_vec(m, n)
@@ -67,8 +67,8 @@ def write_feature(t: Solids, s: int, face: int, n: Vec, out: Points, at: int) ->
     polygon, key = out.polygon, out.polygon_key
     kind = t.shape_kind[s, TYPE]
     m, p = load9(t.pose, s, 3), load3(t.pose, s, 0)
-    if kind == SPHERE:
-        store3(polygon, at, 0, p)
+    if kind in (SPHERE, ELLIPSOID):
+        store3(polygon, at, 0, add(p, core_support(t, s, n)))
         key[at, 0] = 0
         return 1
     if kind != CAPSULE and kind != CYLINDER:

@@ -14,7 +14,7 @@ class Solid(NamedTuple):
     """One shape.
 
     Terms: p [m]: its centre in W, of a plane any point of it; m: rotation matrix, its own axes as columns; size [m]: radius |
-    half extents | radius, half length.
+    half extents or semi-axes | radius, half length.
     """
 
     p: Vec

@@ -14,6 +14,7 @@ from engine.memory.arena import (
     BOX,
     CAPSULE,
     CYLINDER,
+    ELLIPSOID,
     FACE,
     FIRST_VERTEX,
     LOOP,
@@ -30,7 +31,7 @@ from engine.memory.arena import (
 )
 from engine.memory.carve import floats_of, ints_of
 
-__all__ = ["Solids", "core_radius", "core_support", "separation_along", "solids_of"]
+__all__ = ["Solids", "core_radius", "core_support", "ellipsoid_support", "separation_along", "solids_of"]
 
 
 class Solids(NamedTuple):
@@ -70,6 +71,15 @@ def core_radius(t: Solids, s: int) -> float:
 
 
 @kernel
+def ellipsoid_support(semi_axes: Vec, u: Vec) -> Vec:
+    """The point of an ellipsoid farthest along u, in its own frame: D^2 u / |D u| with the semi-axes D [m]."""
+    x, y, z = semi_axes[0] * u[0], semi_axes[1] * u[1], semi_axes[2] * u[2]
+    reach = math.sqrt(x * x + y * y + z * z)
+    share = 1.0 / reach if reach > 1e-300 else 0.0
+    return share * semi_axes[0] * x, share * semi_axes[1] * y, share * semi_axes[2] * z
+
+
+@kernel
 def core_support(t: Solids, s: int, n: Vec) -> Vec:
     """The point of the core farthest along n, from the shape's centre, along the axes of W."""
     kind = t.shape_kind[s, TYPE]
@@ -86,6 +96,8 @@ def core_support(t: Solids, s: int, n: Vec) -> Vec:
         across = math.sqrt(u[0] * u[0] + u[1] * u[1])
         share = t.shape[s, SIZE] / across if across > 1e-300 else 0.0
         x, y, z = share * u[0], share * u[1], math.copysign(t.shape[s, SIZE + 1], u[2])
+    elif kind == ELLIPSOID:
+        x, y, z = ellipsoid_support(load3(t.shape, s, SIZE), u)
     else:
         first = t.polyhedron[s, FIRST_VERTEX]
         best, most = first, -math.inf

@@ -8,7 +8,7 @@ import math
 
 from engine.compile.jit import kernel, stream
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BOX, CAPSULE, PLANE, SPHERE
+from engine.memory.arena import BOX, CAPSULE, ELLIPSOID, PLANE, SPHERE
 from engine.rays.streams import (
     Primitive,
     Rays,
@@ -16,6 +16,7 @@ from engine.rays.streams import (
     meet_box,
     meet_capsule,
     meet_cylinder,
+    meet_ellipsoid,
     meet_plane,
     meet_sphere,
     near_ball,
@@ -111,6 +112,8 @@ def meet_shape(n: int, rays: Rays, shape: Primitive, best: Floats, who: Ints, pa
         meet_box(some, chosen, shape, t)
     elif shape.kind == CAPSULE:
         meet_capsule(some, chosen, shape, t)
+    elif shape.kind == ELLIPSOID:
+        meet_ellipsoid(some, chosen, shape, t)
     else:
         meet_cylinder(some, chosen, shape, t)
     return keep_nearer_picked(some, pick, t, shape.number, best, who)

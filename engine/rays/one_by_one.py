@@ -2,7 +2,8 @@
 
 A ray that starts inside a solid hits its exit; the normal points out of the shape.
 
-Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (sphere), 5.3.3 (box), 5.3.7 (cylinder).
+Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (sphere, and ellipsoid by
+scaling), 5.3.3 (box), 5.3.7 (cylinder).
 """
 
 import math
@@ -16,6 +17,7 @@ from engine.memory.arena import (
     CAPSULE,
     COUNT,
     CYLINDER,
+    ELLIPSOID,
     OWNER,
     PART,
     PLANE,
@@ -31,7 +33,7 @@ from engine.memory.arena import (
 from engine.memory.carve import floats_of, ints_of
 from engine.rays.hits import Hits
 
-__all__ = ["cast_rays", "ray_box", "ray_capsule", "ray_cylinder", "ray_plane", "ray_sphere"]
+__all__ = ["cast_rays", "ray_box", "ray_capsule", "ray_cylinder", "ray_ellipsoid", "ray_plane", "ray_sphere"]
 
 MISS = math.inf
 UP = (0.0, 0.0, 1.0)
@@ -156,6 +158,28 @@ def ray_capsule(o: Vec, d: Vec, radius: float, half: float) -> tuple[float, Vec]
 
 
 @kernel
+def ray_ellipsoid(o: Vec, d: Vec, semi_axes: Vec) -> tuple[float, Vec]:
+    """The unit sphere, met in coordinates that are divided by the semi-axes."""
+    p = (o[0] / semi_axes[0], o[1] / semi_axes[1], o[2] / semi_axes[2])
+    u = (d[0] / semi_axes[0], d[1] / semi_axes[1], d[2] / semi_axes[2])
+    length2 = dot(u, u)
+    middle = dot(p, u) / length2
+    side = axpy(-middle, u, p)
+    root = (1.0 - dot(side, side)) / length2
+    if root < 0.0:
+        return MISS, UP
+    root = math.sqrt(root)
+    t = -middle - root
+    if t < 0.0:
+        t = -middle + root
+    if t < 0.0:
+        return MISS, UP
+    hit = axpy(t, u, p)
+    outward = (hit[0] / semi_axes[0], hit[1] / semi_axes[1], hit[2] / semi_axes[2])
+    return t, scale(1.0 / norm(outward), outward)
+
+
+@kernel
 def closest_distance2(o: Vec, half: float) -> float:
     """Squared distance of o from the segment |z| <= half."""
     z = o[2] - min(max(o[2], -half), half)
@@ -192,6 +216,8 @@ def cast_rays(floats: Floats, ints: Ints, origins: Floats, directions: Floats, m
                 t, n = ray_capsule(lo, ld, shape[s, SIZE], shape[s, SIZE + 1])
             elif kind == CYLINDER:
                 t, n = ray_cylinder(lo, ld, shape[s, SIZE], shape[s, SIZE + 1])
+            elif kind == ELLIPSOID:
+                t, n = ray_ellipsoid(lo, ld, load3(shape, s, SIZE))
             elif kind == PLANE:
                 t, n = ray_plane(lo, ld)
             if t < MISS and (t < best or (t == best and hit_shape < 0)):

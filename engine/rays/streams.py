@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
 from engine.maths.vec import Floats, Ints, Mat, Vec, mat_vec, tmat_vec
-from engine.memory.arena import BOX, CAPSULE, CYLINDER, SPHERE
+from engine.memory.arena import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
 
 __all__ = [
     "Primitive", "Rays", "Triple",
-    "meet_box", "meet_capsule", "meet_cylinder", "meet_plane", "meet_sphere", "near_ball", "normals_of",
+    "meet_box", "meet_capsule", "meet_cylinder", "meet_ellipsoid", "meet_plane", "meet_sphere", "near_ball", "normals_of",
 ]  # fmt: skip
 
 MISS = math.inf
@@ -173,6 +173,22 @@ def meet_capsule(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
         t[i] = sign * best if best < MISS else MISS
 
 
+@stream
+def meet_ellipsoid(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+    """The unit sphere, met in coordinates that are divided by the semi-axes."""
+    a, b, c = 1.0 / shape.size[0], 1.0 / shape.size[1], 1.0 / shape.size[2]
+    for i in range(n):
+        o, d = ray_in(rays, i, shape.centre, shape.axes)
+        x, y, z, u, v, w = a * o[0], b * o[1], c * o[2], a * d[0], b * d[1], c * d[2]
+        inverse = 1.0 / (u * u + v * v + w * w)
+        middle = (x * u + y * v + z * w) * inverse
+        x, y, z = x - middle * u, y - middle * v, z - middle * w
+        root = root_of((1.0 - (x * x + y * y + z * z)) * inverse)
+        first, last = -middle - root, -middle + root
+        found = first if first >= 0.0 else last
+        t[i] = found if found >= 0.0 else MISS
+
+
 @kernel
 def end_sphere(o: Vec, d: Vec, end: float, square: float, sign: float) -> float:
     """Entry (sign 1) of the sphere about (0, 0, end), or its exit (-1) with its sign changed."""
@@ -216,6 +232,13 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
             cap = abs(z) - size[1] > away - size[0]
             scale = 0.0 if cap else 1.0 / away
             nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, math.copysign(1.0, z) if cap else 0.0))
+    elif kind == ELLIPSOID:
+        for i in range(n):
+            o, d = ray_in(rays, i, c, m)
+            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
+            x, y, z = x / (size[0] * size[0]), y / (size[1] * size[1]), z / (size[2] * size[2])
+            scale = 1.0 / math.sqrt(x * x + y * y + z * z)
+            nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, scale * z))
     else:
         for i in range(n):
             nx[i], ny[i], nz[i] = m[2], m[5], m[8]

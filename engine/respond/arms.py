@@ -3,7 +3,7 @@
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, load4, mat_vec, quat_mat, scale, store3, sub
+from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, load4, mat_vec, neg, quat_mat, scale, store3, sub
 from engine.memory.arena import (
     ARM_A,
     ARM_B,
@@ -11,6 +11,7 @@ from engine.memory.arena import (
     BODY_B,
     CENTRE_A,
     CENTRE_B,
+    ELLIPSOID,
     LEADS,
     NORMAL,
     POINT_SHARE,
@@ -21,14 +22,18 @@ from engine.memory.arena import (
     ROUND_A,
     ROUND_B,
     SEPARATION,
+    SHAPE_A,
+    SHAPE_B,
     SPOT_A,
     SPOT_B,
     SPREAD,
     TANGENTS,
+    TYPE,
     P,
     Q,
 )
-from engine.memory.tables import Contacts
+from engine.memory.tables import Contacts, Shapes
+from engine.respond.rolling_ellipsoids import ON_ELLIPSOID, farthest
 from engine.respond.rolling_rims import lowest_of
 
 __all__ = ["refresh", "spread"]
@@ -60,12 +65,12 @@ def spread(m: int, way: Vec, manifold: Floats, key: Ints, point: Floats) -> None
 
 
 @kernel
-def refresh(state: Floats, contacts: Contacts, manifolds: int) -> None:
+def refresh(state: Floats, shapes: Shapes, contacts: Contacts, manifolds: int) -> None:
     """Arms and separations of the points of the first `manifolds` manifolds at the present poses.
 
     A point goes with the corner or the round surface that makes it, while the other body slides under it; on the rim of a
-    tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step. Both arms lead to
-    one place, which keeps angular momentum.
+    tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step; on an ellipsoid it
+    stays the farthest along the normal. Both arms lead to one place, which keeps angular momentum.
     """
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for m in range(manifolds):
@@ -84,6 +89,11 @@ def refresh(state: Floats, contacts: Contacts, manifolds: int) -> None:
             round_a, round_b = point[i, ROUND_A], point[i, ROUND_B]
             ra = axpy(round_a, n, ra) if round_a >= 0.0 else axpy(-round_a, low_a, ra)
             rb = axpy(-round_b, n, rb) if round_b >= 0.0 else axpy(-round_b, low_b, rb)
+            if manifold[m, RIMS] == ON_ELLIPSOID:
+                if shapes.kind[key[m, SHAPE_A], TYPE] == ELLIPSOID:
+                    ra = farthest(shapes.shape, key[m, SHAPE_A], ra_wb, n)
+                if shapes.kind[key[m, SHAPE_B], TYPE] == ELLIPSOID:
+                    rb = farthest(shapes.shape, key[m, SHAPE_B], rb_wb, neg(n))
             gap = dot(n, add(way, sub(rb, ra)))
             point[i, SEPARATION] = gap
             if key[m, LEADS] == 0:

@@ -42,6 +42,7 @@ from engine.respond.arms import spread
 from engine.respond.centre import Centre, frame_of
 from engine.respond.mobility import effective_masses, write_blocks, write_stop
 from engine.respond.pair import pair_of
+from engine.respond.rolling_ellipsoids import ON_ELLIPSOID, is_ellipsoid
 from engine.respond.rolling_rims import radius, rim_of, rolls_on
 
 __all__ = ["prepare"]
@@ -65,20 +66,20 @@ def prepare(bodies: Bodies, shapes: Shapes, contacts: Contacts, m: int) -> None:
     round_b = radius(shape, shape_kind, pose, key[m, SHAPE_B], n)
     rim_a = rim_of(shape, shape_kind, pose, key[m, SHAPE_A], n)
     rim_b = rim_of(shape, shape_kind, pose, key[m, SHAPE_B], scale(-1.0, n))
-    manifold[m, RIMS] = 0.0
+    manifold[m, RIMS] = ON_ELLIPSOID if is_ellipsoid(shape_kind, key[m, SHAPE_A], key[m, SHAPE_B]) else 0.0
     for k in range(key[m, POINTS]):
         i = 4 * m + k
         place, gap = load3(point, i, PLACE), point[i, FIRST_GAP]
         store3(point, i, ARM_A, sub(place, pa))
         store3(point, i, ARM_B, sub(place, pb))
         on_a, on_b = axpy(-0.5 * gap, n, place), axpy(0.5 * gap, n, place)
-        if rolls_on(rim_a, on_a):
+        if manifold[m, RIMS] != ON_ELLIPSOID and rolls_on(rim_a, on_a):
             manifold[m, RIMS], point[i, ROUND_A] = 1.0, -rim_a.radius
             on_a = axpy(-rim_a.radius, rim_a.lowest, on_a)
         else:
             point[i, ROUND_A] = round_a
             on_a = axpy(-round_a, n, on_a)
-        if rolls_on(rim_b, on_b):
+        if manifold[m, RIMS] != ON_ELLIPSOID and rolls_on(rim_b, on_b):
             manifold[m, RIMS], point[i, ROUND_B] = 1.0, -rim_b.radius
             on_b = axpy(-rim_b.radius, rim_b.lowest, on_b)
         else:

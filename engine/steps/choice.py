@@ -26,8 +26,8 @@ class Kernels:
     drop_apart: DropApart | None
 
 
-def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, islands: bool, rubbing: bool) -> Step:
-    """The compiled step that runs exactly the stages needed. Args: rubbing: has a joint dry friction? Raises: NotSupported."""
+def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, islands: bool, unsmooth: str) -> Step:
+    """The compiled step that runs exactly the stages needed. Args: unsmooth: what of joints is not. Raises: NotSupported."""
     integrator = options.integrator
     if integrator in FREE_INTEGRATORS:
         if touching or jointed:
@@ -62,8 +62,8 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
 
     if not jointed:
         return smooth.step_free
-    if rubbing and integrator == "rk4":
+    if unsmooth and integrator == "rk4":
         raise NotSupported(
-            "integrator 'rk4' with dry friction in a joint", "its stages are smooth; semi_implicit_euler knows it"
+            f"integrator 'rk4' with {unsmooth} in a joint", "its stages are smooth; semi_implicit_euler knows it"
         )
     return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler

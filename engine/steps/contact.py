@@ -6,7 +6,7 @@ from engine.maths.vec import Floats, Ints
 from engine.memory.arena import COUNT, DT, ITERATIONS, MANIFOLDS, RELAXATIONS, SETTING, START, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of
+from engine.memory.tables import bodies_of, contacts_of, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.share_loads import share_loads
 from engine.respond.soft import sweep
@@ -22,7 +22,7 @@ __all__ = ["step_contact"]
 def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact. Returns: steps done, and DONE, DIVERGED, FULL or CONVEX_PENDING."""
     bodies, contacts, sums = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     soft = softness_of(setting, setting[0, DT] / count[0, SUBSTEPS])
     slow = slow_approach(setting, soft.h)
     for step in range(steps):
@@ -41,7 +41,7 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 for _ in range(count[0, ITERATIONS] * times):
                     sweep(bodies, contacts, n, soft, PRESS)
                 drift_touched(bodies, count, soft.h)
-                refresh(bodies.state, contacts, n)
+                refresh(bodies.state, shapes, contacts, n)
                 share_loads(bodies, contacts, n, sums)
                 for _ in range(count[0, RELAXATIONS] * times):
                     sweep(bodies, contacts, n, soft, RELAX)

@@ -23,7 +23,7 @@ from engine.memory.arena import (
 )
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of, joints_of, rows_of
+from engine.memory.tables import bodies_of, contacts_of, joints_of, rows_of, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.share_loads import share_loads
 from engine.respond.soft import sweep
@@ -40,7 +40,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
     """Advance bodies in contact and held by joints. Returns: as `step_contact`, and `open_joint`."""
     bodies, contacts, sums = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
     joints, rows = joints_of(floats, ints), rows_of(floats, ints)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     soft = softness_of(setting, setting[0, DT] / count[0, SUBSTEPS])
     slow = slow_approach(setting, soft.h)
     for step in range(steps):
@@ -67,7 +67,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
                     hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
             drift_touched(bodies, count, soft.h)
             if n > 0:
-                refresh(bodies.state, contacts, n)
+                refresh(bodies.state, shapes, contacts, n)
                 share_loads(bodies, contacts, n, sums)
                 for _ in range(count[0, RELAXATIONS] * times):
                     sweep(bodies, contacts, n, soft, RELAX)

@@ -6,7 +6,7 @@ from engine.maths.vec import Floats, Ints
 from engine.memory.arena import COUNT, DT, ITERATIONS, MANIFOLDS, MARGIN, SETTING, START, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of
+from engine.memory.tables import bodies_of, contacts_of, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.sequential_impulses import push_apart, sweep_velocities
 from engine.respond.share_loads import share_loads
@@ -25,7 +25,7 @@ SLOP = 0.1
 def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact. Returns: as `step_contact`."""
     bodies, contacts, pseudo = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     h, iterations = setting[0, DT] / count[0, SUBSTEPS], count[0, ITERATIONS]
     slow, slop = slow_approach(setting, h), SLOP * setting[0, MARGIN]
     for step in range(steps):
@@ -43,9 +43,9 @@ def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[in
                 for k in range(iterations):
                     sweep_velocities(bodies, contacts, n, h, RELAX, k % 2)
                 drift_touched(bodies, count, h)
-                refresh(bodies.state, contacts, n)
+                refresh(bodies.state, shapes, contacts, n)
                 if push_apart(bodies, contacts, n, pseudo, h, iterations, slop):
-                    refresh(bodies.state, contacts, n)
+                    refresh(bodies.state, shapes, contacts, n)
                 if bounce(contacts, n):
                     for k in range(iterations):
                         sweep_velocities(bodies, contacts, n, h, REBOUND, k % 2)

@@ -3,9 +3,9 @@
 from harness.adapter.contract import Unsupported
 from harness.scene import Joint, Scene
 
-__all__ = ["carried", "followed", "refuse_armature"]
+__all__ = ["carried", "followed", "refuse_armature", "refuse_speed_limit"]
 
-LAWS = ("limits", "spring", "drive", "armature", "friction_loss", "coupling")
+LAWS = ("limits", "spring", "drive", "armature", "friction_loss", "speed_limit", "coupling")
 
 
 def carried(joint: Joint) -> tuple[str, ...]:
@@ -24,3 +24,10 @@ def refuse_armature(joint: Joint, why: str) -> None:
     if "armature" in carried(joint):
         size = f"{joint.armature:g} {'kg m2' if joint.type == 'revolute' else 'kg'}"  # type: ignore[union-attr]
         raise Unsupported(f"joint '{joint.name}': armature of {size}", why)
+
+
+def refuse_speed_limit(joint: Joint, why: str) -> None:
+    """For engines without a bound of a coordinate's rate. Raises: Unsupported, where the joint has one."""
+    if "speed_limit" in carried(joint):
+        size = f"{joint.speed_limit:g} {'rad/s' if joint.type == 'revolute' else 'm/s'}"  # type: ignore[union-attr]
+        raise Unsupported(f"joint '{joint.name}': speed limit of {size}", why)

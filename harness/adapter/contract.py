@@ -80,6 +80,7 @@ class Feature(Flag):
     BOX = auto()
     CAPSULE = auto()
     CYLINDER = auto()
+    ELLIPSOID = auto()
     PLANE = auto()
     CONVEX_HULL = auto()
     TRIANGLE_MESH = auto()
@@ -89,6 +90,8 @@ class Feature(Flag):
     KINEMATIC = auto()
     PRESCRIBED_MOTION = auto()
     """Kinematic bodies whose velocities are told anew before each step."""
+    MASS_POINT = auto()
+    """Bodies without inertia, which nothing turns or which are fixed to others."""
     FIXED = auto()
     BALL = auto()
     REVOLUTE = auto()
@@ -104,6 +107,8 @@ class Feature(Flag):
     """Inertia of rotors, along joint coordinates alone."""
     FRICTION_LOSS = auto()
     """Dry friction along joint coordinates."""
+    SPEED_LIMIT = auto()
+    """A hard bound of a joint coordinate's rate, whose reaction acts on both bodies."""
     COUPLING = auto()
     """Joint coordinates tied to each other linearly."""
     FEEDFORWARD = auto()

@@ -16,7 +16,12 @@ _CONTACT = {
     Effect.TORSIONAL_FRICTION: Feature.TORSIONAL_FRICTION,
     Effect.CONTINUOUS_COLLISION: Feature.CONTINUOUS_COLLISION,
 }
-_ALONG = {"armature": Feature.ARMATURE, "friction_loss": Feature.FRICTION_LOSS, "coupling": Feature.COUPLING}
+_ALONG = {
+    "armature": Feature.ARMATURE,
+    "friction_loss": Feature.FRICTION_LOSS,
+    "speed_limit": Feature.SPEED_LIMIT,
+    "coupling": Feature.COUPLING,
+}
 
 
 def features_of(scene: Scene) -> Feature:
@@ -42,6 +47,8 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield Feature.KINEMATIC
         if body.prescribed is not None:
             yield Feature.KINEMATIC | Feature.PRESCRIBED_MOTION
+        if body.mass_point:
+            yield Feature.MASS_POINT
         if len(body.collision) > 1:
             yield Feature.COMPOUND
         if Effect.CONTACT in effects:

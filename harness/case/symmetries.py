@@ -15,7 +15,7 @@ import numpy as np
 from harness.scene import WORLD, Body, Joint, Prescribed, Quaternion, Scene, Vector3
 from harness.scene import multiply as times
 from harness.scene import rotate as turned_vector
-from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh
+from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import conjugate, product, rotate
 
@@ -139,7 +139,7 @@ def scaled(scene: Scene, name: str, size: float) -> Retelling:
     """
     speed, clock = float(np.sqrt(size)), float(np.sqrt(size))
     for joint in scene.joints:
-        if any(getattr(joint, field, None) is not None for field in ("spring", "drive", "limits")):
+        if any(getattr(joint, field, None) is not None for field in ("spring", "drive", "limits", "speed_limit")):
             raise ValueError(f"joint '{joint.name}': has a spring, a drive or limits, which are not scaled")
 
     def at(vector: Vector3, by: float) -> Vector3:
@@ -209,6 +209,9 @@ def _sized(shape: Shape, size: float) -> Shape:
             return Capsule(radius=size * shape.radius, half_length=size * shape.half_length)
         case Cylinder():
             return Cylinder(radius=size * shape.radius, half_length=size * shape.half_length)
+        case Ellipsoid():
+            a, b, c = shape.semi_axes
+            return Ellipsoid(semi_axes=(size * a, size * b, size * c))
         case Plane():
             return shape
         case ConvexHull() | TriangleMesh():

@@ -1,7 +1,7 @@
 """The list of all checks, in the order in which they are run and shown."""
 
 from harness.conformance.check import ConformanceCheck
-from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, shapes
+from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, rocking, shapes
 from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
 from harness.conformance.checks.contract.declarations import declarations_check
 from harness.conformance.checks.joints import (
@@ -13,7 +13,7 @@ from harness.conformance.checks.joints import (
     joint_states,
     reactions,
 )
-from harness.conformance.checks.motion import dynamics, frames, precision, prescribed, stepping
+from harness.conformance.checks.motion import dynamics, frames, mass_points, precision, prescribed, stepping
 from harness.conformance.checks.sensing import images, inertial, present, rays
 
 __all__ = ["CHECKS"]
@@ -26,9 +26,11 @@ _ASKED: tuple[ConformanceCheck, ...] = (
     *dynamics.CHECKS,
     *stepping.CHECKS,
     *precision.CHECKS,
+    *mass_points.CHECKS,
     *shapes.CHECKS,
     *compounds.CHECKS,
     *resting.CHECKS,
+    *rocking.CHECKS,
     *contacts.CHECKS,
     *prescribed.CHECKS,
     *pairs.CHECKS,

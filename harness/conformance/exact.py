@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.scene import Box, Capsule, Cylinder, Plane, Quaternion, Shape, Sphere, multiply, rotation_matrix
+from harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Quaternion, Shape, Sphere, multiply, rotation_matrix
 from harness.trajectory import Floats, kinematics
 
 __all__ = ["angle_between", "first_hit", "rotation", "turned_by", "turning"]
@@ -88,6 +88,10 @@ def first_hit(shape: Shape, o: Floats, d: Floats) -> float:
             return min(_ball(o, d, r, -h), _ball(o, d, r, h), _tube(o, d, r, h))
         case Cylinder(radius=r, half_length=h):
             return min(_tube(o, d, r, h), _caps(o, d, r, h))
+        case Ellipsoid(semi_axes=semi_axes):
+            p, u = o / semi_axes, d / semi_axes
+            stretch = float(np.linalg.norm(u))
+            return _ball(p, u / stretch, 1.0, 0.0) / stretch
         case Plane(normal=n):
             across = float(np.dot(d, n))
             return -float(np.dot(o, n)) / across if across < 0 else np.inf

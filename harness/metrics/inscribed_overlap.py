@@ -8,7 +8,7 @@ engine's own contacts.
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Sphere
+from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Scene, Sphere
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import rotate
 
@@ -22,7 +22,7 @@ def _inscribed(body: Body) -> float | None:
     match body.collision[0].shape:
         case Sphere(radius=radius) | Capsule(radius=radius):
             return radius
-        case Box(half_extents=half):
+        case Box(half_extents=half) | Ellipsoid(semi_axes=half):
             return min(half)
         case Cylinder(radius=radius, half_length=half_length):
             return min(radius, half_length)

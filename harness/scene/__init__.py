@@ -6,7 +6,14 @@ from harness.scene.camera import Camera, Distortion
 from harness.scene.depth_camera import DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from harness.scene.effect import Effect
 from harness.scene.imu import AxisNoise, Imu, ImuNoise
-from harness.scene.inertia import box_inertia, capsule_inertia, cylinder_inertia, principal_inertia, sphere_inertia
+from harness.scene.inertia import (
+    box_inertia,
+    capsule_inertia,
+    cylinder_inertia,
+    ellipsoid_inertia,
+    principal_inertia,
+    sphere_inertia,
+)
 from harness.scene.joint import WORLD, Ball, Coupling, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from harness.scene.lidar import Lidar, LidarNoise
 from harness.scene.motion import Motion, Samples, Sinusoid, sampled
@@ -14,7 +21,19 @@ from harness.scene.prescribed import Prescribed, Shift, Turn
 from harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
 from harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
 from harness.scene.sensor import Sensor
-from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh, width
+from harness.scene.shape import (
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Ellipsoid,
+    Plane,
+    Shape,
+    Sphere,
+    TriangleMesh,
+    polyhedron_of,
+    width,
+)
 from harness.scene.surface import Surface
 from harness.scene.values import Matrix3, Quaternion, Vector3
 
@@ -37,6 +56,7 @@ __all__ = [
     "Distortion",
     "Drive",
     "Effect",
+    "Ellipsoid",
     "Fixed",
     "Imu",
     "ImuNoise",
@@ -73,7 +93,9 @@ __all__ = [
     "box_inertia",
     "capsule_inertia",
     "cylinder_inertia",
+    "ellipsoid_inertia",
     "multiply",
+    "polyhedron_of",
     "principal_inertia",
     "rotate",
     "rotation_matrix",

@@ -27,7 +27,8 @@ class Body:
     """A rigid body whose frame B has its origin at the centre of mass.
 
     Terms:
-        mass [kg], inertia [kg m2] shape (3, 3), symmetric, about the centre of mass in B.
+        mass [kg], inertia [kg m2] shape (3, 3), symmetric, about the centre of mass in B; all zero for a mass point, which
+        nothing turns and which has no collision shapes.
         collision: the shapes that touch (several make a compound); visual: what is drawn, the same if None.
         material: the name that surfaces pair up. appearance: what light does at its surface.
         p_WB [m], q_WB, v_WB [m/s], w_WB [rad/s]: pose and velocity at time 0, in W.
@@ -58,12 +59,13 @@ class Body:
         largest = float(np.abs(tensor).max())
         if np.abs(tensor - tensor.T).max() > 1e-9 * largest:
             raise ValueError(f"{where}: inertia {tensor.tolist()} kg m2 is not symmetric")
-        if largest == 0.0:
+        if largest == 0.0 and self.collision:
             raise ValueError(
-                f"{where}: inertia is zero; no engine here turns a mass point, expected that of a small ball, 2/5 m r^2"
+                f"{where}: inertia is zero, and it has shapes that touch; a mass point has none, expected that of a small "
+                "ball, 2/5 m r^2"
             )
         a, b, c = np.linalg.eigvalsh(tensor)
-        if a <= 0:
+        if a <= 0 and largest > 0.0:
             raise ValueError(f"{where}: inertia with principal moments ({a:g}, {b:g}, {c:g}) kg m2 is not positive")
         if a + b < c * (1 - 1e-9):
             raise ValueError(
@@ -77,6 +79,11 @@ class Body:
             raise ValueError(f"{where}: w_WB {self.w_WB} beside a prescribed motion; expected zero, and a turn for it")
         if self.motion == "dynamic" and any(placed.shape.type == "plane" for placed in self.collision):
             raise ValueError(f"{where}: a plane has no bounds; expected motion 'static' or 'kinematic', got 'dynamic'")
+
+    @property
+    def mass_point(self) -> bool:
+        """Is it a movable body without any inertia?"""
+        return self.movable and not any(map(any, self.inertia))
 
     @property
     def movable(self) -> bool:

@@ -5,7 +5,7 @@ Source: Goldstein, Classical Mechanics, 3rd ed., section 5.3 and exercises.
 
 from harness.scene.values import Matrix3, Vector3
 
-__all__ = ["box_inertia", "capsule_inertia", "cylinder_inertia", "principal_inertia", "sphere_inertia"]
+__all__ = ["box_inertia", "capsule_inertia", "cylinder_inertia", "ellipsoid_inertia", "principal_inertia", "sphere_inertia"]
 
 
 def principal_inertia(xx: float, yy: float, zz: float) -> Matrix3:
@@ -23,6 +23,12 @@ def box_inertia(mass: float, half_extents: Vector3) -> Matrix3:
     """A solid box with half extents (a, b, c): m/3 (b^2 + c^2), ..."""
     a, b, c = half_extents
     return principal_inertia(mass / 3 * (b * b + c * c), mass / 3 * (a * a + c * c), mass / 3 * (a * a + b * b))
+
+
+def ellipsoid_inertia(mass: float, semi_axes: Vector3) -> Matrix3:
+    """A solid ellipsoid with semi-axes (a, b, c): m/5 (b^2 + c^2), ..."""
+    a, b, c = semi_axes
+    return principal_inertia(mass / 5 * (b * b + c * c), mass / 5 * (a * a + c * c), mass / 5 * (a * a + b * b))
 
 
 def cylinder_inertia(mass: float, radius: float, half_length: float) -> Matrix3:

@@ -103,6 +103,7 @@ class Revolute:
     Terms:
         armature [kg m2]: inertia of the rotor that turns with the coordinate alone: the joint resists x'' by -armature x''.
         friction_loss [N m]: the greatest size of a dry friction along the coordinate: it opposes x', and holds where x' is 0.
+        speed_limit [rad/s]: the most that |x'| may be: at it, whatever torque that takes keeps x' there, and acts on both.
         coupling: the tie to another joint's coordinate. None: none, as 0.
     """
 
@@ -117,6 +118,7 @@ class Revolute:
     drive: Drive | None = None
     armature: NonNegative | None = None
     friction_loss: NonNegative | None = None
+    speed_limit: Positive | None = None
     coupling: Coupling | None = None
     collide: bool = False
     type: Literal["revolute"] = "revolute"
@@ -129,6 +131,7 @@ class Prismatic:
     Terms:
         armature [kg]: inertia of the rotor that turns with the coordinate alone: the joint resists x'' by -armature x''.
         friction_loss [N]: the greatest size of a dry friction along the coordinate: it opposes x', and holds where x' is 0.
+        speed_limit [m/s]: the most that |x'| may be: at it, whatever force that takes keeps x' there, and acts on both.
         coupling: the tie to another joint's coordinate. None: none, as 0.
     """
 
@@ -143,6 +146,7 @@ class Prismatic:
     drive: Drive | None = None
     armature: NonNegative | None = None
     friction_loss: NonNegative | None = None
+    speed_limit: Positive | None = None
     coupling: Coupling | None = None
     collide: bool = False
     type: Literal["prismatic"] = "prismatic"

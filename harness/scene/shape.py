@@ -1,4 +1,4 @@
-"""Collision and visual geometry: a closed union of seven shapes, each in its own frame S."""
+"""Collision and visual geometry: a closed union of eight shapes, each in its own frame S."""
 
 import math
 from typing import Annotated, Literal
@@ -8,7 +8,19 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Axis, Positive, Vector3
 
-__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Plane", "Shape", "Sphere", "TriangleMesh", "width"]
+__all__ = [
+    "Box",
+    "Capsule",
+    "ConvexHull",
+    "Cylinder",
+    "Ellipsoid",
+    "Plane",
+    "Shape",
+    "Sphere",
+    "TriangleMesh",
+    "polyhedron_of",
+    "width",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -43,6 +55,14 @@ class Cylinder:
     radius: Positive
     half_length: Positive
     type: Literal["cylinder"] = "cylinder"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Ellipsoid:
+    """A solid ellipsoid of `semi_axes` [m] along the axes of S, centred."""
+
+    semi_axes: tuple[Positive, Positive, Positive]
+    type: Literal["ellipsoid"] = "ellipsoid"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -92,6 +112,18 @@ class TriangleMesh:
             raise ValueError(f"faces[{bad}] = {self.faces[bad]} has no area, expected a proper triangle")
 
 
+def polyhedron_of(shape: Ellipsoid) -> tuple[Vector3, ...]:
+    """Corners [m] (162, 3) on an ellipsoid, of an icosahedron whose edges were halved twice: what stands for it is said to.
+
+    Its faces lie inside the surface by up to 2.7 % of the largest semi-axis.
+    """
+    import numpy as np
+    import trimesh
+
+    corners = np.array(trimesh.creation.icosphere(subdivisions=2).vertices) * np.array(shape.semi_axes)
+    return tuple((float(x), float(y), float(z)) for x, y, z in corners)
+
+
 def width(shape: "Shape") -> float:
     """The least of a shape's widths along its own axes [m]; infinite for a half space."""
     match shape:
@@ -99,7 +131,7 @@ def width(shape: "Shape") -> float:
             return 2 * radius
         case Cylinder(radius=radius, half_length=half_length):
             return 2 * min(radius, half_length)
-        case Box(half_extents=half):
+        case Box(half_extents=half) | Ellipsoid(semi_axes=half):
             return 2 * min(half)
         case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
             return float(min(max(axis) - min(axis) for axis in zip(*vertices, strict=True)))
@@ -108,6 +140,6 @@ def width(shape: "Shape") -> float:
 
 
 Shape = Annotated[
-    Sphere | Box | Capsule | Cylinder | Plane | ConvexHull | TriangleMesh,
+    Sphere | Box | Capsule | Cylinder | Ellipsoid | Plane | ConvexHull | TriangleMesh,
     Field(discriminator="type"),
 ]

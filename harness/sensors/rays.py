@@ -1,7 +1,8 @@
 """First hits of rays on the primitives in closed form: what an engine's rays are measured against.
 
 Rays start outside all solids. A sphere is solved from the foot of the perpendicular on the ray, so that a grazing ray does not
-lose digits to the difference of large squares. A capsule is the union of a cylinder's side and two balls. A hull is the
+lose digits to the difference of large squares. An ellipsoid is a unit sphere in
+coordinates that are divided by its semi-axes. A capsule is the union of a cylinder's side and two balls. A hull is the
 intersection of the half-spaces of its faces; a mesh is met wherever a triangle of it is, from outside or behind.
 
 Source: Haines et al., "Precision improvements for ray/sphere intersection", Ray Tracing Gems (2019), chapter 7; Kay and Kajiya,
@@ -14,7 +15,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Scene, Shape, Sphere, TriangleMesh
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
 from harness.trajectory import Floats, Hits, State
 from harness.trajectory.kinematics import product, rotate, rotate_back
 
@@ -42,6 +43,17 @@ def _sphere(o: Floats, d: Floats, centre: Floats, radius: float) -> Met:
     rest = radius**2 - np.sum(foot * foot, axis=1)
     half = np.sqrt(np.maximum(rest, 0.0))
     return _met(towards - half, rest >= 0, (foot - half[:, None] * d) / radius)
+
+
+def _ellipsoid(o: Floats, d: Floats, semi_axes: Floats) -> Met:
+    """The unit sphere, along a direction that dividing has made `stretch` times as long."""
+    divided = d / semi_axes
+    stretch = np.linalg.norm(divided, axis=1)
+    distance, spot = _sphere(o / semi_axes, divided / stretch[:, None], np.zeros(3), 1.0)
+    normal = spot / semi_axes
+    with np.errstate(invalid="ignore"):
+        normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+    return _met(distance / stretch, np.isfinite(distance), np.nan_to_num(normal))
 
 
 def _plane(o: Floats, d: Floats, normal: Floats) -> Met:
@@ -133,6 +145,8 @@ def _shape(shape: Shape, o: Floats, d: Floats) -> Met:
             return _sphere(o, d, np.zeros(3), shape.radius)
         case Plane():
             return _plane(o, d, np.array(shape.normal))
+        case Ellipsoid():
+            return _ellipsoid(o, d, np.array(shape.semi_axes))
         case Box():
             return _box(o, d, np.array(shape.half_extents))
         case Cylinder():

@@ -11,7 +11,7 @@ from itertools import product as pairs_of
 
 import numpy as np
 
-from harness.scene import Body, Box, Capsule, ConvexHull, Cylinder, Plane, Scene, Sphere, TriangleMesh, width
+from harness.scene import Body, Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Scene, Sphere, TriangleMesh, width
 from harness.scene.shape import Shape
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import product, rotate
@@ -57,6 +57,8 @@ class _Solid:
                 beyond = radius + length * abs(along[2])
             case Cylinder(radius=radius, half_length=length):
                 beyond = radius * float(np.hypot(along[0], along[1])) + length * abs(along[2])
+            case Ellipsoid(semi_axes=semi_axes):
+                beyond = float(np.linalg.norm(along * np.array(semi_axes)))
             case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
                 beyond = float(np.max(np.array(vertices) @ along))
             case Plane():
@@ -112,6 +114,8 @@ def _radius(shape: Shape) -> float:
             return radius
         case Box(half_extents=half):
             return float(np.linalg.norm(half))
+        case Ellipsoid(semi_axes=semi_axes):
+            return max(semi_axes)
         case Capsule(radius=radius, half_length=length):
             return radius + length
         case Cylinder(radius=radius, half_length=length):

@@ -51,6 +51,8 @@ def reach(body: Mapping[str, Any]) -> float:
                 size = shape["radius"]
             case "box":
                 size = math.hypot(*shape["half_extents"])
+            case "ellipsoid":
+                size = max(shape["semi_axes"])
             case "cylinder":
                 size = math.hypot(shape["radius"], shape["half_length"])
             case "capsule":

@@ -135,6 +135,8 @@ def drawn(batch: Batch, paint: Paint) -> "list[rr.AsComponents]":
     match batch.kind:
         case "sphere":
             return [rr.Ellipsoids3D(half_sizes=[[s["radius"]] * 3 for s in shapes], **shown)]
+        case "ellipsoid":
+            return [rr.Ellipsoids3D(half_sizes=[s["semi_axes"] for s in shapes], **shown)]
         case "box":
             return [rr.Boxes3D(half_sizes=[s["half_extents"] for s in shapes], **shown)]
         case "cylinder":

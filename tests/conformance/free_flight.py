@@ -119,6 +119,8 @@ class FreeFlight(Adapter):
         for body in scene.bodies:
             if body.collision:
                 raise Unsupported(f"body '{body.name}': shapes", "free flight meets nothing")
+            if body.mass_point:
+                raise Unsupported(f"body '{body.name}': a mass point", "free flight turns what has an inertia")
             if body.motion == "kinematic":
                 raise Unsupported(f"body '{body.name}': kinematic motion", "free flight knows forces alone")
         if scene.joints:

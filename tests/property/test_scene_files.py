@@ -20,6 +20,7 @@ from harness.scene import (
     Distance,
     Drive,
     Effect,
+    Ellipsoid,
     Fixed,
     Imu,
     ImuNoise,
@@ -58,6 +59,7 @@ shapes = st.one_of(
     st.builds(Box, half_extents=st.tuples(positive, positive, positive)),
     st.builds(Capsule, radius=positive, half_length=positive),
     st.builds(Cylinder, radius=positive, half_length=positive),
+    st.builds(Ellipsoid, semi_axes=st.tuples(positive, positive, positive)),
     st.just(ConvexHull(vertices=TETRAHEDRON)),
     st.just(TriangleMesh(vertices=TETRAHEDRON, faces=FACES)),
 )

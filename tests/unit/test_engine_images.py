@@ -35,6 +35,7 @@ SHAPES: dict[str, tuple[engine.Shape, words.Shape]] = {
     "box": (engine.Box(HALF), BOX),
     "capsule": (engine.Capsule(0.3, 0.5), words.Capsule(radius=0.3, half_length=0.5)),
     "cylinder": (engine.Cylinder(0.4, 0.5), words.Cylinder(radius=0.4, half_length=0.5)),
+    "ellipsoid": (engine.Ellipsoid((0.3, 0.5, 0.4)), words.Ellipsoid(semi_axes=(0.3, 0.5, 0.4))),
     "plane": (engine.Plane((0.0, -0.96, -0.28)), words.Plane(normal=(0.0, -0.96, -0.28))),
     "hull": (engine.ConvexHull(CORNERS), BOX),
     "mesh": (engine.TriangleMesh(CORNERS, SIDES), BOX),
@@ -163,7 +164,7 @@ def test_both_renderers_agree_on_depth_bodies_and_colours(seed: int, inside: boo
 
 
 @BOTH
-@pytest.mark.parametrize("name", ["sphere", "box", "capsule", "cylinder", "hull"])
+@pytest.mark.parametrize("name", ["sphere", "box", "capsule", "cylinder", "ellipsoid", "hull"])
 def test_a_solid_cut_open_by_the_near_plane_shows_its_far_side(name: str, method: str) -> None:
     """What the near plane leaves is what rays see that start on it, the solid being convex: from its inside, its exit."""
     made, said = SHAPES[name]
@@ -184,7 +185,11 @@ def test_a_solid_cut_open_by_the_near_plane_shows_its_far_side(name: str, method
 
 @BOTH
 def test_the_eye_inside_a_solid_sees_the_wall_around_it(method: str) -> None:
-    for shape in (engine.Sphere(0.5), engine.Box((0.5, 0.6, 0.7)), engine.Capsule(0.5, 0.2), engine.Cylinder(0.5, 0.6)):
+    shapes: tuple[engine.Shape, ...] = (
+        engine.Sphere(0.5), engine.Box((0.5, 0.6, 0.7)), engine.Capsule(0.5, 0.2), engine.Cylinder(0.5, 0.6),
+        engine.Ellipsoid((0.5, 0.6, 0.7)),
+    )  # fmt: skip
+    for shape in shapes:
         world = _world(engine.Body(shapes=[engine.Placed(shape)]))
         picture = world.render(_eye(width=16, height=12, focal_x=9, focal_y=9, centre_x=8, centre_y=6), method)
         assert np.isfinite(picture.depth).all()

@@ -1,12 +1,28 @@
 """What an MJCF says, as MuJoCo's own compiler understands it: what is carried over, what is said, what is refused by name."""
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.intake.refusal import RobotError
-from harness.scene import Ball, Body, ConvexHull, Coupling, Distance, Drive, Fixed, Prismatic, Revolute, Scene, Spring, Surface
+from harness.scene import (
+    Ball,
+    Body,
+    ConvexHull,
+    Coupling,
+    Distance,
+    Drive,
+    Ellipsoid,
+    Fixed,
+    Prismatic,
+    Revolute,
+    Scene,
+    Spring,
+    Surface,
+    ellipsoid_inertia,
+)
 from harness.scene.importers.companion import Companion, JointWish, Massless, Units
 from tests.robot_files import imported, mjcf, row
 
@@ -204,8 +220,19 @@ def test_margins_and_softness_are_said(tmp_path: Path) -> None:
     assert row(got, "solref, solimp").outcome == "left_out"
 
 
-def test_an_ellipsoid_becomes_a_polyhedron_that_lies_inside_by_what_is_said(tmp_path: Path) -> None:
-    got = imported(tmp_path, mjcf('<freejoint/><geom type="ellipsoid" size=".1 .2 .3"/>'))
+def test_an_ellipsoid_is_one_and_weighs_as_the_vendor_says(tmp_path: Path) -> None:
+    got = imported(tmp_path, mjcf('<freejoint/><geom type="ellipsoid" size=".1 .2 .3" density="500"/>'))
+    body = got.scene.body("arm")
+    assert body.collision[0].shape == Ellipsoid(semi_axes=(0.1, 0.2, 0.3))
+    mass = 500 * 4 / 3 * math.pi * 0.1 * 0.2 * 0.3
+    assert body.mass == pytest.approx(mass)
+    assert np.array(body.inertia) == pytest.approx(np.array(ellipsoid_inertia(mass, (0.1, 0.2, 0.3))))
+    assert (row(got, "geom ellipsoid").outcome, row(got, "geom ellipsoid").becomes) == ("exact", "ellipsoid")
+
+
+def test_an_ellipsoid_becomes_a_polyhedron_where_the_companion_asks_for_it(tmp_path: Path) -> None:
+    asked = Companion(ellipsoids="polyhedra")
+    got = imported(tmp_path, mjcf('<freejoint/><geom type="ellipsoid" size=".1 .2 .3"/>'), asked)
     shape = got.scene.body("arm").collision[0].shape
     assert isinstance(shape, ConvexHull)
     corners = np.array(shape.vertices) / [0.1, 0.2, 0.3]

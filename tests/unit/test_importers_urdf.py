@@ -155,6 +155,12 @@ def test_efforts_and_speeds_without_a_word_in_the_scene_are_said(tmp_path: Path)
     got = imported(tmp_path, urdf())
     assert row(got, "effort").outcome == "left_out"
     assert row(got, "velocity limit").value == 3
+    assert (row(got, "velocity limit").outcome, joint(got).speed_limit) == ("left_out", None)
+
+
+def test_velocity_limits_are_laws_where_the_companion_says_so(tmp_path: Path) -> None:
+    got = imported(tmp_path, urdf(), Companion(speed_limits=True))
+    assert (row(got, "velocity limit").outcome, joint(got).speed_limit) == ("exact", 3)
 
 
 def test_a_mimic_joint_never_becomes_a_free_one_unannounced(tmp_path: Path) -> None:

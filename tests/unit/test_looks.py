@@ -102,6 +102,11 @@ BALL = {"name": "b", "motion": "dynamic", "collision": [{"shape": {"type": "sphe
         ({"type": "sphere", "radius": 0.5}, np.pi),
         ({"type": "box", "half_extents": [0.5, 1.0, 1.5]}, 2 * (2 + 3 + 6)),
         ({"type": "cylinder", "radius": 0.5, "half_length": 1.0}, 2 * np.pi * 0.5 * (0.5 + 2.0)),
+        # Oblate: 2 pi a^2 (1 + (1 - e^2)/e artanh e), e^2 = 1 - (c/a)^2.
+        (
+            {"type": "ellipsoid", "semi_axes": [1.0, 1.0, 0.5]},
+            2 * np.pi * (1 + 0.25 / np.sqrt(0.75) * np.arctanh(np.sqrt(0.75))),
+        ),
         ({"type": "capsule", "radius": 0.5, "half_length": 1.0}, np.pi + 2 * np.pi * 0.5 * 2.0),
     ],
 )

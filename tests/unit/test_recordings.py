@@ -19,6 +19,7 @@ from harness.scene import (
     Capsule,
     ConvexHull,
     Cylinder,
+    Ellipsoid,
     Imu,
     Lidar,
     PlacedShape,
@@ -61,6 +62,7 @@ def zoo() -> Scene:
         "brick": Box(half_extents=(0.1, 0.2, 0.3)),
         "pill": Capsule(radius=0.1, half_length=0.25),
         "drum": Cylinder(radius=0.1, half_length=0.4),
+        "egg": Ellipsoid(semi_axes=(0.1, 0.15, 0.2)),
         "hull": ConvexHull(vertices=CORNERS),
         "mesh": TriangleMesh(vertices=CORNERS, faces=FACES),
     }
@@ -184,7 +186,7 @@ def test_each_engine_and_track_and_the_truth_have_one_pose_a_body_and_instant(fo
     assert seconds == pytest.approx(TIMES)
 
 
-def test_all_seven_shapes_are_drawn_with_their_sizes(folder: Folder) -> None:
+def test_all_eight_shapes_are_drawn_with_their_sizes(folder: Folder) -> None:
     folder.add(record("rise", "mujoco"), zoo(), rising(zoo()))
     read = Read(folder.write()[0])
     root = "/world/mujoco/tuned"
@@ -194,6 +196,7 @@ def test_all_seven_shapes_are_drawn_with_their_sizes(folder: Folder) -> None:
     # The viewer's capsule starts at its origin; ours is centred there.
     assert read.array(f"{root}/pill", "Capsules3D:translations")[0] == pytest.approx(np.array([[0.0, 0.0, -0.25]]))
     assert read.array(f"{root}/drum", "Cylinders3D:lengths")[0] == pytest.approx([0.8])
+    assert read.array(f"{root}/egg", "Ellipsoids3D:half_sizes")[0] == pytest.approx(np.array([[0.1, 0.15, 0.2]]))
     for name in ("hull", "mesh"):
         corners = read.array(f"{root}/{name}", "Mesh3D:vertex_positions")[0].reshape(-1, 3, 3)
         assert {tuple(corner) for face in corners for corner in face} == set(CORNERS)

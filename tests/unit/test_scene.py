@@ -63,8 +63,8 @@ TETRAHEDRON = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0
         (lambda: Body(name="b", inertia=principal_inertia(1, 1, 5)), "body 'b'.*triangle inequality"),
         (lambda: Body(name="b", inertia=principal_inertia(1, -1, 1)), "body 'b'.*not positive"),
         (
-            lambda: Body(name="b", inertia=principal_inertia(0, 0, 0)),
-            "body 'b': inertia is zero; no engine here turns a mass point",
+            lambda: Body(name="b", inertia=principal_inertia(0, 0, 0), collision=(PlacedShape(shape=Sphere(radius=0.1)),)),
+            "body 'b': inertia is zero, and it has shapes that touch; a mass point has none",
         ),
         (lambda: Body(name="b", inertia=((1, 0.5, 0), (0, 1, 0), (0, 0, 1))), "body 'b'.*not symmetric"),
         (lambda: Body(name="b", q_WB=(0.0, 0.0, 0.0, 0.0)), "q_WB"),

@@ -11,6 +11,7 @@ from harness.scene import (
     Capsule,
     ConvexHull,
     Cylinder,
+    Ellipsoid,
     PlacedShape,
     Plane,
     Scene,
@@ -33,6 +34,9 @@ def _distance(shape: Shape, p: Floats) -> Floats:
         case Box():
             q = np.abs(p) - np.array(shape.half_extents)
             return np.linalg.norm(np.maximum(q, 0), axis=1) + np.minimum(q.max(axis=1), 0)
+        case Ellipsoid():
+            # No farther than the surface is, which the marching needs: the gradient of |p / D| is 1 / min D at most.
+            return (np.linalg.norm(p / np.array(shape.semi_axes), axis=1) - 1) * min(shape.semi_axes)
         case Capsule():
             rest = p - np.clip(p[:, 2], -shape.half_length, shape.half_length)[:, None] * np.array([0, 0, 1.0])
             return np.linalg.norm(rest, axis=1) - shape.radius
@@ -57,6 +61,7 @@ SHAPES: list[Shape] = [
     Box(half_extents=(0.5, 0.8, 0.3)),
     Capsule(radius=0.3, half_length=0.6),
     Cylinder(radius=0.5, half_length=0.4),
+    Ellipsoid(semi_axes=(0.5, 0.8, 0.3)),
     Plane(normal=(0.1, -0.2, 1.0)),
 ]
 
@@ -88,8 +93,9 @@ def test_rays_hit_where_the_signed_distance_vanishes(shape: Shape, seed: int) ->
     assert (hits.body[miss] == -1).all()
     at = origin_S[hit] + hits.distance[hit][:, None] * aim_S[hit]
     slope = np.stack([(_distance(shape, at + e) - _distance(shape, at - e)) / 2e-6 for e in 1e-6 * np.eye(3)], axis=1)
+    slope /= np.linalg.norm(slope, axis=1)[:, None]
     found = np.einsum("ij,ij->i", hits.normal_W[hit], rotate(turn[hit], slope))
-    # The gradient of the signed distance is the normal, except across an edge within a micrometre.
+    # The gradient of the signed distance points along the normal, except across an edge within a micrometre.
     assert np.mean(found > 1 - 1e-6) > 0.95
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.case.starts import PRESSED, TOLERANCE, member
-from harness.scene import Body, Box, Capsule, Cylinder, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
+from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
 from harness.scene.shape import Shape
 from harness.study import plugins
 from harness.trajectory.touching import reach, touches
@@ -32,6 +32,8 @@ def body(
         (BALL, 0.1, None),
         (Capsule(radius=0.1, half_length=0.2), 0.3, None),
         (Capsule(radius=0.1, half_length=0.2), 0.1, LYING),
+        (Ellipsoid(semi_axes=(0.1, 0.3, 0.2)), 0.2, None),
+        (Ellipsoid(semi_axes=(0.1, 0.2, 0.3)), 0.2, LYING),
         (Cylinder(radius=0.1, half_length=0.2), 0.2, None),
         (Cylinder(radius=0.1, half_length=0.2), 0.1, LYING),
     ],

@@ -8,7 +8,7 @@ from engine.maths.vec import Floats, Ints
 from engine.memory.arena import BODIES, COUNT, MANIFOLDS, SETTING, STEPS
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of
+from engine.memory.tables import bodies_of, contacts_of, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.softness import slow_approach
 from engine.respond.substep import approach, sum_impulses
@@ -43,7 +43,7 @@ def drift_touched(floats: Floats, ints: Ints, h: float, last: int) -> int:
     """Move the bodies in contact for h seconds. Args: last: 1 to end the step. Returns: DONE, or DIVERGED."""
     bodies, contacts, count = bodies_of(floats, ints), contacts_of(floats, ints), ints_of(ints, COUNT)
     all_bodies.drift_touched(bodies, count, h)
-    refresh(bodies.state, contacts, count[0, MANIFOLDS])
+    refresh(bodies.state, shapes_of(floats, ints), contacts, count[0, MANIFOLDS])
     sum_impulses(contacts, count[0, MANIFOLDS])
     if last == 1:
         count[0, STEPS] += 1

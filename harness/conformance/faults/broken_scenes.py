@@ -13,19 +13,24 @@ from harness.scene import (
     Body,
     Box,
     Capsule,
+    ConvexHull,
     Distance,
+    Ellipsoid,
     PlacedShape,
     Prismatic,
     Revolute,
     Scene,
     Sphere,
     Surface,
+    polyhedron_of,
 )
 
 __all__ = [
     "every_body",
     "capsule_to_sphere",
     "double_extents",
+    "ellipsoid_to_polyhedron",
+    "ellipsoid_to_sphere",
     "gravity",
     "half_a_capsule",
     "every_joint",
@@ -94,6 +99,32 @@ def capsule_to_sphere(body: Body) -> Body:
     """Every capsule becomes a sphere of .1 m."""
     kept = tuple(replace(p, shape=Sphere(radius=0.1)) if p.shape.type == "capsule" else p for p in body.collision)
     return replace(body, collision=kept)
+
+
+def ellipsoid_to_sphere(body: Body) -> Body:
+    """Every ellipsoid becomes the ball of its volume."""
+
+    def rounded(placed: PlacedShape) -> PlacedShape:
+        match placed.shape:
+            case Ellipsoid(semi_axes=(a, b, c)):
+                return replace(placed, shape=Sphere(radius=(a * b * c) ** (1 / 3)))
+            case _:
+                return placed
+
+    return replace(body, collision=tuple(rounded(placed) for placed in body.collision))
+
+
+def ellipsoid_to_polyhedron(body: Body) -> Body:
+    """Every ellipsoid becomes the hull of 162 points on it."""
+
+    def cut(placed: PlacedShape) -> PlacedShape:
+        match placed.shape:
+            case Ellipsoid():
+                return replace(placed, shape=ConvexHull(vertices=polyhedron_of(placed.shape)))
+            case _:
+                return placed
+
+    return replace(body, collision=tuple(cut(placed) for placed in body.collision))
 
 
 def half_a_capsule(scene: Scene) -> Scene:

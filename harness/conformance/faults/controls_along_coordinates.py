@@ -1,4 +1,4 @@
-"""The negative controls of rotors, dry friction and couplings: what acts along joint coordinates."""
+"""The negative controls of rotors, dry friction, speed limits and couplings: what acts along joint coordinates."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,6 +13,7 @@ from harness.scene import Prismatic, Revolute, Scene, Spring
 __all__ = ["COORDINATE_CONTROLS"]
 
 _SLIDE = Feature.REVOLUTE | Feature.PRISMATIC
+_SPEED = _SLIDE | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD
 
 
 def _scaled(law: str, factor: float) -> Callable[[Adapter], Adapter]:
@@ -39,6 +40,19 @@ def _tied(change: Callable[[float], float]) -> Callable[[Adapter], Adapter]:
         return replace(scene, joints=tuple(joints.values()))
 
     return changed_scene(apply)
+
+
+def _braked(joint: Any) -> Any:
+    """A damper in the place of a speed limit: its motor's force over that speed."""
+    if joint.speed_limit is None or joint.drive is None:
+        return joint
+    return replace(joint, speed_limit=None, spring=Spring(damping=abs(joint.drive.feedforward or 0.0) / joint.speed_limit))
+
+
+def _anchored(scene: Scene) -> Scene:
+    """The parents of joints with speed limits stand still, as if nothing reacted on them."""
+    parents = {j.parent for j in scene.joints if isinstance(j, Revolute | Prismatic) and j.speed_limit is not None}
+    return replace(scene, bodies=tuple(replace(b, motion="static") if b.name in parents else b for b in scene.bodies))
 
 
 def _heavier(scene: Scene) -> Scene:
@@ -112,6 +126,34 @@ COORDINATE_CONTROLS: tuple[Control, ...] = (
         plant=every_joint(lambda joint: replace(joint, friction_loss=None, spring=Spring(damping=joint.friction_loss or 0.0))),
         caught_by=("dry_friction_brakes", "dry_friction_holds"),
         needs=_SLIDE | Feature.FRICTION_LOSS | Feature.SPRINGS,
+    ),
+    Control(
+        name="speed_limit_dropped",
+        fault="joints have no speed limit",
+        plant=every_joint(lambda joint: replace(joint, speed_limit=None)),
+        caught_by=("speed_limit_is_reached_and_kept", "speed_limit_reacts_on_both_bodies"),
+        needs=_SPEED,
+    ),
+    Control(
+        name="speed_limit_five_percent_off",
+        fault="speed limits of joints are 5 % too high",
+        plant=_scaled("speed_limit", 1.05),
+        caught_by=("speed_limit_is_reached_and_kept", "speed_limit_reacts_on_both_bodies"),
+        needs=_SPEED,
+    ),
+    Control(
+        name="speed_limit_as_a_damper",
+        fault="a speed limit becomes a damper under which the joint's motor comes to it in time",
+        plant=every_joint(_braked),
+        caught_by=("speed_limit_is_reached_and_kept",),
+        needs=_SPEED | Feature.SPRINGS,
+    ),
+    Control(
+        name="speed_limit_without_reaction",
+        fault="the parents of joints with speed limits feel nothing",
+        plant=changed_scene(_anchored),
+        caught_by=("speed_limit_reacts_on_both_bodies",),
+        needs=_SPEED,
     ),
     Control(
         name="coupling_lost",

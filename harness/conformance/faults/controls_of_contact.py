@@ -22,6 +22,8 @@ from harness.conformance.faults.broken_contacts import (
 from harness.conformance.faults.broken_scenes import (
     capsule_to_sphere,
     double_extents,
+    ellipsoid_to_polyhedron,
+    ellipsoid_to_sphere,
     every_body,
     every_surface,
     half_a_capsule,
@@ -118,6 +120,20 @@ CONTACT_CONTROLS: tuple[Control, ...] = (
         plant=changed_scene(half_a_capsule),
         caught_by=("lying_capsule_rests_on_box",),
         needs=Feature.CAPSULE | Feature.SPHERE | Feature.BOX,
+    ),
+    Control(
+        name="ellipsoid_replaced_by_a_ball",
+        fault="an ellipsoid is silently the ball of its volume",
+        plant=every_body(ellipsoid_to_sphere),
+        caught_by=("ellipsoid_is_an_ellipsoid", "ellipsoid_rocks_by_its_curvature"),
+        needs=Feature.ELLIPSOID | Feature.SPHERE,
+    ),
+    Control(
+        name="ellipsoid_replaced_by_a_polyhedron",
+        fault="an ellipsoid is silently the hull of 162 points on it",
+        plant=every_body(ellipsoid_to_polyhedron),
+        caught_by=("ellipsoid_rocks_by_its_curvature",),
+        needs=Feature.ELLIPSOID | Feature.CONVEX_HULL,
     ),
     Control(
         name="static_friction_dropped",

@@ -22,6 +22,7 @@ from harness.conformance.faults.broken_steps import (
 )
 from harness.conformance.faults.control import SLIDES, Control
 from harness.conformance.faults.plant import simulated, wrapped
+from harness.scene import Body, principal_inertia
 
 __all__ = ["MOTION_CONTROLS"]
 
@@ -32,8 +33,15 @@ _SWINGS = (
 """Cases by what moves in them, as far as they notice the same faults."""
 
 _W = Feature.WRENCH
+_POINT = Feature.MASS_POINT | Feature.FIXED | Feature.REVOLUTE
 _FALL = "free_fall_has_the_size_and_sign_of_g"
 _FINE = "gravity_has_three_digits"
+
+
+def _bloated(body: Body) -> Body:
+    """A mass point becomes a solid ball of 1 m."""
+    moment = 0.4 * body.mass
+    return replace(body, inertia=principal_inertia(moment, moment, moment)) if body.mass_point else body
 
 
 class _MicrometresAreStill(SlowIsStill):
@@ -321,6 +329,20 @@ MOTION_CONTROLS: tuple[Control, ...] = (
         plant=simulated(Teleported),
         caught_by=("prescribed_plate_takes_along_what_friction_can",),
         needs=Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
+    ),
+    Control(
+        name="mass_point_given_an_extent",
+        fault="a mass point is silently a ball of 1 m",
+        plant=every_body(_bloated),
+        caught_by=("mass_point_counts_where_it_is_fixed",),
+        needs=_POINT,
+    ),
+    Control(
+        name="mass_point_ten_percent_light",
+        fault="mass points weigh .9 of what they should",
+        plant=every_body(lambda body: replace(body, mass=0.9 * body.mass) if body.mass_point else body),
+        caught_by=("mass_point_flies_and_hangs",),
+        needs=_POINT | Feature.DISTANCE_SPRING,
     ),
 )
 """Each on one engine that has what it needs."""

@@ -122,9 +122,10 @@ class Companion:
         root: how the root is held. start: joints start at zero, in the middle of
         their range, or at zero but within it; None is zero, and within it in a scenario. keyframe: the name of a pose
         of the file. density [kg/m3]: of shapes, where the file gives no mass. self_collision: do its own links touch each
-        other? materials: by link, where it is not 'robot'. commands: a CSV file beside it with targets of joints over time.
-        sensors: as a scene has them, with a link for their body and poses in it. duration [s], dt [s] (the coarsest time step),
-        look_at (links or joints), seed: of the run.
+        other? ellipsoids: as they are, or as the hulls of points on them, for engines that have none. speed_limits: are the
+        file's velocity limits laws of its joints? materials: by link, where it is not 'robot'. commands: a CSV file beside it
+        with targets of joints over time. sensors: as a scene has them, with a link for their body and poses in it.
+        duration [s], dt [s] (the coarsest time step), look_at (links or joints), seed: of the run.
     """
 
     root: Root | None = None
@@ -146,6 +147,8 @@ class Companion:
     packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
     one_friction: bool = False
     convex: Annotated[int, Field(ge=2, le=64)] | None = None
+    ellipsoids: Literal["exact", "polyhedra"] = "exact"
+    speed_limits: bool = False
     commands: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
     sensors: tuple[Sensor, ...] = ()
     duration: Seconds | None = None

@@ -247,6 +247,7 @@ def _joint(line: Line, parent: str, child: str, names: _Names, robot: Robot) -> 
         drive=_drive(c),
         armature=None if "armature" in robot.dropped else c.armature or None,
         friction_loss=None if "friction_loss" in robot.dropped else c.friction_loss or None,
+        speed_limit=c.speed if robot.speed_limits else None,
         collide=robot.collide,
     )
 

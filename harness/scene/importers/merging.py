@@ -69,10 +69,15 @@ def grouped(robot: Robot) -> dict[str, Group]:
 
 
 def check_inertia(group: Group, tensor: Array) -> None:
-    """Refuse a tensor that no body has, once all that is fixed together is merged. Raises: RobotError."""
+    """Refuse a tensor that no body has, once all that is fixed together is merged; a mass point that flies or slides has none.
+
+    Raises: RobotError.
+    """
     a, b, c = (float(moment) for moment in np.linalg.eigvalsh((tensor + tensor.T) / 2))
     several = len(group.members) > 1
     links = f"link{'s' * several} {listed(list(group.members))}{', fixed together, have' if several else ' has'}"
+    if not tensor.any() and group.lead.coordinates and {c.kind for c in group.lead.coordinates} <= {"free", "prismatic"}:
+        return
     if a <= 0:
         raise RobotError(
             f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, expected all above 0"

@@ -1,16 +1,17 @@
-"""MJCF's geoms as shapes: primitives as they are, meshes as the convex hulls that MuJoCo collides, ellipsoids as polyhedra."""
+"""MJCF's geoms as shapes: primitives as they are, meshes as the convex hulls that MuJoCo collides."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
 from harness.intake.refusal import RobotError, listed
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.meshes import hull_of
 from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.poses import Array, Pose, pose
+from harness.scene.importers.poses import Pose, pose
 from harness.scene.importers.robot import Geometry, Look, Need
+from harness.scene.importers.rounded import ELEMENT as ELLIPSOIDS
 
 __all__ = ["drawn", "geometries", "looks"]
 
@@ -18,7 +19,7 @@ __all__ = ["drawn", "geometries", "looks"]
 def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:
     """The shapes by body. Args: keys: the contact key of each geom that collides; rows, needs: are added to."""
     made: dict[int, list[Geometry]] = {}
-    exact, hulls, rounds, strange = 0, [], {}, []
+    exact, hulls, rounds, strange = 0, [], [], []
     for k, key in keys.items():
         word, name = model.word("Geom", int(model.geom_type[k])), model.name("geom", k)
         body = int(model.geom_bodyid[k])
@@ -27,11 +28,11 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
         if word in ("hfield", "sdf"):
             strange.append(name)
             continue
-        shape, off = _shape(model, k, word, size, name)
+        shape = _shape(model, k, word, size, name)
         if word == "mesh":
             hulls.append(name)
         elif word == "ellipsoid":
-            rounds[name] = off
+            rounds.append(name)
         else:
             exact += 1
         made.setdefault(body, []).append(Geometry(shape, Pose(X.R, X.p), key))
@@ -51,14 +52,13 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
     if rounds:
         rows.append(
             Fidelity(
-                element="geom ellipsoid",
-                name=listed(list(rounds)),
+                element=ELLIPSOIDS,
+                name=listed(rounds),
                 count=len(rounds),
-                outcome="approximated",
-                becomes=f"a polyhedron of {len(_ball())} corners",
-                consequence="contacts lie inside the true surface by up to",
-                value=max(rounds.values()),
-                unit="m",
+                outcome="exact",
+                becomes="ellipsoid",
+                consequence="Bullet has none, DART on planes, boxes and cylinders alone; the companion makes hulls of them by "
+                "ellipsoids = 'polyhedra'",
             )
         )
     if strange:
@@ -72,7 +72,7 @@ def drawn(model: Model, colliding: Mapping[int, str]) -> dict[int, list[Geometry
     for k in range(len(model.geom_type)):
         word = model.word("Geom", int(model.geom_type[k]))
         if k not in colliding and word in ("sphere", "capsule", "cylinder", "box", "ellipsoid"):
-            shape, _ = _shape(model, k, word, tuple(float(x) for x in model.geom_size[k]), model.name("geom", k))
+            shape = _shape(model, k, word, tuple(float(x) for x in model.geom_size[k]), model.name("geom", k))
             made.setdefault(int(model.geom_bodyid[k]), []).append(Geometry(shape, pose(model.geom_pos[k], model.geom_quat[k])))
     return made
 
@@ -87,7 +87,7 @@ def looks(model: Model, colliding: Mapping[int, str]) -> dict[int, list[Look]]:
             continue
         X, colour = pose(model.geom_pos[k], model.geom_quat[k]), _colour(model, k)
         if word != "mesh":
-            shape, _ = _shape(model, k, word, tuple(float(x) for x in model.geom_size[k]), model.name("geom", k))
+            shape = _shape(model, k, word, tuple(float(x) for x in model.geom_size[k]), model.name("geom", k))
             made.setdefault(body, []).append(Look(X_LG=X, shape=shape, colour=colour))
             continue
         meshed.add(body)
@@ -112,43 +112,25 @@ def _colour(model: Model, k: int) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _shape(model: Model, k: int, word: str, size: tuple[float, ...], name: str) -> tuple[Shape, float]:
-    """The shape of a geom, and by how much it lies inside the true one [m]."""
+def _shape(model: Model, k: int, word: str, size: tuple[float, ...], name: str) -> Shape:
+    """The shape of a geom."""
     match word:
         case "sphere":
-            return Sphere(radius=size[0]), 0.0
+            return Sphere(radius=size[0])
         case "capsule":
-            return Capsule(radius=size[0], half_length=size[1]), 0.0
+            return Capsule(radius=size[0], half_length=size[1])
         case "cylinder":
-            return Cylinder(radius=size[0], half_length=size[1]), 0.0
+            return Cylinder(radius=size[0], half_length=size[1])
         case "box":
-            return Box(half_extents=(size[0], size[1], size[2])), 0.0
+            return Box(half_extents=(size[0], size[1], size[2]))
         case "plane":
-            return Plane(), 0.0
+            return Plane()
         case "ellipsoid":
-            return ConvexHull(vertices=(_ball() * np.array(size)).tolist()), _sagitta() * max(size)
+            return Ellipsoid(semi_axes=(size[0], size[1], size[2]))
         case "mesh":
             mesh = int(model.geom_dataid[k])
             first = int(model.mesh_vertadr[mesh])
             vertices = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])].astype(np.float64)
-            return hull_of(vertices, f"<geom> {name!r}")[0], 0.0
+            return hull_of(vertices, f"<geom> {name!r}")[0]
         case _:
             raise RobotError(f"<geom> {name!r}: type {word}, which is no shape of a scene")
-
-
-def _ball() -> Array:
-    """The corners of an icosahedron, its edges halved twice, on the unit sphere; (162, 3)."""
-    import trimesh
-
-    corners: Array = np.array(trimesh.creation.icosphere(subdivisions=2).vertices)
-    return corners
-
-
-def _sagitta() -> float:
-    """How far the faces of that polyhedron lie inside the unit sphere at most."""
-    import trimesh
-
-    triangles = np.array(trimesh.creation.icosphere(subdivisions=2).triangles)
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return float(1 - np.einsum("ni,ni->n", normals, triangles[:, 0]).min())

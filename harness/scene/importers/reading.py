@@ -29,6 +29,7 @@ from harness.scene.importers.merging import Group, grouped
 from harness.scene.importers.mounting import mounted
 from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from harness.scene.importers.robot import Robot
+from harness.scene.importers.rounded import as_polyhedra
 from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
 from harness.scene.importers.sweeping import poses_of, swept
 from harness.scene.importers.ties import tied, untied
@@ -119,6 +120,8 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     Raises: RobotError.
     """
     whole, unknown = _undropped(robot, companion, wishes, commands)
+    if companion.ellipsoids == "polyhedra":
+        robot = as_polyhedra(robot)
     rows = [*robot.rows, *unknown, *suspected(robot, companion.units)]
     if companion.units is not None:
         robot = scaled(robot, companion.units)

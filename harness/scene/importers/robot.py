@@ -213,6 +213,7 @@ class Robot:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
         sensors: of the file, with a link for their body. rows: what was settled while it was read.
         needs: what has to be dropped by the user. dropped: what the user has dropped, of what a scene has words for.
+        speed_limits: are bounds of speed laws of the scene?
         wordless: fields of a Coordinate that the format has no word for.
     """
 
@@ -228,6 +229,7 @@ class Robot:
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
     dropped: frozenset[str] = frozenset()
+    speed_limits: bool = False
     wordless: frozenset[str] = frozenset()
     source: str = ""
 

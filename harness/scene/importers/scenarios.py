@@ -15,6 +15,7 @@ from harness.scene import (
     ConvexHull,
     Cylinder,
     Distance,
+    Ellipsoid,
     Fixed,
     PlacedShape,
     Scene,
@@ -162,6 +163,8 @@ def _lowest(body: Body, placed: PlacedShape) -> float:
             return float(z - r - abs(down[2]) * h)
         case Cylinder(radius=r, half_length=h):
             return float(z - abs(down[2]) * h - math.hypot(down[0], down[1]) * r)
+        case Ellipsoid(semi_axes=semi_axes):
+            return float(z - np.linalg.norm(down * np.array(semi_axes)))
         case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
             return float(z + (np.array(vertices) @ down).min())
         case _:

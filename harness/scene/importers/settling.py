@@ -118,8 +118,8 @@ def settled(robot: Robot, companion: Companion, commands: Mapping[str, Samples] 
         )
         for link in robot.links
     )
-    rows += _bounds(links)
-    return replace(robot, links=links), rows
+    rows += _bounds(links, companion.speed_limits)
+    return replace(robot, links=links, speed_limits=companion.speed_limits), rows
 
 
 def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, rows: list[Fidelity]) -> Coordinate:
@@ -233,8 +233,8 @@ def followed(robot: Robot) -> Robot:
     return robot
 
 
-def _bounds(links: tuple[Link, ...]) -> list[Fidelity]:
-    """What is said of efforts and speeds."""
+def _bounds(links: tuple[Link, ...], held: bool) -> list[Fidelity]:
+    """What is said of efforts and speeds. Args: held: are bounds of speed laws of the scene?"""
     coordinates = [c for link in links for c in link.coordinates]
     rows = []
     idle = [c for c in coordinates if c.effort is not None and c.servo is None]
@@ -259,8 +259,11 @@ def _bounds(links: tuple[Link, ...]) -> list[Fidelity]:
                 element="velocity limit",
                 name=listed([c.name for c in swift]),
                 count=len(swift),
-                outcome="left_out",
-                consequence="no engine here bounds a joint's speed; the least bound is",
+                outcome="exact" if held else "left_out",
+                becomes="speed_limit" if held else "",
+                consequence="a hard bound of the rate; MuJoCo and Bullet have none; the least is"
+                if held
+                else "not a law of the scene unless the companion says speed_limits = true; the least bound is",
                 value=min(c.speed for c in swift if c.speed is not None),
                 unit="rad/s or m/s",
             )

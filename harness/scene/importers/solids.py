@@ -9,12 +9,14 @@ from harness.scene import (
     Capsule,
     ConvexHull,
     Cylinder,
+    Ellipsoid,
     Shape,
     Sphere,
     TriangleMesh,
     box_inertia,
     capsule_inertia,
     cylinder_inertia,
+    ellipsoid_inertia,
     sphere_inertia,
 )
 from harness.scene.importers.meshes import Mesh
@@ -77,6 +79,9 @@ def of_shape(shape: Shape) -> Solid:
         case Box(half_extents=h):
             mass = 8 * h[0] * h[1] * h[2]
             tensor = box_inertia(mass, h)
+        case Ellipsoid(semi_axes=s):
+            mass = 4 / 3 * math.pi * s[0] * s[1] * s[2]
+            tensor = ellipsoid_inertia(mass, s)
         case Cylinder(radius=r, half_length=h):
             mass = 2 * math.pi * r * r * h
             tensor = cylinder_inertia(mass, r, h)

@@ -8,7 +8,7 @@ TEMPLATE = """\
 
 gravity = [0.0, 0.0, -9.81]
 
-# Bodies: mass [kg], inertia about the centre of mass [kg m2] (no mass points: a small ball has 2/5 m r^2), p_WB [m] and q_WB
+# Bodies: mass [kg], inertia about the centre of mass [kg m2] (zero: a mass point), p_WB [m] and q_WB
 # at the start.
 [[bodies]]
 name = "ground"
@@ -28,8 +28,8 @@ p_WB = [0.0, 0.0, 0.5]
 v_WB = [0.5, 0.0, 0.0]      # [m/s]; w_WB is the angular velocity [rad/s]
 [[bodies.collision]]
 shape = { type = "sphere", radius = 0.1 }
-# box: half_extents = [x, y, z]; capsule, cylinder: radius, half_length along z; convex_hull: vertices;
-# triangle_mesh: vertices, faces. p_BS and q_BS place a shape in its body.
+# box: half_extents = [x, y, z]; ellipsoid: semi_axes = [x, y, z]; capsule, cylinder: radius,
+# half_length along z; convex_hull: vertices; triangle_mesh: vertices, faces. p_BS and q_BS place a shape in its body.
 
 [[bodies]]
 name = "bob"
@@ -53,6 +53,7 @@ axis_W = [0.0, 1.0, 0.0]
 # drive = { feedforward = 0.2 }  # a motor of constant torque [N m], or force [N] of a slide
 # armature = 0.01             # rotor inertia about the axis [kg m2; kg of a slide]
 # friction_loss = 0.2         # dry friction, at most [N m; N of a slide]
+# speed_limit = 2.0           # the most of the coordinate's rate, either way [rad/s; m/s of a slide]
 # coupling = { joint = "other", ratio = 2.0, offset = 0.0 }  # this coordinate is ratio times the other's, plus offset
 # Its target moves with motion = { type = "sinusoid", amplitude = 0.3, frequency = 1.0, phase = 0.0 } in the drive, or
 # { type = "samples", time = [0.0, 1.0], target = [0.0, 0.5] }.

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere, TriangleMesh
+from harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere, TriangleMesh
 from harness.scene.importers.companion import Units
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import Pose
@@ -157,6 +157,8 @@ def _shape(shape: Shape, L: float) -> Shape:
             return Sphere(radius=r * L)
         case Box(half_extents=(x, y, z)):
             return Box(half_extents=(x * L, y * L, z * L))
+        case Ellipsoid(semi_axes=(x, y, z)):
+            return Ellipsoid(semi_axes=(x * L, y * L, z * L))
         case Cylinder(radius=r, half_length=h):
             return Cylinder(radius=r * L, half_length=h * L)
         case Capsule(radius=r, half_length=h):

@@ -8,7 +8,7 @@ from harness.adapter import Adapter, Feature, Settings, Unsupported
 from harness.conformance.check import Comparison, ConformanceCheck, Finding, NotApplicable, judge, near, that
 from harness.conformance.runs import FINE, built, state_of
 from harness.conformance.scenes import block, ground, static
-from harness.scene import Body, Box, Capsule, Cylinder, PlacedShape, Plane, Scene, Shape, Sphere, Vector3
+from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Shape, Sphere, Vector3
 
 __all__ = ["CHECKS"]
 
@@ -18,6 +18,7 @@ _SHAPES: tuple[tuple[Feature, Shape, float], ...] = (
     (Feature.SPHERE, Sphere(radius=0.2), 0.2),
     (Feature.CAPSULE, Capsule(radius=0.1, half_length=0.1), 0.2),
     (Feature.CYLINDER, Cylinder(radius=0.2, half_length=0.2), 0.2),
+    (Feature.ELLIPSOID, Ellipsoid(semi_axes=(0.15, 0.18, 0.2)), 0.2),
 )
 """Shapes that can stand upright on each other, each with the height of its centre [m]."""
 _DEEP = 0.004
@@ -43,7 +44,7 @@ def _contacts_of_pairs(adapter: Adapter, settings: Settings) -> Finding:
             pair = f"{above.type} on {below.type}, {'lower' if first else 'upper'} one first"
             base = static("base", below) if isinstance(below, Plane) else _upright("base", below, (0.0, 0.0, 0.0), "ground")
             # Round on round touches at one point above the other's centre; a face does not mind where.
-            aside = (0.0, 0.0) if {below.type, above.type} <= {"sphere", "capsule"} else (0.01, 0.02)
+            aside = (0.0, 0.0) if {below.type, above.type} <= {"sphere", "capsule", "ellipsoid"} else (0.01, 0.02)
             top = _upright("top", above, (*aside, low + high - _DEEP), "block")
             scene = Scene(bodies=(base, top) if first else (top, base), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0))
             try:

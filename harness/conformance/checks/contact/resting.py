@@ -21,6 +21,7 @@ from harness.scene import (
     Capsule,
     ConvexHull,
     Cylinder,
+    Ellipsoid,
     Matrix3,
     PlacedShape,
     Plane,
@@ -34,6 +35,7 @@ from harness.scene import (
     box_inertia,
     capsule_inertia,
     cylinder_inertia,
+    ellipsoid_inertia,
     multiply,
     principal_inertia,
     sphere_inertia,
@@ -63,6 +65,7 @@ def _corners(half: Vector3) -> tuple[Vector3, ...]:
 
 _SLAB: Vector3 = (0.5, 0.5, DEPTH)
 _CUBE: Vector3 = (HEIGHT, HEIGHT, HEIGHT)
+_FLAT: Vector3 = (0.2, REACH, HEIGHT)
 _TRIPOD = tuple((REACH * cos(2 * pi * k / 3), REACH * sin(2 * pi * k / 3), 0.0) for k in range(3))
 
 SUPPORTS: dict[str, tuple[Feature, Shape, float]] = {
@@ -88,6 +91,12 @@ MOVERS: dict[str, tuple[Feature, tuple[PlacedShape, ...], Matrix3, Quaternion]] 
         (PlacedShape(shape=Cylinder(radius=HEIGHT, half_length=REACH)),),
         cylinder_inertia(1.0, HEIGHT, REACH),
         _LYING,
+    ),
+    "ellipsoid": (
+        Feature.ELLIPSOID,
+        (PlacedShape(shape=Ellipsoid(semi_axes=_FLAT)),),
+        ellipsoid_inertia(1.0, _FLAT),
+        _UPRIGHT,
     ),
     "hull": (
         Feature.CONVEX_HULL,

@@ -16,6 +16,7 @@ from harness.scene import (
     Capsule,
     ConvexHull,
     Cylinder,
+    Ellipsoid,
     PlacedShape,
     Plane,
     Quaternion,
@@ -98,6 +99,16 @@ def _capsule_is_a_capsule(adapter: Adapter, settings: Settings) -> Finding:
 
 def _cylinder_is_a_cylinder(adapter: Adapter, settings: Settings) -> Finding:
     return _resting(adapter, settings, Cylinder(radius=0.12, half_length=0.25), ((_UPRIGHT, 0.25), (_X_UP, 0.12)))
+
+
+def _ellipsoid_is_an_ellipsoid(adapter: Adapter, settings: Settings) -> Finding:
+    """It rests on each end of its axes; on the longer two it stands as a pencil does, and has no time to fall.
+
+    Each in a scene of its own: an engine may know ellipsoids, and no two of them together.
+    """
+    shape, ways = Ellipsoid(semi_axes=(0.1, 0.2, 0.3)), ((_UPRIGHT, 0.3), (_X_UP, 0.1), (_Y_UP, 0.2))
+    findings = [_resting(adapter, settings, shape, (way,)) for way in ways]
+    return next((finding for finding in findings if finding.status == "failed"), findings[0])
 
 
 def _convex_hull(adapter: Adapter, settings: Settings) -> Finding:
@@ -242,6 +253,13 @@ CHECKS = (
         question="Is a cylinder held on its end and on its side, by half_length and by radius?",
         run=_cylinder_is_a_cylinder,
         needs=Feature.CYLINDER,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="ellipsoid_is_an_ellipsoid",
+        question="Is an ellipsoid held on the end of each axis, by that semi-axis?",
+        run=_ellipsoid_is_an_ellipsoid,
+        needs=Feature.ELLIPSOID,
         excusable=False,
     ),
     ConformanceCheck(

@@ -26,6 +26,7 @@ from harness.scene import (
     Distortion,
     Drive,
     Effect,
+    Ellipsoid,
     Fixed,
     Joint,
     Limits,
@@ -144,6 +145,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.BOX: lambda: _shape(Box(half_extents=(0.1, 0.2, 0.3))),
     Feature.CAPSULE: lambda: _shape(Capsule(radius=0.1, half_length=0.2)),
     Feature.CYLINDER: lambda: _shape(Cylinder(radius=0.1, half_length=0.2)),
+    Feature.ELLIPSOID: lambda: _shape(Ellipsoid(semi_axes=(0.1, 0.2, 0.3))),
     Feature.PLANE: lambda: _shape(Plane()),
     Feature.CONVEX_HULL: lambda: _shape(ConvexHull(vertices=CORNERS)),
     Feature.TRIANGLE_MESH: lambda: _shape(TriangleMesh(vertices=CORNERS, faces=SIDES)),
@@ -180,6 +182,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
             free(p=(0.0, 0.0, 1.0)),
         )
     ),
+    Feature.MASS_POINT: lambda: Scene(bodies=(free(moments=(0.0, 0.0, 0.0)),)),
     Feature.FIXED: lambda: _joint(Fixed(name="j", parent=WORLD, child="body")),
     Feature.BALL: lambda: _joint(Ball(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0))),
     Feature.REVOLUTE: lambda: _joint(
@@ -205,6 +208,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.DRIVES: lambda: _slide(drive=Drive(stiffness=10.0, damping=1.0, target=0.5)),
     Feature.ARMATURE: lambda: _joint(replace(_RAIL, armature=0.5)),
     Feature.FRICTION_LOSS: lambda: _joint(replace(_RAIL, friction_loss=0.5)),
+    Feature.SPEED_LIMIT: lambda: _joint(replace(_RAIL, speed_limit=0.5)),
     Feature.COUPLING: lambda: Scene(
         bodies=(free("body", p=(0.0, 0.0, -1.0)), free("other", p=(0.0, 3.0, -1.0))),
         joints=(

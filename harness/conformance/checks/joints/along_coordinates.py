@@ -1,4 +1,4 @@
-"""Checks of what else acts along a joint's coordinate: rotor inertia, dry friction, and the tie to another coordinate."""
+"""Checks of what else acts along a joint's coordinate: rotor inertia, dry friction, speed limit, the tie to another one."""
 
 from math import cos, sin
 
@@ -122,6 +122,58 @@ def _dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
+def _speed_limit_is_reached_and_kept(adapter: Adapter, settings: Settings) -> Finding:
+    """A slide of 2 kg under 4 N and a hinge of .3 kg m2 under -.6 N m: x' = a t up to the limit s, then x = s t - s^2 / 2 a.
+
+    A third slide starts above its limit, at 2 m/s: an impulse brings it to it at once.
+    """
+    t, limit = 1.2, 1.5
+    carriage, wheel = free("carriage"), free("wheel", p=(0.0, 5.0, 0.0))
+    pin = Revolute(
+        name="pin",
+        parent=WORLD,
+        child="wheel",
+        anchor_W=wheel.p_WB,
+        axis_W=_Y,
+        speed_limit=limit,
+        drive=Drive(feedforward=-0.6),
+    )
+    fast = free("fast", p=(0.0, 9.0, 0.0), v=(-2.0, 0.0, 0.0))
+    joints = (_slide(carriage, speed_limit=limit, drive=Drive(feedforward=4.0)), pin, _slide(fast, speed_limit=limit))
+    end = final(adapter, Scene(bodies=(carriage, wheel, fast), joints=joints, gravity=_NOWHERE), settings.with_dt(FINE), t)
+    way = limit * t - limit**2 / (2 * 2.0)
+    turned = axis_angle(_Y, -way)
+    return judge(
+        near("speed of a pushed slide [m/s]", end.v_WB[0, 0], limit, 2e-3, "rounding, and default damping"),
+        near("its way [m]", end.p_WB[0, 0], way, _HALF_A_STEP, "half a step of motion"),
+        near("rate of a driven hinge [rad/s]", end.w_WB[1, 1], -limit, 2e-3, "rounding, and default damping"),
+        near("its turn [rad]", angle_between(end.q_WB[1], turned), 0.0, _HALF_A_STEP, "half a step of motion"),
+        near("way of a slide that was too fast [m]", end.p_WB[2, 0], -limit * t, _HALF_A_STEP, "a step of what was too fast"),
+    )
+
+
+def _speed_limit_reacts_on_both(adapter: Adapter, settings: Settings) -> Finding:
+    """2 and 3 kg on one slide, pushed apart by 6 N in space: their momenta cancel, their speeds part by the limit s.
+
+    What holds the rate is a force between the two: the motor's reaction on the first is that of the second. A rate that is
+    cut off in the second body alone would leave momentum from nowhere, 1.2 kg m/s a second.
+    """
+    limit, t = 1.5, 1.2
+    first, second = free("first", mass=2.0), free("second", mass=3.0, p=(0.5, 0.0, 0.0))
+    rail = Prismatic(
+        name="rail",
+        parent="first",
+        child="second",
+        anchor_W=second.p_WB,
+        axis_W=(1.0, 0.0, 0.0),
+        speed_limit=limit,
+        drive=Drive(feedforward=6.0),
+    )
+    end = final(adapter, Scene(bodies=(first, second), joints=(rail,), gravity=_NOWHERE), settings.with_dt(FINE), t)
+    because = "m_1 v_1 + m_2 v_2 = 0, v_2 - v_1 = s; default damping"
+    return judge(near("velocities along the rail [m/s]", end.v_WB[:, 0], (-0.6 * limit, 0.4 * limit), 2e-3, because))
+
+
 def _coupled_coordinates_move_as_one(adapter: Adapter, settings: Settings) -> Finding:
     """x = r y + b: a pendulum that drives a wheel, (I + m l^2 + J/r^2) a'' = -m g l sin a; a weight on a drum, (m + J/r^2)."""
     t, ratio, wheel_moment = 0.8, -2.0, 4.0
@@ -191,6 +243,18 @@ CHECKS = (
         question="Do a drive and dry friction in one joint both keep their laws?",
         run=_dry_friction_beside_a_drive,
         needs=_P | Feature.FRICTION_LOSS | Feature.DRIVES,
+    ),
+    ConformanceCheck(
+        name="speed_limit_is_reached_and_kept",
+        question="Does a joint under a constant force reach its speed limit as without one, and stay at it?",
+        run=_speed_limit_is_reached_and_kept,
+        needs=_R | _P | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
+    ),
+    ConformanceCheck(
+        name="speed_limit_reacts_on_both_bodies",
+        question="Is what keeps a joint at its speed limit a force between its two bodies?",
+        run=_speed_limit_reacts_on_both,
+        needs=_P | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
     ),
     ConformanceCheck(
         name="coupled_coordinates_move_as_one",

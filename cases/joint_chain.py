@@ -3,7 +3,6 @@
 from functools import lru_cache
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from harness.case import Axis, Case, Check, Converged
 from harness.metrics.divergence import DIVERGENCE
@@ -84,6 +83,7 @@ def acceleration(theta: Floats, rate: Floats) -> Floats:
 
 def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:
     """The motion by Dormand and Prince's method of order 8."""
+    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
 
     def change(_t: float, y: Floats) -> Floats:
         return np.concatenate([y[n:], acceleration(y[:n], y[n:])])

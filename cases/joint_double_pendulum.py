@@ -3,7 +3,6 @@
 from functools import lru_cache
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from harness.case import Case, Check, Converged
 from harness.metrics.attitude import ATTITUDE_MAX
@@ -53,6 +52,7 @@ def _scene(upper: float = UPPER, lower: float = LOWER) -> Scene:
 
 def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
     """Angles and rates, (t, 4), by Dormand and Prince's method of order 8."""
+    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
 
     def change(_t: float, y: Floats) -> Floats:
         return np.concatenate([y[2:], acceleration(y[:2], y[2:])])
@@ -94,6 +94,8 @@ def _first_order(upper: float = UPPER, lower: float = LOWER) -> tuple[float, flo
     Semi-implicit Euler in joint angles follows to second order theta' = w + (dt/2) a, w' = a - (dt/2) da/dt (backward error
     analysis: Hairer, Lubich, Wanner, chapter IX); the difference from the true motion is taken at a small dt and divided by it.
     """
+    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
+
     small = 1e-5
     times = np.linspace(0.0, DURATION, 501)
 

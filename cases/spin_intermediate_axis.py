@@ -3,7 +3,6 @@
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import ellipk
 
 from harness.case import Case, Check
 from harness.metrics.attitude import ATTITUDE_MAX
@@ -48,6 +47,8 @@ def flip_period(square: float, twice_energy: float, moments: Vector3 = MOMENTS) 
 
     Source: Landau, Lifshitz, Mechanics, section 37, equation 12; the first and third axes change places where L^2 < 2 E I2.
     """
+    from scipy.special import ellipk  # late: a listing must not pay for it
+
     i1, i2, i3 = moments if square > twice_energy * moments[1] else moments[::-1]
     rate = np.sqrt((i3 - i2) * (square - twice_energy * i1) / (i1 * i2 * i3))
     m = (i2 - i1) * (twice_energy * i3 - square) / ((i3 - i2) * (square - twice_energy * i1))

@@ -61,7 +61,9 @@ INTERNALS: dict[str, tuple[str, ...]] = {
     "the options of njit": ("forceinline", "no_cfunc_wrapper", "no_cpython_wrapper", "pipeline_class"),
     "the type of a function": ("ftype",),
     "a compiled function": ("compile", "get_call_template", "get_compile_result", "_cache"),
-    "its cache": ("load_overload", "_cache_file", "_guard_against_spurious_io_errors", "_load_overload"),
+    "its cache": ("load_overload", "_cache_file", "_guard_against_spurious_io_errors", "_impl", "_load_overload"),
+    "where its cache lies": ("filename_base", "locator"),
+    "what says where": ("_cache_path",),
     "the files of its cache": ("_index_path", "_source_stamp", "_version"),
     "what its compiler made": ("fndesc", "library", "signature"),
     "its description": ("llvm_cfunc_wrapper_name",),
@@ -293,11 +295,14 @@ def compiled_under(function: Function, around: Callable[[str], AbstractContextMa
     return function
 
 
-def loaded_lightly(function: Function) -> Function:
-    """The compiled function that comes from the cache without the compiler's own preparations.
+def loaded_lightly(function: Function, directory: Path) -> Function:
+    """The compiled function that comes from its cache without the compiler's own preparations.
 
     Before it looks into the cache, Numba imports all that it may compile, SciPy's linear algebra among it: 0.26 s of 0.36 s to
     the first step of ten boxes. What is compiled needs none of it, and the compiler itself prepares again.
+
+    Args: directory: for exactly this source, so that neither where the source lies nor when it was written matters. Numba asks
+    for both, and a fresh checkout of the same sources would compile everything anew.
     """
     cache = getattr(function, "_cache", None)
     if cache is None:
@@ -305,7 +310,8 @@ def loaded_lightly(function: Function) -> Function:
 
     from numba.core.runtime.nrt import rtsys
 
-    cache._cache_file.__class__ = checked_files()
+    cache._impl.locator._cache_path = str(directory)
+    cache._cache_file = checked_files()(str(directory), cache._impl.filename_base, ())
     runtime: Any = rtsys
 
     def load(signature: Any, context: Any) -> Any:

@@ -2,7 +2,7 @@
 
 Numba keys its cache by the file of the outermost function alone, so that an edited callee or another flag would go unnoticed.
 Here the directory itself carries a hash of the flags, Numba's version and the sources that the function is made of: its file
-and all that this imports. What an edit cannot reach is not compiled again.
+and all that this imports. What an edit cannot reach is not compiled again, nor is what lies elsewhere or was written anew.
 
 With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
 """
@@ -59,7 +59,8 @@ def cache_directory(path: Path) -> Path:
     """
     import numba
 
-    key = " ".join((closure_digest(path), *sorted(FLAGS), numba.__version__))
+    name = str(path).removeprefix(str(Path(__file__).parents[1]))
+    key = " ".join((name, closure_digest(path), *sorted(FLAGS), numba.__version__))
     digest = hashlib.sha256(key.encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
@@ -137,7 +138,8 @@ def _kept(function: Function, **options: Any) -> Function:
     """The entry with its way from and to the disk."""
     directory = cache_directory(Path(function.__code__.co_filename))
     use_cache(str(directory))
-    return loaded_lightly(compiled_under(_compiled(function, cache=True, **options), partial(_one_at_a_time, directory)))
+    guarded = compiled_under(_compiled(function, cache=True, **options), partial(_one_at_a_time, directory))
+    return loaded_lightly(guarded, directory)
 
 
 @contextmanager

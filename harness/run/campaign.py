@@ -17,7 +17,9 @@ from harness.adapter import Adapter
 from harness.case import Case
 from harness.case.alteration import ALONE, REFINED
 from harness.case.own_titles import called
+from harness.run.fork_servers import expect
 from harness.run.isolated import run_isolated
+from harness.run.preloads import preloads
 from harness.run.progress import Progress
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
@@ -260,6 +262,7 @@ def carry_out(
         disk.write_atomically(folder / "catalogue.json", catalogue)
         write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
+        expect(preloads(chosen, adapters))
         _accuracy("accuracy", trials, reasons, journal, folder, workers, here, cluster)
         trials = _searched(trials, reasons, journal, folder, workers, cases, adapters, here, cluster)
         _timing(trials, journal, folder, cases, machine, cluster)

@@ -17,7 +17,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import forkserver, resource_tracker, spawn
@@ -27,19 +27,11 @@ from typing import Any
 
 from harness.study.environments import Environment, project_folders
 
-__all__ = ["WORTH_A_SERVER", "Server", "context", "start_apart", "start_loaded"]
+__all__ = ["WORTH_A_SERVER", "Server", "context", "expect", "start_apart", "start_loaded"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_PRELOAD = (
-    "harness.cli.main",
-    "harness.run.timing_blocks",
-    "harness.run.isolated",
-    "numpy",
-    "scipy.special",
-    "scipy.integrate",
-    "scipy.stats",
-    "numba",
-)
+_PRELOAD = ("harness.cli.main", "harness.run.timing_blocks", "harness.run.isolated", "numpy")
+_LAST = "harness.run.settled"
 _TRIES = 2
 """Servers that a process is asked of, one after the other, where they die."""
 _UNTOLD = 255
@@ -54,8 +46,21 @@ WORTH_A_SERVER = 20
 def context() -> ForkServerContext:
     """Processes off the server that knows no engine, to be started by `start_loaded` or `start_apart`."""
     plain = multiprocessing.get_context("forkserver")
-    plain.set_forkserver_preload(list(_PRELOAD))
+    plain.set_forkserver_preload(_preload(()))
     return plain
+
+
+def expect(modules: Sequence[str]) -> None:
+    """Have these loaded in every server that starts from now on: what a run's processes would load one by one."""
+    _expected[:] = modules
+
+
+_expected: list[str] = []
+
+
+def _preload(modules: Sequence[str]) -> list[str]:
+    """All that a server loads, these of its own among it."""
+    return [*_PRELOAD, *_expected, *modules, _LAST]
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +212,7 @@ _ours = os.getpid()
 def _new_server(modules: tuple[str, ...]) -> Any:
     """It starts with its first process."""
     server = forkserver.ForkServer()
-    server.set_forkserver_preload([*_PRELOAD, *modules])
+    server.set_forkserver_preload(_preload(modules))
     return server
 
 

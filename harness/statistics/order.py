@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 __all__ = ["Order", "Slope", "falls_short", "fit_order", "fit_slope"]
 
@@ -66,6 +65,8 @@ def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
         N. R. Draper & H. Smith, Applied Regression Analysis (3rd ed., 1998), sec. 1.4 (interval of a slope);
         G. Schwarz, Annals of Statistics 6 (1978) 461 (the criterion).
     """
+    from scipy import stats  # late: a listing must not pay for it
+
     steps, errors = np.asarray(dt, dtype=np.float64), np.asarray(error, dtype=np.float64)
     keep = np.isfinite(steps) & np.isfinite(errors) & (steps > 0) & (errors > 0)
     down = np.argsort(-steps[keep], kind="stable")
@@ -132,6 +133,8 @@ def fit_slope(time: Sequence[float], value: Sequence[float]) -> Slope | None:
         N. R. Draper & H. Smith, Applied Regression Analysis (3rd ed., 1998), sec. 1.4; H. Flyvbjerg & H. G. Petersen, J. Chem.
         Phys. 91 (1989) 461 (block means of correlated series).
     """
+    from scipy import stats  # late: a listing must not pay for it
+
     t, y = np.asarray(time, dtype=np.float64), np.asarray(value, dtype=np.float64)
     if len(t) < 2 * BLOCKS:
         return None

@@ -15,7 +15,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from textwrap import dedent
 
-__all__ = ["closure", "digest_of", "file_digests", "keeps", "libraries", "library_versions", "short_name"]
+__all__ = ["closure", "digest_of", "file_digests", "keeps", "libraries", "library_versions", "named", "short_name"]
 
 _OURS = ("adapters", "cases", "engine", "harness")
 _WHOLE = "engine"
@@ -95,6 +95,16 @@ def imported(module: str) -> frozenset[str]:
             if whole[0] == top or whole[0] in _OURS:
                 modules.update(".".join(whole[:count]) for count in range(1, len(whole) + 1))
     return frozenset(dotted for dotted in modules if not keeps(dotted) and _file(dotted) is not None)
+
+
+def named(modules: Iterable[str], package: str) -> frozenset[str]:
+    """The inner modules of another package that these import from, wherever in the file; `scipy.stats`, say."""
+    found = set[str]()
+    for module in modules:
+        path = _file(module)
+        for statement in _STATEMENT.findall("" if path is None else _text(path).decode("utf-8", "replace")):
+            found.update(name for name, _ in _named(statement) if name.startswith(f"{package}."))
+    return frozenset(name for name in found if not any(name.startswith(f"{other}.") for other in found))
 
 
 def keeps(module: str) -> bool:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from harness.trajectory import Floats
 
@@ -55,6 +54,8 @@ def _solve(
     times: Floats,
     rtol: float,
 ) -> Floats:
+    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
+
     if len(times) == 0:
         return np.zeros((0, 2 * len(q)))
     n = len(q)

@@ -6,8 +6,6 @@ Moments of inertia are principal, (3,) kg m2; a spin is the angular velocity in 
 from functools import lru_cache
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.special import ellipj, ellipkinc
 
 from harness.scene.values import Vector3
 from harness.trajectory import Floats
@@ -28,6 +26,8 @@ def body_rates(time: Floats, moments: Vector3, spin: Vector3) -> Floats:
     Raises:
         ValueError: the moments are not ascending, or the motion lies on the separatrix, where the functions degenerate.
     """
+    from scipy.special import ellipj, ellipkinc  # late: a listing must not pay for it
+
     order = np.arange(3)
     i, w = np.array(moments), np.array(spin)
     if not i[0] < i[1] < i[2]:
@@ -116,6 +116,8 @@ def first_order_errors(moments: Vector3, spin: Vector3, duration: float) -> tupl
     torque explicit or implicit) and +/- (dt/2) a in the turning of the body (new or old rates used); the four are integrated
     along the true motion together with Euler's equations, and the worst is taken.
     """
+    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
+
     inertia = np.array(moments)
     after, before = [1, 2, 0], [2, 0, 1]
     coupling = (inertia[before] - inertia[after]) / inertia

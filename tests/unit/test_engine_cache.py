@@ -115,6 +115,17 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     assert _fall(fallen) == (pytest.approx(-9.81 / 240), 1)
 
 
+def test_the_same_sources_in_another_folder_written_at_another_time_are_not_compiled_again(
+    fallen: Path, tmp_path: Path
+) -> None:
+    """A fresh checkout, say, beside a cache that was kept."""
+    other = _copied(tmp_path)
+    for path in (other / "engine").rglob("*.py"):
+        os.utime(path, (1e9, 1e9))
+    shutil.copytree(fallen / "cache", other / "cache")
+    assert _fall(other) == (pytest.approx(-9.81 / 240), 1)
+
+
 def _stored(folder: Path) -> Any:
     """Numba's index and data files as the engine keeps them, with one entry."""
     files: Any = compilers.checked_files()(str(folder), "step", ("stamp", 1))

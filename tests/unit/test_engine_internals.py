@@ -65,6 +65,8 @@ def specimens(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "the type of a function": types.FunctionType(numba.float64(*signature)),
         "a compiled function": function,
         "its cache": function._cache,
+        "where its cache lies": function._cache._impl,
+        "what says where": function._cache._impl.locator,
         "the files of its cache": function._cache._cache_file,
         "what its compiler made": made,
         "its description": made.fndesc,

@@ -1,0 +1,34 @@
+"""What the processes of a run need, whatever their trial: it is loaded once, by the server that they come off."""
+
+from collections.abc import Iterable, Mapping
+
+from harness.adapter import Adapter
+from harness.study import plugins, sources
+
+__all__ = ["preloads"]
+
+_QUESTIONS = ("cases", "harness.metric", "harness.metrics", "harness.props", "harness.sensors", "harness.truths")
+"""Where SciPy is imported within functions, so that a listing need not wait for it, and where trials call them."""
+_OWN_SCENE = "harness.case.scene_file"
+
+
+def preloads(cases: Iterable[str], engines: Mapping[str, Adapter]) -> tuple[str, ...]:
+    """The modules of built-in cases and adapters, those of SciPy that the cases name, and the compiler of our own engine.
+
+    A third party's modules are left to its processes: one that dies of them takes no server along. A vendor's package is in
+    the server of its engine alone (`Adapter.loads`).
+    """
+    questions = [module for name in cases if (module := _built_in("cases", name))]
+    adapters = [module for name in engines if (module := _built_in("adapters", name))]
+    asked = [module for module in sources.closure(questions) if module.startswith(tuple(f"{room}." for room in _QUESTIONS))]
+    compiled = any(module.startswith("engine.") for engine in engines.values() for module in engine.loads)
+    builders = [f"{module}.build" for module in adapters]
+    return (*questions, *adapters, *builders, *sorted(sources.named(asked, "scipy")), *(["numba"] if compiled else []))
+
+
+def _built_in(kind: str, name: str) -> str | None:
+    """The module of a built-in plug-in; None for a third party's."""
+    if name.startswith(plugins.SCENE_PREFIX):
+        return _OWN_SCENE
+    module = plugins.module_of(kind, name)
+    return module if module is not None and module.startswith(f"{kind}.") else None

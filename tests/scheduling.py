@@ -49,8 +49,11 @@ DEAREST = (
 )
 """By what a process spends on each; the others, of a few seconds each, follow by the number of their tests."""
 
-SHARED = {"tests/unit/test_price_self_test.py": "tests/unit/test_known_prices.py"}
-"""Files that go where another one goes, since a fixture of the whole session serves both."""
+SHARED = {
+    "tests/unit/test_price_self_test.py": "tests/unit/test_known_prices.py",
+    "tests/conformance/test_negative_controls.py": "tests/conformance/test_conformance.py",
+}
+"""Files that go where another one goes, since both read what is worked out once in a process."""
 
 
 def unit_of(test: str) -> str:

@@ -427,9 +427,16 @@ def test_a_folder_for_compiled_code_that_can_be_none_is_no_crash_of_the_engine(t
 ABSENT = [("show", "DIR"), ("report", "DIR"), ("view", "DIR", "x"), ("serve", "DIR"), ("reproduce", "DIR", "x")]
 
 
+@pytest.fixture(scope="module")
+def absent(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Reading]:
+    """What each command says of a folder that is not there, all in one process."""
+    nowhere = str(tmp_path_factory.mktemp("absent") / "nowhere")
+    return ask([(words[0], [word.replace("DIR", nowhere) for word in words], {}) for words in ABSENT])
+
+
 @pytest.mark.parametrize("arguments", ABSENT, ids=lambda told: told[0])
-def test_a_missing_folder_is_wrong_usage(arguments: tuple[str, ...], tmp_path: Path, ledger: Page) -> None:
-    (found,) = ask([("", [word.replace("DIR", str(tmp_path / "nowhere")) for word in arguments], {})]).values()
+def test_a_missing_folder_is_wrong_usage(arguments: tuple[str, ...], absent: dict[str, Reading], ledger: Page) -> None:
+    found = absent[arguments[0]]
     assert found.ended == "refused"
     assert "nowhere: no run folder" in found.text
     ledger.survived("input: folder", f"{arguments[0]} of a folder that is not there", "exit code 2")

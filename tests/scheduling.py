@@ -52,6 +52,9 @@ DEAREST = (
 SHARED = {
     "tests/unit/test_price_self_test.py": "tests/unit/test_known_prices.py",
     "tests/conformance/test_negative_controls.py": "tests/conformance/test_conformance.py",
+    "tests/browser/test_parity_page.py": "tests/browser/test_report.py",
+    "tests/browser/test_sensors_page.py": "tests/browser/test_report.py",
+    "tests/browser/test_what_changed.py": "tests/browser/test_report.py",
 }
 """Files that go where another one goes, since both read what is worked out once in a process."""
 

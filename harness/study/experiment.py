@@ -63,8 +63,8 @@ class StudyError(Mendable, ValueError):
 class Variant:
     """A group of settings that users of an engine would try beside its tracks: what it says is laid over the track `on`.
 
-    Terms: the fields of `Settings`; None keeps the track's own. options: added to the track's, one by one. changes: the one thing
-    in which it differs from the track or variant `beside`; both None for one that stands for itself.
+    Terms: the fields of `Settings`; None keeps the track's own. options: added to the track's, one by one. changes: the one
+    thing in which it differs from the track or variant `beside`; both None for one that stands for itself.
     """
 
     on: Track = "tuned"

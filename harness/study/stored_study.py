@@ -35,7 +35,9 @@ def departures_of(store: Store) -> Mapping[tuple[str, str], Departure]:
     variants = {
         (engine, name): variant for engine, named in store.study.get("variants", {}).items() for name, variant in named.items()
     }
-    stated = {key: Departure(variant["beside"], variant["changes"]) for key, variant in variants.items() if "changes" in variant}
+    stated = {
+        key: Departure(variant["beside"], variant["changes"]) for key, variant in variants.items() if "changes" in variant
+    }
     if stated:
         return stated
     return {key: Departure(*older) for key in variants if (older := change_in_name(key[1])) is not None}

@@ -30,7 +30,7 @@ def conjugate(q: Floats) -> Floats:
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """a x b, (..., 3): the sums of `numpy.cross`, to the bit, without its search for axes, which outweighs those of few vectors."""
+    """a x b, (..., 3): the sums of `numpy.cross` to the bit, without its search for axes, which outweighs them."""
     out = np.empty(np.broadcast_shapes(a.shape, b.shape))
     a0, a1, a2, b0, b1, b2 = a[..., 0], a[..., 1], a[..., 2], b[..., 0], b[..., 1], b[..., 2]
     out[..., 0] = a1 * b2 - a2 * b1

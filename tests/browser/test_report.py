@@ -15,6 +15,7 @@ from tests.run_folder import BAD_CASE, write_run_folder
 
 pytestmark = pytest.mark.browser
 
+
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cases = ("flight_projectile", "joint_pendulum", "stack_tower")

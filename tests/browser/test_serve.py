@@ -2,8 +2,6 @@
 
 import http.client
 import io
-import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -18,7 +16,7 @@ from PIL import Image
 import reports
 from reports.palette import ENGINES
 from tests.browser.conftest import CHROMIUM
-from tests.unit.test_recordings import Folder, record, rising, zoo
+from tests.recorded_folder import Folder, record, rising, zoo
 
 # WebGL in software: the viewer draws with it, and a machine for tests has no graphics card.
 FLAGS = [

@@ -44,8 +44,9 @@ class Verdict:
         effects: those that the row is about, several where they were left out together, none for everything on and for the
         scene as it is. effect: what they are called in a table, or what else the row is about. declared: does the scene call
         for it? insists: why it does although its motion does not show it. moved, own: see
-        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost, low, high: CPU time of a step with it over that without it
-        (everything on over as it is), with the 95 % interval of the median over blocks; None where one of both was not clocked.
+        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost,
+        low, high: CPU time of a step with it over that without it (everything on over as it is), with the 95 % interval of the
+        median over blocks; None where one of both was not clocked.
         cpu_as_it_is: CPU seconds of a simulated second of the scene as it is; None where that was not clocked. verdict: 'needed
         and on', 'needed but missing', 'missing without need', 'paid for without need', 'insisted on', 'cannot be switched off',
         'left out', 'everything on', 'left out together', 'needed together'; NOT_JUDGED where nothing could be compared or who

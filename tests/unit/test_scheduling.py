@@ -1,4 +1,4 @@
-"""The order of the test files: what is said to be dear is there, goes first, and what shares a fixture or a clock goes together."""
+"""The order of test files: what is said to be dear is there and goes first; what shares a fixture or a clock goes together."""
 
 from pathlib import Path
 

@@ -46,7 +46,7 @@ class Study:
             known = {None, "default", "tuned", *(name for name, variant in variants.items() if variant.changes is None)}
             for name, variant in variants.items():
                 if variant.beside not in known:
-                    others = ", ".join(sorted(known - {None}, key=str))
+                    others = ", ".join(sorted(other for other in known if other is not None))
                     raise ValueError(f"variant '{engine}/{name}': beside is '{variant.beside}', expected one of {others}")
 
     def trials(

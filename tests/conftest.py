@@ -69,6 +69,15 @@ def printed() -> Command:
     return call
 
 
+@pytest.fixture
+def mjcf_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MJCF is compiled in this process: a test of `compile_apart` shows that a process of its own leaves the same."""
+    from harness.scene.importers import mjcf  # late, as above
+    from tests.mjcf_here import compiled_here
+
+    monkeypatch.setattr(mjcf, "compile_apart", compiled_here)
+
+
 @pytest.fixture(scope="session")
 def known_prices(tmp_path_factory: pytest.TempPathFactory) -> "KnownPrices":
     """A run of engines whose price of an error is known, and the laws that they follow."""

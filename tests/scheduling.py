@@ -11,52 +11,80 @@ import pytest
 if TYPE_CHECKING:
     from xdist.scheduler import LoadFileScheduling
 
-__all__ = ["DEAREST", "SHARED", "order", "unit_of"]
+__all__ = ["CLOCK", "DEAREST", "SHARED", "file_of", "order", "unit_of"]
 
 DEAREST = (
     "tests/conformance/test_tracks.py",
-    "tests/browser/test_report.py",
-    "tests/browser/test_serve.py",
-    "tests/conformance/test_price_run.py",
-    "tests/unit/test_engine_broad.py",
     "tests/conformance/test_conformance.py",
+    "tests/browser/test_report.py",
     "tests/conformance/test_limits_run.py",
-    "tests/unit/test_tremble.py",
-    "tests/unit/test_agreement.py",
-    "tests/conformance/test_clocked_loop.py",
+    "tests/unit/test_known_prices.py",
+    "tests/browser/test_serve.py",
     "tests/stress/test_planted.py",
-    "tests/golden/test_contract.py",
-    "tests/unit/test_own_scene.py",
-    "tests/unit/test_engine_batch.py",
-    "tests/conformance/test_negative_controls.py",
-    "tests/property/test_scene_files.py",
+    "tests/architecture/test_recipes.py",
+    "tests/unit/test_engine_broad.py",
     "tests/unit/test_engine_images.py",
+    "tests/conformance/test_limit_verdicts.py",
     "tests/unit/test_engine_cache.py",
     "tests/stress/test_input.py",
-    "tests/unit/test_importers_mjcf.py",
-    "tests/conformance/test_limit_verdicts.py",
-    "tests/unit/test_converge.py",
-    "tests/unit/test_engine_islands.py",
     "tests/conformance/test_equal_knobs.py",
-    "tests/stress/test_damaged_store.py",
-    "tests/conformance/test_scaling_run.py",
-    "tests/conformance/test_robot_loaders.py",
+    "tests/unit/test_engine_joint_hold.py",
+    "tests/unit/test_converge.py",
     "tests/conformance/test_fault_matrix.py",
-    "tests/unit/test_parity.py",
-    "tests/unit/test_reports_price.py",
+    "tests/golden/test_contract.py",
+    "tests/conformance/test_robot_loaders.py",
+    "tests/unit/test_tremble.py",
     "tests/unit/test_reports_html.py",
-    "tests/unit/test_known_prices.py",
+    "tests/stress/test_plugins.py",
+    "tests/stress/test_damaged_store.py",
+    "tests/unit/test_engine_loop_limits.py",
+    "tests/unit/test_agreement.py",
+    "tests/conformance/test_claims.py",
+    "tests/stress/test_kills.py",
+    "tests/conformance/test_bullet_choices.py",
+    "tests/unit/test_engine_batch.py",
+    "tests/unit/test_engine_islands.py",
+    "tests/unit/test_trend.py",
+    "tests/property/test_scene_files.py",
 )
 """By what a process spends on each; the others, of a few seconds each, follow by the number of their tests."""
 
-SHARED = {"tests/unit/test_price_self_test.py": "tests/unit/test_known_prices.py"}
-"""Files that go where another one goes, since a fixture of the whole session serves both."""
+SHARED = {
+    "tests/conformance/test_negative_controls.py": "tests/conformance/test_conformance.py",
+    "tests/browser/test_parity_page.py": "tests/browser/test_report.py",
+    "tests/browser/test_sensors_page.py": "tests/browser/test_report.py",
+    "tests/browser/test_what_changed.py": "tests/browser/test_report.py",
+}
+"""Files that go where another one goes, since both read what is worked out, or use what is started, once in a process."""
+
+CLOCK = (
+    "tests/unit/test_known_prices.py",
+    "tests/unit/test_price_self_test.py",
+    "tests/conformance/test_price_run.py",
+    "tests/conformance/test_scaling_run.py",
+    "tests/conformance/test_harness_overhead.py",
+    "tests/conformance/test_clocked_loop.py",
+)
+"""Files that run with a clock on: their tests are marked `clock`, and are one unit, so that no two of them run side by side."""
+
+
+def file_of(test: str) -> str:
+    """The file of a test. Args: test: its node id."""
+    return test.partition("::")[0]
 
 
 def unit_of(test: str) -> str:
     """What goes to one process along with a test: its file, or that which its file goes with. Args: test: its node id."""
-    file = test.partition("::")[0]
-    return SHARED.get(file, file)
+    file = file_of(test)
+    return CLOCK[0] if file in CLOCK else SHARED.get(file, file)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what runs with a clock on, before anything is chosen by its marks."""
+    for item in items:
+        if file_of(item.nodeid) in CLOCK:
+            item.add_marker("clock")
 
 
 def order(units: Mapping[str, Mapping[str, bool]]) -> list[str]:

@@ -15,7 +15,6 @@ __all__ = [
     "AS_IT_IS",
     "JUDGE",
     "NOT_JUDGED",
-    "TOGETHER",
     "UNANSWERED",
     "Audit",
     "Saving",
@@ -30,8 +29,6 @@ __all__ = [
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
 NOT_JUDGED = "not judged"
-TOGETHER = ", "
-"""Between the names in the cell of a row whose effects were left out together."""
 AS_IT_IS = "as it is"
 UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
 """Statuses that stand as verdicts where a run gave no answer."""
@@ -85,7 +82,7 @@ class Audit:
 
 
 def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
-    """Of flat rows with COLUMNS; where the judge was not asked, the first engine that was stands in for it."""
+    """Of the rows of the table of effects; where the judge was not asked, the first engine that was stands in for it."""
     asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
     judge = JUDGE if JUDGE in asked else next(iter(asked), "")
     asked_of = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
@@ -155,10 +152,8 @@ def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
 def idle(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The effects that a scene can do without, all together; none where nothing is known to be idle."""
     mine = [row for row in rows if (row["case"], row["where"]) == scene]
-    together = [row["effect"].split(TOGETHER) for row in mine if row["verdict"] == "left out together"]
-    single = [[row["effect"]] for row in mine if row["verdict"] == "paid for without need"]
-    most: list[str] = max(together + single, key=len, default=[])
-    return most
+    without = (row["effects"] for row in mine if row["verdict"] in ("left out together", "paid for without need"))
+    return [*max(without, key=len, default=())]
 
 
 def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:

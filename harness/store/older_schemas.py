@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from harness.store.notices import StoredNotice
 
-__all__ = ["base_of_track", "notices_in_sentences"]
+__all__ = ["base_of_track", "change_in_name", "notices_in_sentences"]
 
 
 def notices_in_sentences(sentences: Iterable[str]) -> tuple[StoredNotice, ...]:
@@ -18,6 +18,12 @@ def notices_in_sentences(sentences: Iterable[str]) -> tuple[StoredNotice, ...]:
 def base_of_track(track: str) -> str:
     """What a track of schema 2 or 1 descends from: what was turned in it stands behind a comma."""
     return track.partition(",")[0]
+
+
+def change_in_name(variant: str) -> tuple[str, str] | None:
+    """The track or variant, and what is changed in it, of a variant in a study that has no field for them."""
+    beside, _, change = variant.rpartition(" ")
+    return (beside, change) if beside and change in ("iterations", "law") else None
 
 
 def _notice(sentence: str) -> StoredNotice:

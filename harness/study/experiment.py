@@ -16,9 +16,10 @@ from harness.intake.typed_fields import FieldError, filled
 from harness.scene.values import FROZEN, Name
 from harness.study.refinement import Refinement
 
-__all__ = ["Each", "Experiment", "FolderName", "Limit", "Some", "StudyError", "Track", "Variant", "experiment_from"]
+__all__ = ["Change", "Each", "Experiment", "FolderName", "Limit", "Some", "StudyError", "Track", "Variant", "experiment_from"]
 
 Track = Literal["default", "tuned"]
+Change = Literal["iterations", "law"]
 Value: TypeAlias = bool | int | float | str
 T = TypeVar("T")
 
@@ -62,10 +63,13 @@ class StudyError(Mendable, ValueError):
 class Variant:
     """A group of settings that users of an engine would try beside its tracks: what it says is laid over the track `on`.
 
-    Terms: the fields of `Settings`; None keeps the track's own. options: added to the track's, one by one.
+    Terms: the fields of `Settings`; None keeps the track's own. options: added to the track's, one by one. changes: the one
+    thing in which it differs from the track or variant `beside`; both None for one that stands for itself.
     """
 
     on: Track = "tuned"
+    beside: Name | None = None
+    changes: Change | None = None
     substeps: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
     iterations: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
     integrator: Name | None = None
@@ -73,6 +77,10 @@ class Variant:
     tolerance: Annotated[float, Field(ge=0, lt=1)] | None = None
     options: dict[Name, Value] = Field(default_factory=dict)
     source: Annotated[str, Field(max_length=2000)] = ""
+
+    def __post_init__(self) -> None:
+        if (self.beside is None) != (self.changes is None):
+            raise ValueError(f"beside is {self.beside!r}, changes is {self.changes!r}, expected both or none")
 
     def over(self, tracks: Mapping[str, Settings]) -> Settings:
         """The settings of this variant of an engine with these tracks."""

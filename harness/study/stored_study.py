@@ -1,9 +1,21 @@
-"""The experiments of the study that a run folder was made by, read back."""
+"""The study that a run folder was made by, read back: its experiments, and what its variants change."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from harness.store.older_schemas import change_in_name
 from harness.store.store import Store, StoreError
 from harness.study.experiment import Experiment, StudyError, experiment_from
 
-__all__ = ["experiments_of"]
+__all__ = ["Departure", "departures_of", "experiments_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """How a variant differs in one thing. Terms: beside: the track or variant that it differs from. changes: the thing."""
+
+    beside: str
+    changes: str
 
 
 def experiments_of(store: Store) -> list[Experiment]:
@@ -16,3 +28,16 @@ def experiments_of(store: Store) -> list[Experiment]:
         return [experiment_from(table, str(path)) for table in tables]
     except StudyError as error:
         raise StoreError(str(error)) from error
+
+
+def departures_of(store: Store) -> Mapping[tuple[str, str], Departure]:
+    """By engine and name, the variants that change one thing; a study that says it of none is older, and has it in names."""
+    variants = {
+        (engine, name): variant for engine, named in store.study.get("variants", {}).items() for name, variant in named.items()
+    }
+    stated = {
+        key: Departure(variant["beside"], variant["changes"]) for key, variant in variants.items() if "changes" in variant
+    }
+    if stated:
+        return stated
+    return {key: Departure(*older) for key in variants if (older := change_in_name(key[1])) is not None}

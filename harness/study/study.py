@@ -43,6 +43,11 @@ class Study:
         for engine, variants in self.variants.items():
             if taken := {"default", "tuned"} & variants.keys():
                 raise ValueError(f"variant '{engine}/{min(taken)}': the name is a track's, expected another")
+            known = {None, "default", "tuned", *(name for name, variant in variants.items() if variant.changes is None)}
+            for name, variant in variants.items():
+                if variant.beside not in known:
+                    others = ", ".join(sorted(other for other in known if other is not None))
+                    raise ValueError(f"variant '{engine}/{name}': beside is '{variant.beside}', expected one of {others}")
 
     def trials(
         self,

@@ -7,6 +7,7 @@ Source: Ericson, Real-Time Collision Detection (2005), section 5.2.1; Gottschalk
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product as pairs_of
 
 import numpy as np
@@ -66,11 +67,17 @@ class _Solid:
         return float(self.centre @ way) + beyond
 
 
-def _solids(body: Body) -> Iterator[_Solid]:
+@lru_cache(maxsize=4096)
+def _solids(body: Body) -> tuple[_Solid, ...]:
+    """Where a body's shapes are at the start; asked again for each way and for each start of an ensemble."""
+    return tuple(_placed(body))
+
+
+def _placed(body: Body) -> Iterator[_Solid]:
     q_WB, none = np.array(body.q_WB), np.zeros((0, 3))
     for placed in body.collision:
         q_WS = product(q_WB, np.array(placed.q_BS))
-        axes = np.array([rotate(q_WS, axis) for axis in np.eye(3)])
+        axes = rotate(q_WS, np.eye(3))
         normals = edges = none
         match placed.shape:
             case Box():
@@ -129,7 +136,7 @@ def _radius(shape: Shape) -> float:
 def touches(scene: Scene) -> list[Touch]:
     """All touches of bodies that can collide, at least one of which can move; meshes touch as their convex hulls do."""
     solid = [(place, body) for place, body in enumerate(scene.bodies) if body.collision]
-    solids = {place: tuple(_solids(body)) for place, body in solid}
+    solids = {place: _solids(body) for place, body in solid}
     reaches = {
         place: max(float(np.linalg.norm(placed.p_BS)) + _radius(placed.shape) for placed in body.collision)
         for place, body in solid

@@ -58,7 +58,7 @@ def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(installed
     assert "flight" in {row["name"] for row in json.loads(call(installed, "engines", "--json"))}
     assert "flight_straight" in {row["name"] for row in json.loads(call(installed, "cases", "--json"))}
     study = tmp_path / "one.toml"
-    study.write_text('name = "one"\n[[experiments]]\nname = "e"\n')
+    study.write_text('name = "one"\n[[experiments]]\nname = "e"\nsamples = 3\nsample_seconds = 0.002\n')
     call(installed, "run", study, "--engine", "flight", "--case", "flight_straight", "--out", tmp_path / "out")
     trials = Store(tmp_path / "out").trials
     assert list(trials["status"]) == ["passed", "passed"]

@@ -8,7 +8,6 @@ import pytest
 
 import reports
 from harness.store.parity_record import ParityRecord, Side, write
-from tests.browser.test_report import browser, visit  # noqa: F401 -- the fixtures
 
 pytestmark = pytest.mark.browser
 
@@ -49,14 +48,14 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1440, 390])
-def test_it_opens_in_silence_and_says_what_each_difference_is_worth(page: Path, visit: Any, scheme: str, width: int) -> None:  # noqa: F811
+def test_it_opens_in_silence_and_says_what_each_difference_is_worth(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
-    seen.page.set_viewport_size({"width": width, "height": 900})
-    seen.page.wait_for_timeout(100)
+    for width in (1440, 390):
+        seen.page.set_viewport_size({"width": width, "height": 900})
+        seen.page.wait_for_timeout(100)
+        assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
     assert seen.said == []
     assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}
-    assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
     assert seen.page.locator("h1").inner_text() == "What this engine's importer makes of your robot"
     first = seen.page.locator("#side-1 tbody tr").first
     assert "12 N m" in first.inner_text()
@@ -71,7 +70,7 @@ def test_it_opens_in_silence_and_says_what_each_difference_is_worth(page: Path, 
     assert chips == ["12 differences", "1 by documented defaults", "same robot", "not read"]
 
 
-def test_every_link_leads_somewhere(page: Path, visit: Any) -> None:  # noqa: F811
+def test_every_link_leads_somewhere(page: Path, visit: Any) -> None:
     for href in visit(page).page.eval_on_selector_all("link[href], script[src]", "all => all.map(one => one.href || one.src)"):
         address = urlsplit(href)
         assert address.scheme == "data" or Path(address.path).is_file(), href

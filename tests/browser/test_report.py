@@ -1,6 +1,5 @@
 """Can a person read the report? A real browser opens every page from disk, without a network."""
 
-import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,35 +10,10 @@ import pytest
 
 import reports
 from reports.policy import guarded
+from tests.browser.conftest import Visit
 from tests.run_folder import BAD_CASE, write_run_folder
 
 pytestmark = pytest.mark.browser
-
-FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-CHROMIUM = next(
-    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))),
-    os.environ.get("PLUMBLINE_CHROMIUM"),
-)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: no browser is driven")
-    if CHROMIUM is None:
-        pytest.skip("no Chromium on this machine (apt-get install chromium, or PLUMBLINE_CHROMIUM=path)")
-    with sync_api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture(scope="module")
@@ -52,40 +26,6 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = write_run_folder(tmp_path_factory.mktemp("hostile") / "run", hostile=True, only=("joint_chain", BAD_CASE))
     return reports.build(folder).parent
-
-
-class Visit:
-    """A page that is open, and all that it said or asked for."""
-
-    def __init__(self, browser: Any, path: Path, **context: Any) -> None:
-        self.page = browser.new_context(viewport={"width": 1280, "height": 900}, **context).new_page()
-        self.said: list[str] = []
-        self.asked: list[str] = []
-        self.page.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
-        self.page.on("pageerror", lambda error: self.said.append(f"error: {error}"))
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.on("dialog", lambda dialog: (self.said.append("dialog"), dialog.dismiss()))
-        self.page.goto(path.as_uri())
-        if context.get("java_script_enabled", True):
-            self.page.wait_for_function(
-                "() => [...document.querySelectorAll('figure.chart')].every(one => one.dataset.drawn)", timeout=60_000
-            )
-
-    def close(self) -> None:
-        self.page.context.close()
-
-
-@pytest.fixture
-def visit(browser: Any) -> Iterator[Any]:
-    opened: list[Visit] = []
-
-    def go(path: Path, **context: Any) -> Visit:
-        opened.append(Visit(browser, path, **context))
-        return opened[-1]
-
-    yield go
-    for one in opened:
-        one.close()
 
 
 def html_files(report: Path) -> list[Path]:
@@ -127,9 +67,11 @@ def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(opened: dic
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(plain: Path, visit: Any, scheme: str) -> None:
+def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(
+    plain: Path, opened: dict[Path, Visit], visit: Any, scheme: str
+) -> None:
     for name in ("index.html", "case-stack_tower.html"):
-        page = visit(plain / name, color_scheme=scheme).page
+        page = (opened[plain / name] if scheme == "light" else visit(plain / name, color_scheme=scheme)).page
         charts = page.locator("figure.chart .plot svg.marks")
         assert charts.count() == 2
         for k in range(2):
@@ -140,8 +82,8 @@ def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(plain: Path, visit: 
             assert charts.nth(k).locator(".mark-symbol path").count() > 5
 
 
-def test_outcomes_without_a_number_are_drawn_on_the_chart(plain: Path, visit: Any) -> None:
-    text = visit(plain / "case-stack_tower.html").page.locator("#case-stack_tower-step .plot svg").text_content()
+def test_outcomes_without_a_number_are_drawn_on_the_chart(plain: Path, opened: dict[Path, Visit]) -> None:
+    text = opened[plain / "case-stack_tower.html"].page.locator("#case-stack_tower-step .plot svg").text_content()
     for symbol in "∞∅◷‡▣":
         assert symbol in text
 
@@ -156,12 +98,14 @@ def test_without_scripts_the_static_pictures_stand_and_the_tables_are_there(plai
     assert page.locator("table.trials tbody tr").count() == 60
 
 
-def test_print_shows_the_static_picture_in_place_of_the_live_chart(plain: Path, visit: Any) -> None:
-    page = visit(plain / "case-stack_tower.html").page
+def test_print_shows_the_static_picture_in_place_of_the_live_chart(plain: Path, opened: dict[Path, Visit]) -> None:
+    page = opened[plain / "case-stack_tower.html"].page
     assert not page.locator("figure.chart img.still").first.is_visible()
     page.emulate_media(media="print")
     assert page.locator("figure.chart img.still").first.is_visible()
     assert not page.locator("figure.chart .plot").first.is_visible()
+    page.emulate_media(media="screen")
+    assert page.locator("figure.chart .plot").first.is_visible()
 
 
 def column(page: Any, head: str) -> list[float]:
@@ -173,23 +117,16 @@ def column(page: Any, head: str) -> list[float]:
     ]  # fmt: skip
 
 
-def test_a_click_on_a_heading_sorts_the_numbers_and_another_turns_them(plain: Path, visit: Any) -> None:
+def test_a_click_on_a_heading_sorts_the_numbers_another_turns_them_and_gaps_stand_last(plain: Path, visit: Any) -> None:
     page = visit(plain / "case-stack_tower.html").page
+    last = page.locator("table.trials tbody tr").last
     heads = [text for text in page.locator("table.trials thead th").all_inner_texts() if text.startswith("CPU")]
     before = column(page, heads[0])
     button = page.locator("table.trials thead th button", has_text=heads[0])
-    button.click()
-    assert column(page, heads[0]) == sorted(before) != before
-    button.click()
-    assert column(page, heads[0]) == sorted(before, reverse=True)
-
-
-def test_gaps_stand_last_in_both_directions(plain: Path, visit: Any) -> None:
-    page = visit(plain / "case-stack_tower.html").page
-    button = page.locator("table.trials thead th button", has_text="CPU")
-    for _ in range(2):
+    for turned in (False, True):
         button.click()
-        assert page.locator("table.trials tbody tr").last.get_attribute("data-status") in ("unavailable", "diverged", "oom")
+        assert column(page, heads[0]) == sorted(before, reverse=turned) != before
+        assert last.get_attribute("data-status") in ("unavailable", "diverged", "oom")
 
 
 def test_words_and_outcomes_filter_the_trials(plain: Path, visit: Any) -> None:
@@ -231,8 +168,8 @@ def test_a_permanent_link_to_a_trial_opens_its_row(plain: Path, visit: Any) -> N
     assert "plumbline reproduce" in page.locator(f"#{name}").inner_text()
 
 
-def test_hovering_a_point_tells_its_trial(plain: Path, visit: Any) -> None:
-    page = visit(plain / "case-flight_projectile.html").page
+def test_hovering_a_point_tells_its_trial(plain: Path, opened: dict[Path, Visit]) -> None:
+    page = opened[plain / "case-flight_projectile.html"].page
     page.locator("#case-flight_projectile-step .plot svg .mark-symbol path[aria-label]").first.hover(force=True)
     page.wait_for_selector("#hover", state="visible")
     told = page.locator("#hover").inner_text()

@@ -7,7 +7,6 @@ from urllib.parse import urlsplit
 import pytest
 
 import reports
-from tests.browser.test_report import browser, visit  # noqa: F401 -- the fixtures
 from tests.sensor_folder import write_sensor_folder
 
 pytestmark = pytest.mark.browser
@@ -19,7 +18,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_opens_in_silence_with_its_pictures_and_charts(page: Path, visit: Any, scheme: str) -> None:  # noqa: F811
+def test_it_opens_in_silence_with_its_pictures_and_charts(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []
     assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}
@@ -34,7 +33,7 @@ def test_it_opens_in_silence_with_its_pictures_and_charts(page: Path, visit: Any
         assert charts.nth(k).locator(".mark-symbol path").count() > 0
 
 
-def test_a_phone_needs_no_sideways_scrolling(page: Path, visit: Any) -> None:  # noqa: F811
+def test_a_phone_needs_no_sideways_scrolling(page: Path, visit: Any) -> None:
     seen = visit(page)
     seen.page.set_viewport_size({"width": 390, "height": 844})
     seen.page.wait_for_timeout(300)

@@ -2,8 +2,6 @@
 
 import http.client
 import io
-import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -17,12 +15,9 @@ from PIL import Image
 
 import reports
 from reports.palette import ENGINES
-from tests.unit.test_recordings import Folder, record, rising, zoo
+from tests.browser.conftest import CHROMIUM
+from tests.recorded_folder import Folder, record, rising, zoo
 
-CHROMIUM = next(
-    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))),
-    os.environ.get("PLUMBLINE_CHROMIUM"),
-)
 # WebGL in software: the viewer draws with it, and a machine for tests has no graphics card.
 FLAGS = [
     "--headless",
@@ -191,14 +186,11 @@ def test_every_answer_says_whose_scripts_run_and_forbids_connections_to_elsewher
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: no browser is driven")
-    if CHROMIUM is None:
-        pytest.skip("no Chromium on this machine (apt-get install chromium, or PLUMBLINE_CHROMIUM=path)")
-    with sync_api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield chromium
-        chromium.close()
+def browser(playwright: Any) -> Iterator[Any]:
+    """One with WebGL."""
+    chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+    yield chromium
+    chromium.close()
 
 
 class Visit:

@@ -9,7 +9,6 @@ import pytest
 from harness.findings.changes import compare
 from harness.store.store import Store
 from reports import what_changed
-from tests.browser.test_report import browser, visit  # noqa: F401 -- the fixtures
 from tests.two_runs import write_two_runs
 
 pytestmark = pytest.mark.browser
@@ -30,7 +29,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_opens_in_silence_and_says_the_worst_first(page: Path, visit: Any, scheme: str) -> None:  # noqa: F811
+def test_it_opens_in_silence_and_says_the_worst_first(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []
     assert "errs more" in seen.page.locator("#worse li").first.inner_text()
@@ -41,7 +40,7 @@ def test_it_opens_in_silence_and_says_the_worst_first(page: Path, visit: Any, sc
     assert set(seen.page.locator("#all tbody tr:visible td:first-child").all_inner_texts()) == {"worse"}
 
 
-def test_a_phone_needs_no_sideways_scrolling(page: Path, visit: Any) -> None:  # noqa: F811
+def test_a_phone_needs_no_sideways_scrolling(page: Path, visit: Any) -> None:
     seen = visit(page)
     seen.page.set_viewport_size({"width": 390, "height": 844})
     seen.page.wait_for_timeout(300)

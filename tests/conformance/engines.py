@@ -6,8 +6,9 @@ from importlib import import_module
 
 import adapters
 from harness.adapter import Adapter, Unavailable
+from harness.conformance import CHECKS, Outcome, run_check
 
-__all__ = ["NAMES", "adapter", "why_unavailable"]
+__all__ = ["NAMES", "adapter", "outcome_of", "why_unavailable"]
 
 NAMES = tuple(sorted(module.name for module in pkgutil.iter_modules(adapters.__path__)))
 """The names of the files in `adapters/`."""
@@ -29,3 +30,10 @@ def why_unavailable(name: str) -> str:
     except Unavailable as reason:
         return f"{name}: {reason}"
     return ""
+
+
+@cache
+def outcome_of(name: str, track: str, check: str) -> Outcome:
+    """What a check says of an engine as it is; asked once in a process, by whichever test comes first."""
+    (asked,) = (one for one in CHECKS if one.name == check)
+    return run_check(adapter(name), track, asked)

@@ -13,7 +13,7 @@ from harness.conformance.checks.contract.features import PROBED
 from harness.conformance.checks.contract.protocol import loaded_at_once
 from harness.scene import Scene
 from harness.trajectory import State
-from tests.conformance.engines import NAMES, adapter, why_unavailable
+from tests.conformance.engines import NAMES, adapter, outcome_of, why_unavailable
 from tests.conformance.free_flight import ADAPTER as FREE_FLIGHT
 from tests.conformance.free_flight import Flight, FreeFlight
 
@@ -27,7 +27,7 @@ FOUR = ("reference", "mujoco", "bullet", "dart")
 def test_adapter_keeps_the_contract(engine: str, track: str, check: ConformanceCheck) -> None:
     if reason := why_unavailable(engine):
         pytest.skip(reason)
-    outcome = run_check(adapter(engine), track, check)
+    outcome = outcome_of(engine, track, check.name)
     if outcome.status == "not_applicable":
         pytest.skip(outcome.message)
     if outcome.status == "known":

@@ -33,6 +33,7 @@ LONG = frozenset(
         "joint_double_pendulum_chaotic",
         "joint_long_run",
         "orbit_kepler",
+        "rest_jitter",
         "sensor_camera_optics",
         "sensor_camera_pinhole",
         "sensor_depth_noise",
@@ -44,7 +45,9 @@ LONG = frozenset(
         "stack_overlap_recovery",
         "stack_stirred",
         "stack_ten_minutes",
+        "stack_tower",
         "stand_humanoid",
+        "stand_quadruped",
         "system_rays",
         "tunnel_thin_mesh",
     }

@@ -139,9 +139,17 @@ def test_the_report_is_rebuilt_from_the_store_alone(folder: Path, plumbline: Com
     ],
 )
 def test_wrong_usage_has_its_exit_code_and_names_what_was_wrong(
-    arguments: tuple[str, ...], code: int, words: str, plumbline: Command, tmp_path: Path
+    arguments: tuple[str, ...],
+    code: int,
+    words: str,
+    plumbline: Command,
+    printed: Command,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    done = plumbline(*arguments, cwd=tmp_path)
+    """The first in a process, whose exit code a script sees."""
+    monkeypatch.chdir(tmp_path)
+    done = (plumbline if arguments == ("run", "quikc") else printed)(*arguments)
     assert done.returncode == code, done.stderr
     assert words in done.stderr
     assert done.stdout == ""

@@ -19,10 +19,11 @@ from typing import Any
 
 from harness.intake.import_wishes import DROPPABLE, Wishes
 from harness.intake.mendable import Mendable
-from harness.scene.importers import mjcf_compiler, mjcf_model
 from harness.scene.importers.companion import Companion, Massless
+from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.mjcf_text import Prepared
 from harness.scene.importers.reading import read
+from tests.mjcf_here import compiled_here
 from tests.stress.mutator import mutant
 
 DEADLINE = 20
@@ -52,29 +53,11 @@ class _Opened:
                 self.seen.append(path)
 
 
-def compile_here(text: Prepared, file: str) -> mjcf_model.Model:
+def compile_watched(text: Prepared, file: str) -> Model:
     """As `compile_apart`, in this process. Raises: RobotError."""
-    import io
-
-    import numpy as np
-
     for asset in re.findall(r'file="([^"]*)"', text.text):
         assert OURS.fullmatch(asset), f"the compiler was shown the file {asset}"
-    before = Path.cwd()
-    with tempfile.TemporaryDirectory() as scratch:
-        os.chdir(scratch)
-        try:
-            Path("model.xml").write_text(text.text, encoding="utf-8")
-            for name, raw in text.assets.items():
-                Path(name).write_bytes(raw)
-            kept = mjcf_compiler.compiled()
-        except Exception as error:
-            raise mjcf_model.RobotError(mjcf_model.said_of(f"{type(error).__name__}: {error}", text, file)) from None
-        finally:
-            os.chdir(before)
-    archive = io.BytesIO()
-    np.savez(archive, allow_pickle=False, **kept)
-    return mjcf_model.model_of(archive.getvalue())
+    return compiled_here(text, file)
 
 
 def _one(path: Path) -> str:
@@ -102,7 +85,7 @@ def _all(sound: Path, first: int, count: int, note: Path) -> dict[str, Any]:
     signal.signal(signal.SIGPROF, _stop)
     from harness.scene.importers import mjcf
 
-    mjcf.compile_apart = compile_here
+    mjcf.compile_apart = compile_watched
     totals: dict[str, Any] = {"refused": 0, "read": 0, "slowest": 0.0, "troubles": [], "tried": 0, "outside": []}
     content = sound.read_bytes()
     with tempfile.TemporaryDirectory() as folder:

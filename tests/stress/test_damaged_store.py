@@ -134,14 +134,14 @@ def test_a_truth_that_is_damaged_while_a_run_goes_on_is_made_again(
     ledger.survived(FAMILY, "truths damaged under a run", f"{len(kept)} named and made again; engines blamed 0")
 
 
-def test_lines_lost_at_the_end_of_a_journal_are_told_by_whoever_reads_it(run: Path, plumbline: Command, ledger: Page) -> None:
+def test_lines_lost_at_the_end_of_a_journal_are_told_by_whoever_reads_it(run: Path, printed: Command, ledger: Page) -> None:
     expected = tables(run)
     path = run / "journal.jsonl"
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(lines[:-3]))
     due = f"{path}: ends at line {len(lines) - 3}, and had {len(lines)}: what the others held is missing"
     assert Store(run).notes == (due,)
-    assert due in plumbline("show", run).stderr
+    assert due in printed("show", run).stderr
     assert "ends at line" in named(run, path)
     carry_out(run)
     same_tables(run, expected)
@@ -149,11 +149,11 @@ def test_lines_lost_at_the_end_of_a_journal_are_told_by_whoever_reads_it(run: Pa
     ledger.survived(FAMILY, "journal.jsonl without its last three lines", "named by show, verify and resume; mended")
 
 
-def test_a_torn_tail_is_told_by_whoever_reads_it(run: Path, plumbline: Command, ledger: Page) -> None:
+def test_a_torn_tail_is_told_by_whoever_reads_it(run: Path, printed: Command, ledger: Page) -> None:
     path = run / "journal.jsonl"
     path.write_bytes(path.read_bytes()[:-7])
     for command in ("show", "report"):
-        assert "the last, is torn, as a kill leaves it" in plumbline(command, run).stderr
+        assert "the last, is torn, as a kill leaves it" in printed(command, run).stderr
     assert "its last line is torn" in named(run, path)
     ledger.survived(FAMILY, "journal.jsonl with a torn tail", "told by show, report and verify")
 
@@ -187,8 +187,8 @@ def test_drafts_that_a_kill_left_are_named_and_cleared_by_a_resume(run: Path) ->
     assert not any(path.exists() for path in drafts)
 
 
-def test_verify_ends_well_or_with_a_machine_that_failed(run: Path, plumbline: Command) -> None:
-    whole = plumbline("verify", run)
+def test_verify_ends_well_or_with_a_machine_that_failed(run: Path, plumbline: Command, printed: Command) -> None:
+    whole = printed("verify", run)
     assert (whole.returncode, whole.stdout, whole.stderr) == (0, "", "every file is as it was written\n")
     (run / "machine.json").unlink()
     (run / "trials.parquet").write_bytes(b"x")

@@ -144,10 +144,10 @@ def test_what_an_engine_starts_ends_with_its_trial(trials: pd.DataFrame) -> None
 
 @pytest.mark.parametrize("table", ["trials", "measurements"])
 def test_what_an_engine_says_is_shown_without_control_characters(
-    trials: pd.DataFrame, folder: Path, table: str, plumbline: Command
+    trials: pd.DataFrame, folder: Path, table: str, printed: Command
 ) -> None:
     assert len(trials)
-    done = plumbline("show", folder / "out", "--table", table)
+    done = printed("show", folder / "out", "--table", table)
     assert done.returncode == 0, done.stderr
     assert "\x1b" not in done.stdout
 

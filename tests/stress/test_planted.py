@@ -14,6 +14,7 @@ from harness.run.isolated import tell
 from harness.run.message import BrokenMessage, Inbox, read_record
 from harness.store.store import Store
 from harness.study.study import load_study
+from harness.trial.accuracy import run_trial
 from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 
@@ -60,12 +61,15 @@ def trials(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> pd.D
     return carried_out(tmp_path_factory.mktemp("planted"), plumbline, *HEAVY)
 
 
-@pytest.fixture(scope="module")
-def sound(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> str:
-    """The hash of the sound engine's answer, alone."""
-    (row,) = carried_out(tmp_path_factory.mktemp("sound"), plumbline).to_dict("records")
-    assert row["status"] == "passed"
-    return str(row["trajectory_hash"])
+@pytest.fixture
+def sound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str | None:
+    """The hash of the sound engine's answer, alone and in this process."""
+    monkeypatch.syspath_prepend(str(PLUGINS))
+    (tmp_path / "planted.toml").write_text(study(()))
+    (trial,) = load_study(str(tmp_path / "planted.toml")).trials({CASE.name: CASE}, {"planted": PLANTED}, {"planted": "1.0"})
+    record = run_trial(trial, CASE, PLANTED, tmp_path)
+    assert record.status == "passed"
+    return record.trajectory_hash
 
 
 def judged(fault: Fault, status: str, reason: str, ledger: Page) -> None:
@@ -110,7 +114,7 @@ def test_a_fault_of_an_answer_has_the_same_outcome_in_a_process_of_its_own(tmp_p
     assert {fault.variant: found.loc[fault.variant, "status"] for fault in LIGHT} == {f.variant: f.status for f in LIGHT}
 
 
-def test_the_sound_cells_beside_them_answer_as_alone(trials: pd.DataFrame, sound: str) -> None:
+def test_the_sound_cells_beside_them_answer_as_alone(trials: pd.DataFrame, sound: str | None) -> None:
     beside = trials[trials["track"] == "tuned"]
     assert len(beside) == len({fault.family for fault in HEAVY})
     assert set(beside["status"]) == {"passed"}

@@ -15,7 +15,7 @@ from harness.case.alteration import EVERYTHING, FINER, Alteration
 from harness.case.own_titles import called
 from harness.cli.minimal_scene import write_minimal
 from harness.conformance.faults.plant import Wrapped, plant
-from harness.findings.effects_audit import NOT_JUDGED, audit, savings
+from harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
 from harness.findings.tables.effects import Verdict, rows, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
 from harness.run.campaign import carry_out
@@ -163,7 +163,10 @@ def test_the_minimal_set_is_found_by_leaving_out_together(audited: Audited) -> N
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     scene = Scene(bodies=(ground, box), surfaces=(Surface(static_friction=0.5, kinetic_friction=0.5),))
     found = audited(case_of("rest_made", scene))
-    assert [one.effect for one in found if one.verdict == "left out together"] == ["friction, gyroscopic"]
+    assert [one.effects for one in found if one.verdict == "left out together"] == [("friction", "gyroscopic")]
+    assert "friction, gyroscopic" in {one.effect for one in found}
+    (scene,) = {(one.case, one.where) for one in found}
+    assert idle(scene, [asdict(one) for one in found]) == ["friction", "gyroscopic"]
 
 
 def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Studied) -> None:

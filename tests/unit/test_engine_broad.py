@@ -98,18 +98,34 @@ def _worlds(bodies: list[engine.Body], names: tuple[str, ...], **options: object
     return [engine.World(bodies, apart=apart, options=engine.Options(broad_phase=name, **options)) for name in names]  # type: ignore[arg-type]
 
 
-@settings(max_examples=40, deadline=None)
-@given(
+CROWDS = given(
     seed=st.integers(0, 2**32 - 1),
     number=st.integers(FEW, 90),
     spread=st.sampled_from([0.0, 1e-3, 0.1, 0.5, 3.0, 1e3, 1e9]),
     ratio=st.sampled_from([1.0, 3.0, 100.0, 1e5]),
     planes=st.integers(0, 3),
 )
+
+
+@settings(max_examples=15, deadline=None)
+@CROWDS
 def test_every_search_finds_what_testing_all_pairs_finds(
     seed: int, number: int, spread: float, ratio: float, planes: int
 ) -> None:
     """The lists are equal, order included; so they are after bodies have moved, a little or far, since the last search."""
+    _all_find_the_same(seed, number, spread, ratio, planes)
+
+
+@pytest.mark.slow
+@settings(max_examples=200, deadline=None)
+@CROWDS
+def test_every_search_finds_what_testing_all_pairs_finds_in_two_hundred_crowds(
+    seed: int, number: int, spread: float, ratio: float, planes: int
+) -> None:
+    _all_find_the_same(seed, number, spread, ratio, planes)
+
+
+def _all_find_the_same(seed: int, number: int, spread: float, ratio: float, planes: int) -> None:
     bodies = _random_bodies(seed, number + 1, spread, ratio, planes)
     oracle, *others = _worlds(bodies, ("brute_force", *SEARCHES))
     rng = np.random.default_rng(seed)
@@ -170,11 +186,26 @@ def test_the_broad_phase_does_not_change_one_bit_of_a_pile(first: engine.Shape |
     assert all(np.array_equal(one, two) for one, two in pairwise(states))
 
 
+SPREADS = given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.0, 0.5, 1e9]))
+
+
 @pytest.mark.parametrize("name", BROAD_PHASES)
-@settings(max_examples=8, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.0, 0.5, 1e9]))
+@settings(max_examples=4, deadline=None)
+@SPREADS
 def test_any_number_of_threads_finds_the_same_pairs(name: str, seed: int, spread: float) -> None:
     """Order included, in the arena's rows, from step to step, also where there are fewer shapes than threads would like."""
+    _threads_agree(name, seed, spread)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BROAD_PHASES)
+@settings(max_examples=40, deadline=None)
+@SPREADS
+def test_any_number_of_threads_finds_the_same_pairs_in_forty_crowds(name: str, seed: int, spread: float) -> None:
+    _threads_agree(name, seed, spread)
+
+
+def _threads_agree(name: str, seed: int, spread: float) -> None:
     bodies = _random_bodies(seed, 40, spread, 30.0, 1)
     worlds = [engine.World(bodies, options=engine.Options(broad_phase=name, threads=threads)) for threads in (1, 2, 4)]
     rng = np.random.default_rng(seed)

@@ -1,161 +1,15 @@
-"""Swept continuous collision: times of impact against closed forms, nothing passes, nothing is deflected by what it passes."""
+"""Swept continuous collision: nothing passes, nothing is deflected by what it passes."""
 
-import itertools
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 import engine
-from engine.memory import arena as at
-from engine.memory.arena import float_table
+from tests.swept_worlds import DT, SHAPES, SHEET, WALL, bullet_of, world_of
 
 Array = NDArray[np.float64]
-DT = 1 / 240
-DEFAULT = ("default", "default")
-ROCK = np.random.default_rng(11).normal(size=(24, 3)) * (0.05, 0.03, 0.04)
-SHAPES: dict[str, engine.Shape] = {
-    "sphere": engine.Sphere(0.05),
-    "capsule": engine.Capsule(0.02, 0.06),
-    "box": engine.Box((0.05, 0.03, 0.02)),
-    "cylinder": engine.Cylinder(0.04, 0.05),
-    "hull": engine.ConvexHull(ROCK.tolist()),
-}
-WALL = engine.Body(name="wall", motion="static", shapes=[engine.Placed(engine.Box((0.005, 1, 1)))])
-RING = [(0, -1, -1), (0, 1, -1), (0, 1, 1), (0, -1, 1), (0, 0, 0)]
-FAN = engine.TriangleMesh(RING, [(1, 0, 4), (2, 1, 4), (3, 2, 4), (0, 3, 4)])
-SHEET = engine.Body(name="sheet", motion="static", shapes=[engine.Placed(FAN)])
-"""A mesh of four triangles without thickness, whose outer side looks to -x."""
-
-
-def _bullet(shape: engine.Shape, name: str = "bullet", **state: object) -> engine.Body:
-    """A body of 1 kg with the inertia of its size, and not the same about every axis."""
-    return engine.Body(name=name, inertia=np.diag([2.0, 2.5, 1.2]) * 1e-3, shapes=[engine.Placed(shape)], **state)  # type: ignore[arg-type]
-
-
-def _world(
-    bodies: Sequence[engine.Body], law: engine.Surface | None = None, gravity: Sequence[float] = (0, 0, 0), **options: object
-) -> engine.World:
-    chosen = engine.Options(**({"continuous": "swept"} | options))  # type: ignore[arg-type]
-    return engine.World(bodies, surfaces={DEFAULT: law or engine.Surface()}, gravity=gravity, options=chosen)
-
-
-def _impact(bodies: Sequence[engine.Body], span: float = DT) -> float:
-    """The time of impact [s] of two bodies that go on with their velocities, by the engine's own search."""
-    from engine.swept.earliest import earliest_impact
-
-    floats, ints = _world(bodies).save()
-    state = float_table(floats, ints, at.STATE)
-    start = state.copy()
-    for row in state:
-        row[:3] += span * row[7:10]
-        turn = Rotation.from_rotvec(span * row[10:]) * Rotation.from_quat(row[3:7], scalar_first=True)
-        row[3:7] = turn.as_quat(scalar_first=True)
-    shapes = len(float_table(floats, ints, at.SHAPE))
-    path, bounds = np.zeros((len(start), 16)), np.zeros((shapes, 6))
-    return float(earliest_impact(floats, ints, start, span, path, bounds, np.arange(shapes)))
-
-
-@pytest.mark.parametrize("speed", [1.0, 20.0, 500.0])
-def test_a_sphere_meets_a_plane_when_the_closed_form_says(speed: float) -> None:
-    """t = (n . p - r) / (-n . v): the last steps are Newton's on a linear gap, exact to rounding of a length of 1 m."""
-    for seed in range(20):
-        rng = np.random.default_rng(seed)
-        n = rng.normal(size=3)
-        n /= np.linalg.norm(n)
-        v = rng.normal(size=3)
-        v *= -math.copysign(speed, float(v @ n)) / np.linalg.norm(v)
-        height = rng.uniform(0.1, 0.9) * DT * -float(v @ n)
-        p = (0.05 + height) * n
-        plane = engine.Body(name="plane", motion="static", shapes=[engine.Placed(engine.Plane(n))])
-        found = _impact([plane, _bullet(engine.Sphere(0.05), p_WB=p, v_WB=v, w_WB=rng.normal(size=3) * 30)])
-        assert found == pytest.approx(height / -float(v @ n), abs=1e-15 / -float(v @ n) + 1e-14)
-
-
-@pytest.mark.parametrize("speed", [1.0, 20.0, 500.0])
-def test_two_spheres_meet_at_the_root_of_their_quadratic(speed: float) -> None:
-    """|p + v t| = r_A + r_B. A gap of rounding, 1e-15 m of way, is a time of that over the speed along the normal; the second
-    root, where they would part, is no impact.
-    """
-    for seed in range(30):
-        rng = np.random.default_rng(seed)
-        ra, rb = rng.uniform(0.01, 0.1, 2)
-        v = rng.normal(size=3)
-        v *= speed / np.linalg.norm(v)
-        n = np.cross(v, rng.normal(size=3))
-        cosine = rng.uniform(0.05, 1.0)
-        n = math.sqrt(1 - cosine**2) * n / np.linalg.norm(n) - cosine * v / speed
-        p = (ra + rb) * n - rng.uniform(0.1, 0.9) * DT * v
-        truth = float(np.roots([v @ v, 2 * p @ v, p @ p - (ra + rb) ** 2]).real.min())
-        assert 0 < truth < DT
-        for sign in (1, -1):
-            one = _bullet(engine.Sphere(ra), name="one", v_WB=-0.3 * sign * v)
-            two = _bullet(engine.Sphere(rb), name="two", p_WB=p, v_WB=0.7 * sign * v)
-            found = _impact([one, two])
-            if sign == 1:
-                assert found == pytest.approx(truth, abs=1e-14 / (cosine * speed) + 1e-14)
-            else:
-                assert found == math.inf
-
-
-@pytest.mark.parametrize("spin", [10.0, 100.0, 400.0])
-def test_a_turning_rod_meets_a_post_when_its_angle_says(spin: float) -> None:
-    """A capsule of radius r that turns about its middle meets a sphere of radius c at distance d when the distance of the
-    sphere's centre from its axis, d sin(angle), is r + c. The gap is known to 1e-15 m at a speed of d w.
-    """
-    r, c, d, angle = 0.01, 0.004, 0.3, 0.9 * spin * DT
-    rod = _bullet(engine.Capsule(r, 0.5), q_WB=(math.sqrt(0.5), 0, math.sqrt(0.5), 0), w_WB=(0, 0, spin))
-    place = (d * math.cos(angle), d * math.sin(angle), 0)
-    post = engine.Body(name="post", motion="static", shapes=[engine.Placed(engine.Sphere(c))], p_WB=place)
-    truth = (angle - math.asin((r + c) / d)) / spin
-    if truth > 0:
-        assert _impact([post, rod]) == pytest.approx(truth, abs=1e-13 / (d * spin) + 1e-13)
-
-
-@pytest.mark.parametrize(("one", "two"), list(itertools.combinations_with_replacement(SHAPES, 2)))
-def test_every_pair_that_turns_touches_at_its_time_of_impact_and_not_before(one: str, two: str) -> None:
-    """The gap is zero at the time found and positive on the way there, sampled; where none is found it stays positive.
-
-    The gap is measured apart from the search, and known to 2e-6 m for round shapes (the polytope of EPA), 1e-8 m otherwise.
-    """
-    from engine.contact.measure_convex import measure_convex
-
-    slack = 2e-6
-    hits = 0
-    for seed in range(8):
-        rng = np.random.default_rng(100 + seed)
-        v = rng.normal(size=3)
-        v *= rng.uniform(20, 200) / np.linalg.norm(v)
-        w = rng.normal(size=(2, 3)) * 60
-        q = Rotation.random(2, random_state=rng)
-        p = -v * rng.uniform(0.3, 0.9) * DT - 0.12 * v / np.linalg.norm(v) + rng.uniform(-0.05, 0.05, 3)
-        bodies = [
-            _bullet(SHAPES[one], name="one", q_WB=q[0].as_quat(scalar_first=True), w_WB=w[0]),
-            _bullet(SHAPES[two], name="two", q_WB=q[1].as_quat(scalar_first=True), w_WB=w[1], p_WB=p, v_WB=v),
-            engine.Body(name="far", p_WB=(9, 0, 0), shapes=[engine.Placed(engine.Cylinder(0.1, 0.1))]),
-        ]
-        found = _impact(bodies)
-        times = np.linspace(0, min(found, DT), 60)
-        floats, ints = engine.World(bodies).save()
-        offset = float_table(floats, ints, at.SHAPE)[:, at.OFFSET : at.OFFSET + 3]
-        poses = []
-        for k, (place, speed) in enumerate(((np.zeros(3), np.zeros(3)), (p, v))):
-            turns = [(Rotation.from_rotvec(t * w[k]) * q[k]).as_matrix() for t in times]
-            poses.append(
-                np.array([[*(place + t * speed + r @ offset[k]), *r.ravel()] for t, r in zip(times, turns, strict=True)])
-            )
-        out = np.empty((len(times), 10))
-        measure_convex(floats, ints, 0, 1, poses[0], poses[1], out)
-        if out[0, 0] <= 1e-6:
-            continue
-        assert out[:-1, 0].min() > -slack
-        if found < DT:
-            hits += 1
-            assert abs(out[-1, 0]) < slack
-    assert hits >= 2
 
 
 def _speeds() -> list[float]:
@@ -168,7 +22,7 @@ def test_no_sphere_gets_through_a_thin_wall_at_any_phase(continuous: str, speed:
     """64 phases of the step: the wall of 1 cm stops each, at its face to the micrometre within which shapes touch."""
     ball, v = engine.Sphere(0.05), (speed, 0, 0)
     spheres = [
-        _bullet(ball, name=f"s{k}", material="sphere", p_WB=(-0.06 - speed * DT * k / 64, k, 0), v_WB=v) for k in range(64)
+        bullet_of(ball, name=f"s{k}", material="sphere", p_WB=(-0.06 - speed * DT * k / 64, k, 0), v_WB=v) for k in range(64)
     ]
     wall = engine.Body(name="wall", motion="static", shapes=[engine.Placed(engine.Box((0.005, 100, 1)))])
     world = engine.World(
@@ -192,11 +46,11 @@ def test_no_bullet_gets_through_at_any_attitude(name: str, barrier: engine.Body)
         rng = np.random.default_rng(seed)
         speed = float(rng.choice([5.0, 40.0, 200.0, 500.0]))
         start = -0.15 - rng.uniform(0, 2) * speed * DT
-        bullet = _bullet(
+        bullet = bullet_of(
             SHAPES[name], p_WB=(start, *rng.uniform(-0.3, 0.3, 2)), q_WB=rng.normal(size=4), v_WB=(speed, *rng.normal(size=2)),
             w_WB=rng.normal(size=3) * 30,
         )  # fmt: skip
-        world = _world([barrier, bullet], engine.Surface(static_friction=0.3, kinetic_friction=0.3, restitution=0.4))
+        world = world_of([barrier, bullet], engine.Surface(static_friction=0.3, kinetic_friction=0.3, restitution=0.4))
         for _ in range(int(0.3 / (speed * DT)) + 12):
             world.step()
             assert world.state()[1, 0] < 0, (seed, speed)
@@ -219,7 +73,7 @@ def test_a_bullet_never_gains_energy(name: str, restitution: float) -> None:
             name="bullet", inertia=2e-3 * np.eye(3), shapes=[engine.Placed(SHAPES[name])], p_WB=(-0.15 - speed * DT, 0, 0),
             q_WB=rng.normal(size=4), v_WB=(speed, *rng.normal(size=2) * speed * 0.3), w_WB=rng.normal(size=3) * 100,
         )  # fmt: skip
-        world = _world([WALL, bullet], engine.Surface(restitution=restitution))
+        world = world_of([WALL, bullet], engine.Surface(restitution=restitution))
         energy = []
         for _ in range(10):
             state = world.state()[1]
@@ -240,7 +94,7 @@ def test_a_spinning_blade_never_passes_a_thin_post(spin: float) -> None:
         blade = engine.Body(name="blade", mass=1000, inertia=np.diag([1e-3, 0.06, 0.06]), shapes=[plate], w_WB=(0, 0, spin))
         place = (0.4 * math.cos(angle), 0.4 * math.sin(angle), 0)
         post = engine.Body(name="post", motion="static", shapes=[engine.Placed(engine.Cylinder(0.005, 0.3))], p_WB=place)
-        world = _world([post, blade])
+        world = world_of([post, blade])
         for _ in range(40):
             world.step()
             q = world.state()[1, 3:7]
@@ -254,8 +108,8 @@ def test_a_driven_blade_hits_a_small_ball_and_never_passes_it(spin: float) -> No
     blade = engine.Body(
         name="blade", motion="kinematic", shapes=[engine.Placed(engine.Box((0.45, 0.004, 0.02)))], w_WB=(0, 0, spin)
     )  # fmt: skip
-    ball = _bullet(engine.Sphere(0.005), p_WB=(0.2 * math.cos(1.1), 0.2 * math.sin(1.1), 0))
-    world = _world([blade, ball], engine.Surface(restitution=1.0))
+    ball = bullet_of(engine.Sphere(0.005), p_WB=(0.2 * math.cos(1.1), 0.2 * math.sin(1.1), 0))
+    world = world_of([blade, ball], engine.Surface(restitution=1.0))
     world.step(6)
     assert world.impacts is not None
     assert world.impacts.count == 1
@@ -267,9 +121,9 @@ def test_a_driven_blade_hits_a_small_ball_and_never_passes_it(spin: float) -> No
 def test_two_bodies_head_on_at_500_metres_per_second_do_not_change_places(pair: tuple[str, str]) -> None:
     """They meet at 1000 m/s, four metres in a step. Momentum is kept to rounding of 500 kg m/s; energy does not grow."""
     for phase in np.linspace(0, 1, 8, endpoint=False):
-        one = _bullet(SHAPES[pair[0]], name="one", p_WB=(-0.2 - phase * 500 * DT, 0.003, 0), v_WB=(500, 0, 0))
-        two = _bullet(SHAPES[pair[1]], name="two", p_WB=(0.2, 0, 0.004), v_WB=(-500, 0, 0))
-        world = _world([one, two], engine.Surface(restitution=0.5))
+        one = bullet_of(SHAPES[pair[0]], name="one", p_WB=(-0.2 - phase * 500 * DT, 0.003, 0), v_WB=(500, 0, 0))
+        two = bullet_of(SHAPES[pair[1]], name="two", p_WB=(0.2, 0, 0.004), v_WB=(-500, 0, 0))
+        world = world_of([one, two], engine.Surface(restitution=0.5))
         world.step(3)
         state = world.state()
         assert state[0, 0] < state[1, 0]
@@ -284,8 +138,8 @@ def test_a_grazing_pass_is_not_deflected_where_speculation_does() -> None:
     block = engine.Body(name="block", motion="static", shapes=[engine.Placed(engine.Box((0.1, 0.1, 0.1)))])
     turned = {}
     for continuous in ("speculative", "swept"):
-        ball = _bullet(engine.Sphere(0.05), p_WB=(-0.6, 0, 0.1501), v_WB=(90.0, 0, 0))
-        world = _world([block, ball], continuous=continuous)
+        ball = bullet_of(engine.Sphere(0.05), p_WB=(-0.6, 0, 0.1501), v_WB=(90.0, 0, 0))
+        world = world_of([block, ball], continuous=continuous)
         world.step(6)
         turned[continuous] = world.state()[1, 7:10].copy()
     assert turned["swept"].tolist() == [90.0, 0.0, 0.0]
@@ -302,9 +156,9 @@ def test_a_bounce_keeps_the_height_that_its_restitution_says() -> None:
         worst = 0.0
         for height in np.linspace(1.0, 1.02, 9):
             ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
-            ball = _bullet(engine.Sphere(0.05), p_WB=(0, 0, 0.05 + height))
+            ball = bullet_of(engine.Sphere(0.05), p_WB=(0, 0, 0.05 + height))
             law = engine.Surface(restitution=0.8)
-            world = _world([ground, ball], law, (0, 0, -9.81), continuous=continuous, integrator="rk4")
+            world = world_of([ground, ball], law, (0, 0, -9.81), continuous=continuous, integrator="rk4")
             world.step(160)
             state = world.state()[1]
             top = state[2] - 0.05 + 0.5 * state[9] ** 2 / 9.81
@@ -324,9 +178,9 @@ def test_a_swept_world_repeats_itself_bit_for_bit_and_from_a_save() -> None:
     bodies = []
     for k, name in enumerate(("sphere", "box", "hull") * 3):
         p, v, q = rng.uniform(-0.7, 0.7, 3), rng.normal(size=3) * 40, rng.normal(size=4)
-        bodies.append(_bullet(SHAPES[name], name=f"b{k}", p_WB=p, v_WB=v, q_WB=q))
+        bodies.append(bullet_of(SHAPES[name], name=f"b{k}", p_WB=p, v_WB=v, q_WB=q))
     law = engine.Surface(static_friction=0.2, kinetic_friction=0.2, restitution=0.5)
-    one, two = _world([*walls, *bodies], law), _world([*walls, *bodies], law)
+    one, two = world_of([*walls, *bodies], law), world_of([*walls, *bodies], law)
     one.step(20)
     for _ in range(20):
         two.step()
@@ -345,7 +199,7 @@ def _swarm(broad_phase: str | None) -> engine.World:
     rng = np.random.default_rng(5)
     kinds = [SHAPES["sphere"], SHAPES["box"], SHAPES["capsule"]]
     bodies = [
-        _bullet(
+        bullet_of(
             kinds[k % 3], f"b{k}", p_WB=(-1 + 0.1 * rng.normal(), 0.4 * (k % 5) - 0.8, 0.2 + 0.25 * (k // 5)),
             v_WB=rng.normal(size=3) * (40, 10, 10), w_WB=20 * rng.normal(size=3),
         )
@@ -353,7 +207,7 @@ def _swarm(broad_phase: str | None) -> engine.World:
     ]  # fmt: skip
     floor = engine.Body(name="floor", motion="static", shapes=[engine.Placed(engine.Plane())])
     law = engine.Surface(static_friction=0.3, kinetic_friction=0.3, restitution=0.5)
-    return _world([floor, WALL, *bodies], law, gravity=(0, 0, -9.81), broad_phase=broad_phase)
+    return world_of([floor, WALL, *bodies], law, gravity=(0, 0, -9.81), broad_phase=broad_phase)
 
 
 @pytest.mark.parametrize("name", ["uniform_grid", "bvh"])
@@ -372,7 +226,7 @@ def test_a_world_to_be_thrown_away_compiles_the_blow_too(monkeypatch: pytest.Mon
     """Nothing strikes in the first step, and yet the next worlds shall not wait for their first impact."""
     blows: list[object] = []
     monkeypatch.setattr("engine.swept.steps.strike", lambda *given: blows.append(given) or 0)
-    world = _world([WALL, _bullet(SHAPES["sphere"], p_WB=(-1, 0, 0), v_WB=(1, 0, 0))])
+    world = world_of([WALL, bullet_of(SHAPES["sphere"], p_WB=(-1, 0, 0), v_WB=(1, 0, 0))])
     world.step(1)
     assert not blows
     world.compile()
@@ -385,7 +239,7 @@ def test_more_impacts_than_are_followed_are_said_and_nothing_passes() -> None:
         engine.Body(name=f"w{s}", motion="static", shapes=[engine.Placed(engine.Box((0.005, 1, 1)))], p_WB=(s * 0.05505, 0, 0))
         for s in (-1, 1)
     ]
-    world = _world([*walls, _bullet(engine.Sphere(0.05), v_WB=(500, 0, 0))], engine.Surface(restitution=1.0))
+    world = world_of([*walls, bullet_of(engine.Sphere(0.05), v_WB=(500, 0, 0))], engine.Surface(restitution=1.0))
     with pytest.warns(engine.ManyImpacts):
         world.step(3)
     assert abs(world.state()[2, 0]) < 0.003
@@ -397,9 +251,9 @@ def test_more_impacts_than_are_followed_are_said_and_nothing_passes() -> None:
 def test_slow_bodies_rest_as_without_the_sweep() -> None:
     """Nothing goes a margin in a step, so no impact is looked for and the states are the same to the bit."""
     ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
-    stack = [_bullet(engine.Box((0.1, 0.1, 0.1)), name=f"c{k}", p_WB=(0, 0, 0.1 + 0.2 * k)) for k in range(3)]
+    stack = [bullet_of(engine.Box((0.1, 0.1, 0.1)), name=f"c{k}", p_WB=(0, 0, 0.1 + 0.2 * k)) for k in range(3)]
     law = engine.Surface(static_friction=0.5, kinetic_friction=0.5)
-    worlds = [_world([ground, *stack], law, (0, 0, -9.81), continuous=one) for one in ("off", "swept")]
+    worlds = [world_of([ground, *stack], law, (0, 0, -9.81), continuous=one) for one in ("off", "swept")]
     for world in worlds:
         world.step(240)
     assert worlds[0].state().tobytes() == worlds[1].state().tobytes()
@@ -409,7 +263,9 @@ def test_slow_bodies_rest_as_without_the_sweep() -> None:
 
 def test_the_forces_of_all_parts_of_a_step_add_up_to_the_change_of_momentum() -> None:
     """The step in which the ball strikes has several parts; their impulses are m (v_1 - v_0), to rounding of 80 N s."""
-    world = _world([WALL, _bullet(engine.Sphere(0.05), p_WB=(-0.2, 0, 0), v_WB=(50, 0, 0))], engine.Surface(restitution=0.6))
+    world = world_of(
+        [WALL, bullet_of(engine.Sphere(0.05), p_WB=(-0.2, 0, 0), v_WB=(50, 0, 0))], engine.Surface(restitution=0.6)
+    )
     world.step()
     found = world.contacts()
     pushed = np.where(found.bodies[:, :1] == 1, -found.force, found.force).sum(axis=0) * DT
@@ -418,7 +274,7 @@ def test_the_forces_of_all_parts_of_a_step_add_up_to_the_change_of_momentum() ->
 
 def test_joints_and_the_exact_solver_refuse_the_sweep() -> None:
     tied = engine.Ball(name="j", parent=engine.WORLD, child="bullet", anchor_W=(0, 0, 2))
-    bodies = [WALL, _bullet(engine.Sphere(0.05), p_WB=(-1, 0, 0))]
+    bodies = [WALL, bullet_of(engine.Sphere(0.05), p_WB=(-1, 0, 0))]
     with pytest.raises(engine.NotSupported, match="swept collision with joints"):
         engine.World(bodies, [tied], options=engine.Options(continuous="swept"))
     with pytest.raises(engine.NotSupported, match="swept collision with the exact solver"):
@@ -451,12 +307,12 @@ def test_none_of_a_thousand_bullets_gets_through(name: str, barrier: engine.Body
         rng = np.random.default_rng(1000 + seed)
         speed, spin = 10 ** rng.uniform(0.5, 2.7), 10 ** rng.uniform(0, 2.5)
         start = -0.15 - rng.uniform(0, 2) * speed * DT
-        bullet = _bullet(
+        bullet = bullet_of(
             SHAPES[name], p_WB=(start, *rng.uniform(-0.3, 0.3, 2)), q_WB=rng.normal(size=4),
             v_WB=(speed, *rng.normal(size=2) * speed * 0.3), w_WB=rng.normal(size=3) * spin,
         )  # fmt: skip
         law = engine.Surface(static_friction=0.3, kinetic_friction=0.3, restitution=rng.uniform(0, 1))
-        world = _world([barrier, bullet], law)
+        world = world_of([barrier, bullet], law)
         for _ in range(int(0.3 / (speed * DT)) + 12):
             world.step()
             x, y, z = world.state()[1, :3]

@@ -1,5 +1,6 @@
 """Meshes and other files that robot files lead to: package paths, scale, formats, what is missing, what would lead outside."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +9,13 @@ import pytest
 from harness.intake.allowance import allowing
 from harness.intake.refusal import RobotError
 from harness.scene import ConvexHull
+from harness.scene.importers import mjcf as importer
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.meshes import load_mesh
+from harness.scene.importers.mjcf_model import Model, compile_apart
+from harness.scene.importers.mjcf_text import Prepared
 from harness.scene.importers.solids import of_mesh
+from tests.mjcf_here import compiled_here
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 
 # A tetrahedron with corners at the origin and at 1, 2 and 3 along the axes: volume 1, centre at a quarter of each.
@@ -248,3 +253,30 @@ def test_an_error_of_the_compiler_is_told_with_the_line_of_the_file(tmp_path: Pa
     text = mjcf('<joint/>\n<geom size=".1"/>\n<wobbly/>')
     with pytest.raises(RobotError, match=r"robot.xml: line 6: <wobbly>: MuJoCo's compiler refuses it:.*unrecognized element"):
         imported(tmp_path, text)
+
+
+def test_a_process_of_its_own_leaves_what_the_compiler_leaves_in_this_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A model to the bit, and a refusal to the letter: most tests compile in theirs."""
+    left: list[Model] = []
+
+    def twice(text: Prepared, file: str) -> Model:
+        ways = (compile_apart, compiled_here)
+        try:
+            left.extend(way(text, file) for way in ways)
+        except RobotError as refused:
+            with pytest.raises(RobotError, match=f"^{re.escape(str(refused))}$"):
+                compiled_here(text, file)
+            raise
+        return left[0]
+
+    monkeypatch.setattr(importer, "compile_apart", twice)
+    imported(tmp_path, mjcf('<joint name="j"/><geom size=".1"/>', '<actuator><motor joint="j"/></actuator>'))
+    apart, here = left
+    assert (apart.names, apart.enums, apart.version) == (here.names, here.enums, here.version)
+    assert apart.arrays.keys() == here.arrays.keys()
+    for name, array in apart.arrays.items():
+        np.testing.assert_array_equal(array, here.arrays[name], err_msg=name)
+    with pytest.raises(RobotError, match="MuJoCo's compiler refuses it"):
+        imported(tmp_path, mjcf('<joint name="j"/><joint name="j"/><geom size=".1"/>'))

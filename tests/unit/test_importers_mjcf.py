@@ -27,6 +27,7 @@ from harness.scene.importers.companion import Companion, JointWish, Massless, Un
 from tests.robot_files import imported, mjcf, row
 
 pytest.importorskip("mujoco")
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 BALL = '<geom size=".1"/>'
 
 

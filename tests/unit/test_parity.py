@@ -18,6 +18,7 @@ from harness.scene.parity.motion import Configuration, after, dynamics, passive
 from harness.scene.parity.stated import facts_of, pair_of
 from tests.two_formats import MJCF, URDF
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 EXACT = 1e-9
 """Relative: the inertial tensors of MJCF are made diagonal and back, and sums of tens of terms err by 1e-14."""
 

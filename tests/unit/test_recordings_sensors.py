@@ -20,8 +20,8 @@ from reports.recordings.runs import stage_of
 from reports.recordings.scans import beams, lit
 from reports.recordings.sensors import sensed
 from reports.viewer import viewer_command
+from tests.recorded_folder import Read
 from tests.sensor_folder import CASE, PIXELS, sensing, swinging, write_sensor_folder
-from tests.unit.test_recordings import Read
 
 
 @pytest.fixture(scope="module")

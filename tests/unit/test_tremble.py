@@ -4,12 +4,14 @@ import json
 import math
 from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
+from pydantic import TypeAdapter
 
 from cases import stand_humanoid
 from harness.adapter import Adapter, Diverged, Feature, Settings
@@ -19,6 +21,7 @@ from harness.store.disk import write_atomically
 from harness.store.journal import Journal
 from harness.store.store import Store
 from harness.study.catalogue import describe_case
+from harness.study.stored_study import Departure, departures_of
 from harness.study.study import Study, load_study
 from harness.trajectory import Contacts, State
 from harness.trial.accuracy import run_trial
@@ -160,12 +163,19 @@ class _Planted(Adapter):
         return _Trembler(scene, settings, size)
 
 
+READ = ("pose_error_max", "vibration_rms", "vibration_frequency")
+CASE = replace(
+    stand_humanoid.CASE,
+    checks=tuple(check for check in stand_humanoid.CASE.checks if check.metric.name in READ),
+    observe=tuple(metric for metric in stand_humanoid.CASE.observe if metric.name in READ),
+)
+"""The humanoid with the metrics that the table reads; what else is measured of it has tests of its own."""
 STUDY = {
     "name": "planted",
     "variants": {
         reason: {
-            "default iterations": {"on": "default", "iterations": 64},
-            "default law": {"on": "default", "integrator": "other"},
+            "many sweeps": {"on": "default", "beside": "default", "changes": "iterations", "iterations": 64},
+            "the other way": {"on": "default", "beside": "default", "changes": "law", "integrator": "other"},
         }
         for reason in ("iterations", "contacts", "explicit", "step", "law", "nothing", "chaos")
     },
@@ -188,15 +198,44 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
     given = load_study("tremble")
     study = Study(**(STUDY | {"experiments": given.experiments}))  # type: ignore[arg-type]
     engines = {reason: _Planted(name=reason, reason=reason) for reason in EXPECTED}
-    case = stand_humanoid.CASE
-    catalogue = {"cases": {case.name: describe_case(case)}, "engines": {}}
-
+    catalogue = {"cases": {CASE.name: describe_case(CASE)}, "engines": {}}
     write_atomically(folder / "catalogue.json", json.dumps(catalogue).encode())
+    write_atomically(folder / "study.toml", tomli_w.dumps({"variants": STUDY["variants"]}).encode())
     with closing(Journal(folder)) as journal:
-        for trial in study.trials({case.name: case}, engines, dict.fromkeys(engines, "1")):
+        for trial in study.trials({CASE.name: CASE}, engines, dict.fromkeys(engines, "1")):
             if trial.track != "tuned":
-                journal.append(run_trial(trial, case, engines[trial.engine], None))
+                journal.append(run_trial(trial, CASE, engines[trial.engine], None))
     return Store(folder)
+
+
+def test_a_study_says_what_its_variants_change_and_an_older_one_has_it_in_their_names(store: Store, tmp_path: Path) -> None:
+    assert departures_of(store)["law", "the other way"] == Departure("default", "law")
+    write_run_folder(tmp_path)
+    names = ("hasty", "hasty iterations", "tuned law", "law", "quick")
+    (tmp_path / "study.toml").write_text(tomli_w.dumps({"variants": {"dart": {name: {"on": "tuned"} for name in names}}}))
+    assert departures_of(Store(tmp_path)) == {
+        ("dart", "hasty iterations"): Departure("hasty", "iterations"),
+        ("dart", "tuned law"): Departure("tuned", "law"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("variant", "said"),
+    [
+        ({"beside": "default"}, "beside is 'default', changes is None, expected both or none"),
+        ({"beside": "lazy", "changes": "law"}, "variant 'dart/made': beside is 'lazy', expected one of default, tuned"),
+        ({"beside": "made", "changes": "law"}, "beside is 'made', expected one of default, tuned"),
+    ],
+)
+def test_a_variant_that_changes_another_names_one_that_is_there(variant: Mapping[str, str], said: str) -> None:
+    experiment = {"name": "e", "cases": ["flight_box"]}
+    with pytest.raises(ValueError, match=said):
+        TypeAdapter(Study).validate_python({"name": "s", "variants": {"dart": {"made": variant}}, "experiments": [experiment]})
+
+
+def test_the_study_itself_names_each_change_of_its_variants() -> None:
+    variants = {(engine, name): one for engine, named in load_study("tremble").variants.items() for name, one in named.items()}
+    assert {name for (_, name), one in variants.items() if one.changes is None} == {"hasty"}
 
 
 @pytest.mark.parametrize("reason", EXPECTED)

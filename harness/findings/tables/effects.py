@@ -13,7 +13,6 @@ from harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
     NOT_JUDGED,
-    TOGETHER,
     audit,
     named_scene,
     proposed,
@@ -42,10 +41,12 @@ class Verdict:
     """One effect of one scene on one engine, or everything on.
 
     Terms:
-        effect: its name; several where they were left out together. declared: does the scene call for it? insists: why it does
-        although its motion does not show it. moved, own: see `harness.search.needless_effects.Consequence`; None where
-        nothing could be compared. matters: on this engine. cost, low, high: CPU time of a step with it over that without it
-        (everything on over as it is), with the 95 % interval of the median over blocks; None where one of both was not clocked.
+        effects: those that the row is about, several where they were left out together, none for everything on and for the
+        scene as it is. effect: what they are called in a table, or what else the row is about. declared: does the scene call
+        for it? insists: why it does although its motion does not show it. moved, own: see
+        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost,
+        low, high: CPU time of a step with it over that without it (everything on over as it is), with the 95 % interval of the
+        median over blocks; None where one of both was not clocked.
         cpu_as_it_is: CPU seconds of a simulated second of the scene as it is; None where that was not clocked. verdict: 'needed
         and on', 'needed but missing', 'missing without need', 'paid for without need', 'insisted on', 'cannot be switched off',
         'left out', 'everything on', 'left out together', 'needed together'; NOT_JUDGED where nothing could be compared or who
@@ -58,6 +59,7 @@ class Verdict:
     engine: str
     track: str
     effect: str
+    effects: tuple[str, ...]
     declared: bool
     insists: str
     moved: float | None
@@ -72,7 +74,8 @@ class Verdict:
     trial: str
 
 
-COLUMNS = tuple(field.name for field in fields(Verdict))
+COLUMNS = tuple(field.name for field in fields(Verdict) if field.name != "effects")
+"""Of what is printed: the cell 'effect' holds the names of `effects`."""
 
 
 @lru_cache(maxsize=1)
@@ -153,22 +156,23 @@ def _of_side(
     notices = [notice for notice in store.notices[plain.trial] if notice.effect]
 
     def row(
-        effect: str | Sequence[str],
+        subject: str | tuple[str, ...],
         run: Any,
         consequence: Consequence | None,
         verdict: str,
         price: Ratio | None,
         reason: str = "",
     ) -> Verdict:
-        effects = (effect,) if isinstance(effect, str) else tuple(effect)
+        effects = () if isinstance(subject, str) else subject
         return Verdict(
             case=plain.case,
             where=where,
             engine=engine,
             track=track,
-            effect=TOGETHER.join(effects),
-            declared=declared.issuperset(effects),
-            insists=str(insists.get(TOGETHER.join(effects), "")),
+            effect=subject if isinstance(subject, str) else ", ".join(subject),
+            effects=effects,
+            declared=declared.issuperset(effects) and bool(effects),
+            insists=str(insists.get(effects[0], "")) if len(effects) == 1 else "",
             moved=None if consequence is None else consequence.moved,
             own=None if consequence is None else consequence.own,
             matters=None if consequence is None else consequence.matters,
@@ -218,10 +222,10 @@ def _of_side(
             verdict, reason = ("needed but missing" if need.matters else "left out"), ""
         else:
             verdict, reason = ("needed and on" if need.matters else "paid for without need"), ""
-        yield row(effect, run, consequence, verdict, price, reason)
+        yield row(effects, run, consequence, verdict, price, reason)
     for effect, text in surplus.items():
         if effect not in declared:
-            yield row(effect, plain, None, "cannot be switched off", None, text)
+            yield row((effect,), plain, None, "cannot be switched off", None, text)
 
 
 def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
@@ -230,7 +234,7 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
+    """Rows with COLUMNS, and the tuple `effects`."""
     return [asdict(verdict) for verdict in verdicts(store)]
 
 

@@ -1,10 +1,10 @@
 """Why a standing machine trembles: the cause that each engine's runs can prove, from one change at a time.
 
-A base is a run on a track (or a variant whose name is one word) at the study's coarsest step. Beside it stand runs that
-differ in one thing alone:
+A base is a run on a track, or on a variant that changes no other one, at the study's coarsest step. Beside it stand runs
+that differ in one thing alone:
 
-    iterations   the variant '<track> iterations': more sweeps or steps of the solver
-    law          the variant '<track> law': the same drives, taken implicitly instead of explicitly or the other way round
+    iterations   a variant of which the study says so: more sweeps or steps of the solver
+    law          another one: the same drives, taken implicitly instead of explicitly or the other way round
     softer       the next lower stiffness of the drives
     step         the next shorter step
     product      that step with drives so much stiffer that k dt^2 stays, and with the damping ratio d dt
@@ -32,6 +32,7 @@ from typing import Any, TypeAlias
 
 from harness.findings.prices import number
 from harness.store.store import Store
+from harness.study.stored_study import departures_of
 
 __all__ = ["BRIEF", "CAUSES", "CHANGES", "COLUMNS", "CURED", "Finding", "Run", "attribute", "brief", "findings", "rows"]
 
@@ -163,13 +164,17 @@ def findings(store: Store) -> tuple[Finding, ...]:
     runs = {
         (row["case"], row["engine"], row["track"], stiffness, float(row["dt"])): run for row, stiffness, run in _runs(store)
     }
+    departures = departures_of(store)
+    variants = {(engine, to.beside, to.changes): name for (engine, name), to in departures.items()}
     made = []
     for key, run in runs.items():
         case, engine, track, stiffness, dt = key
+        if (engine, track) in departures or store.bases[run.trial] != track:
+            continue  # what was changed in another one is no base
         together = {other: peer for other, peer in runs.items() if other[0] == case}
-        changes = _changes(together, key)
+        changes = _changes(together, key, variants)
         # The softest of a series is there to be compared with, and so is every finer step.
-        if " " in track or dt < max(other[-1] for other in together) or "softer" not in changes:
+        if dt < max(other[-1] for other in together) or "softer" not in changes:
             continue
         shares, cause, why = attribute(run, changes)
         made.append(
@@ -188,13 +193,14 @@ def findings(store: Store) -> tuple[Finding, ...]:
     return tuple(sorted(made, key=lambda finding: (finding.case, finding.engine, finding.track, finding.stiffness)))
 
 
-def _changes(runs: Mapping[_Key, Run], base: _Key) -> dict[str, Run]:
-    """The runs that differ from a base in one thing."""
+def _changes(runs: Mapping[_Key, Run], base: _Key, variants: Mapping[tuple[str, str, str], str]) -> dict[str, Run]:
+    """The runs that differ from a base in one thing. Args: variants: by engine, track and change."""
     case, engine, track, stiffness, dt = base
     changes = {}
     for name in ("iterations", "law"):
-        if (case, engine, f"{track} {name}", stiffness, dt) in runs:
-            changes[name] = runs[case, engine, f"{track} {name}", stiffness, dt]
+        changed = (case, engine, variants.get((engine, track, name), ""), stiffness, dt)
+        if changed in runs:
+            changes[name] = runs[changed]
     mine = {(k, h): run for (a, b, c, k, h), run in runs.items() if (a, b, c) == (case, engine, track)}
     softer = [k for k, h in mine if h == dt and k < stiffness]
     if softer:

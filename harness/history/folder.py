@@ -1,7 +1,7 @@
 """Where a history keeps what: its own file, its nights by their stamps, its pool, the changes that somebody acknowledged."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -57,6 +57,10 @@ class Night:
     def store(self) -> Store:
         """Its tables. Raises: NoRun."""
         return Store(self.folder)
+
+    def store_of(self, blocks: Collection[tuple[str, str]]) -> Store:
+        """The tables of these experiments and cases alone. Raises: NoRun."""
+        return Store(self.folder, only=blocks)
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,7 @@ class Pool:
         """Keep an answer, in place of one of its name. Raises: OSError."""
         if record.status not in POOLED:
             return
-        plain = replace(record, recalled="", again=False).plain()
+        plain = replace(record, recalled="", again="").plain()
         content: dict[str, Any] = {"schema": SCHEMA, "record_schema": SCHEMA_VERSION, "night": night, "record": plain}
         path = self.path_of(record.trial)
         disk.make_folder(path.parent)

@@ -4,6 +4,7 @@ import hashlib
 import random
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -17,6 +18,8 @@ from harness.adapter import Adapter
 from harness.case import Case
 from harness.case.alteration import ALONE, REFINED
 from harness.case.own_titles import called
+from harness.run.guide import UNGUIDED, Guide
+from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
 from harness.run.progress import Progress
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
@@ -63,6 +66,7 @@ def _accuracy(
     folder: Path,
     workers: int,
     machine: str,
+    guide: Guide,
 ) -> None:
     waiting = [trial for trial in trials if trial.trial not in journal.records]
     for trial in waiting:
@@ -70,8 +74,13 @@ def _accuracy(
         if reason is not None:
             journal.append(outcome(trial, "unavailable", reason))
     waiting = [trial for trial in waiting if reasons[trial.engine] is None]
+    for trial in waiting:
+        if (known := guide.known(trial)) is not None:
+            journal.append(known)
+    waiting = [trial for trial in waiting if trial.trial not in journal.records]
     if not waiting:
         return
+    by_name = {trial.trial: trial for trial in waiting}
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     lost: list[str] = []
@@ -81,14 +90,19 @@ def _accuracy(
                 if record.status == "interrupted":
                     lost.append(record.reason)
                 else:
-                    journal.append(replace(record, answered_on=machine))
+                    journal.append(guide.answered(by_name[record.trial], replace(record, answered_on=machine)))
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
 
 
 def _timing(
-    trials: Sequence[Trial], journal: Journal, folder: Path, cases: Mapping[str, Case], machine: Mapping[str, Any]
+    trials: Sequence[Trial],
+    journal: Journal,
+    folder: Path,
+    cases: Mapping[str, Case],
+    machine: Mapping[str, Any],
+    guide: Guide,
 ) -> None:
     records, here = dict(journal.records), machine_digest(machine)
     near = due_for_clock(trials, records, cases)
@@ -104,16 +118,20 @@ def _timing(
         and trial.trial in records
         and records[trial.trial].status in _TIMED
     ]
+    wanted = guide.clocks(due, records)
+    due = [trial for trial in due if trial.trial in wanted]
     _say(clocked_elsewhere(journal, [trial.trial for trial in due], machine))
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
     with Progress("timing", len(due)) as progress:
-        for _, group in groupby(due, key=_together):
-            for timing in clock_group(tuple(group), folder, shuffle):
+        for group in [tuple(group) for _, group in groupby(due, key=_together)]:
+            stop_if_asked()
+            for timing in clock_group(group, folder, shuffle):
                 journal.append(replace(timing, clocked_on=here))
                 troubles += [timing.note] if timing.note else []
                 progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
+            guide.clocked(group)
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
 
@@ -145,9 +163,13 @@ def _searched(
     cases: Mapping[str, Case],
     adapters: Mapping[str, Adapter],
     machine: str,
+    guide: Guide,
 ) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     extended, number = list(trials), 0
+    if beside := guide.beside(trials, journal.records):
+        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, guide)
+        extended += beside
     searches = [
         go_on
         for go_on, wanted in (
@@ -161,10 +183,11 @@ def _searched(
     while searches:
         records = read_journal(journal.path)
         more = [trial for go_on in searches for trial in go_on(extended, records, cases, adapters)]
+        more = [trial for trial in more if guide.searches(trial, records)]
         if not more:
             break
         number += 1
-        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine)
+        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, guide)
         extended += more
     return extended
 
@@ -178,6 +201,7 @@ def carry_out(
     workers: int,
     resume: bool | Literal["merge"],
     shard: Shard = (1, 1),
+    guide: Guide = UNGUIDED,
 ) -> Store:
     """Run every trial of a study that the folder does not hold yet.
 
@@ -185,7 +209,7 @@ def carry_out(
     as finishing, of what was done.
 
     Args: resume: whether the folder may hold this study's run, or with 'merge' another's too. What no longer holds in it is
-    withdrawn and run anew, and told of on standard error.
+    withdrawn and run anew, and told of on standard error. guide: of a history, which knows some of the answers.
     Raises:
         FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read, and where an answer
         could not be kept.
@@ -216,24 +240,26 @@ def carry_out(
     try:
         chosen = {trial.case for trial in trials}
         catalogue = _catalogue(folder, {n: describe_case(case) for n, case in cases.items() if case.name in chosen}, engines)
-        journal.begin(
-            {
-                "study": plain,
-                "machine": circumstances(machine),
-                "engines": versions,
-                "files": files_of(chosen, adapters),
-                "catalogue": hashlib.sha256(catalogue).hexdigest(),
-                "trials": sorted({trial.trial for trial in trials}),
-            }
-        )
+        begun: dict[str, Any] = {
+            "study": plain,
+            "machine": circumstances(machine),
+            "engines": versions,
+            "files": files_of(chosen, adapters),
+            "catalogue": hashlib.sha256(catalogue).hexdigest(),
+            "trials": sorted({trial.trial for trial in trials}),
+        }
+        journal.begin(begun)
         whole = merged([session["study"] for session in journal.written.sessions])
         disk.write_atomically(folder / "study.toml", sealed_toml("study.toml", tomli_w.dumps(whole)))
         disk.write_atomically(folder / "catalogue.json", catalogue)
         write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
-        _accuracy("accuracy", trials, reasons, journal, folder, workers, here)
-        trials = _searched(trials, reasons, journal, folder, workers, cases, adapters, here)
-        _timing(trials, journal, folder, cases, machine)
+        with suppress(TimeIsUp):
+            for batch in guide.batches(trials):
+                _accuracy("accuracy", batch, reasons, journal, folder, workers, here, guide)
+                batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, guide)
+                _timing(batch, journal, folder, cases, machine, guide)
+        journal.begin(begun | {"trials": sorted(guide.asked(begun["trials"], journal.records))})
         complete = True
     finally:
         journal.close()

@@ -10,7 +10,7 @@ from typing import Any
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.history.acknowledged import acknowledged
-from harness.history.blocks import Key, Seen, Sight, last_seen
+from harness.history.blocks import LATELY, Key, Seen, Sight, last_seen
 from harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from harness.history.known_searches import KnownSearches
 from harness.history.last_answers import LastAnswers
@@ -86,7 +86,7 @@ def carry_out_night(history: History, asked: Asked) -> Done:
     night, before = night_to_do(history, asked), history.whole_nights()
     disk.make_folder(night.folder)
     seen, plan = last_seen(before), night.plan
-    closings = [float(earlier.plan["seconds"]["closing"]) for earlier in before[-1:]]
+    closings = [float(earlier.plan["seconds"]["closing"]) for earlier in before[-LATELY:]]
     budget = Budget.of(asked.budget, max(closings, default=None))
     seed = asked.seed or night.stamp
     started: dict[str, Any] = {
@@ -147,7 +147,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     trials, rows = night.store().trials, () if news is None else news.changes.rows
     where = {row.trial: (row.experiment, row.case) for row in trials.itertuples()}
     clocked = trials[trials["cpu_per_unit"] > 0]
-    unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(False).astype(bool)])
+    unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(value=False).astype(bool)])
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
     first = _first_told(history)
     changed = (
@@ -170,7 +170,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "blocks": steering.sights(unstable, worse),
         "left_out": [entry.plain() for entry in steering.out],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
-        "told": [] if news is None else [told(row, news.changes, first_seen(row, first, night.stamp)) for row in changed],
+        "told": changed,
     }
 
 

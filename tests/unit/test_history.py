@@ -26,6 +26,7 @@ from harness.history.retention import prune, pruning
 from harness.history.soundness import problems_of
 from harness.history.steering import AGAIN, computed_again
 from harness.run import campaign
+from harness.scene import Scene
 from harness.store.journal import StoreError, read_journal
 from harness.study.experiment import Experiment, Limit
 from harness.study.study import Study
@@ -317,15 +318,15 @@ def test_a_limit_is_tried_at_its_bracket_and_searched_where_that_moved(tmp_path:
     assert len(tried) == 3  # the study's own first value, what held, what broke
     assert news is not None
     assert not [row for row in news.changes.rows if row.kind == "limit"]
-    with planted(Fault(engine="mujoco", state=never_turned)):
+    with planted(Fault(engine="mujoco", scene=faster)):
         _, worse, _ = night(root, replace(what, gated=("mujoco",)))
     assert worse is not None
     assert "limit" in {row.kind for row in worse.regressions(("mujoco",))}
 
 
-def never_turned(state: State) -> None:
-    """As if nothing span."""
-    state.q_WB[:] = (1.0, 0.0, 0.0, 0.0)
+def faster(scene: Scene) -> Scene:
+    """Every body spins twenty times as fast as was asked: what is asked breaks so much earlier."""
+    return replace(scene, bodies=tuple(replace(body, w_WB=tuple(20.0 * speed for speed in body.w_WB)) for body in scene.bodies))
 
 
 def far_off(state: State) -> None:

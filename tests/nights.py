@@ -14,7 +14,7 @@ import pytest
 from harness.adapter import Adapter
 from harness.findings.summary import write_summary
 from harness.history.folder import History, Night, created
-from harness.history.night import Asked, accounted, carry_out_night, close, compared
+from harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
 from harness.history.since_last_seen import News
 from harness.run import campaign
 from harness.run.timing_blocks import summarise
@@ -157,7 +157,8 @@ def asked(study: Study = STUDY, engines: Sequence[str] = ENGINES, **others: Any)
 def night(root: Path, what: Asked | None = None) -> tuple[Night, News | None, dict[str, Any]]:
     """One night from its beginning to its end; with what changed, and its account."""
     history: History = created(root)
-    done = carry_out_night(history, what or asked())
+    what = what or asked()
+    done = carry_out_night(history, what, night_to_do(history, what))
     write_summary(done.night.store())
     news = compared(history, done)
     account = accounted(history, done, news, 0.0)

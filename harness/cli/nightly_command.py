@@ -1,6 +1,7 @@
 """The command of every night: carry it out within its budget, say what changed, keep it."""
 
 import math
+import shutil
 import subprocess
 import sys
 import time
@@ -96,7 +97,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     night.folder.mkdir(parents=True, exist_ok=True)
     try:
         with _logged(night.folder / "night.log"):
-            done = carry_out_night(history, asked)
+            done = carry_out_night(history, asked, night)
             ended = time.monotonic()
             write_summary(done.night.store())
             news = compared(history, done)
@@ -106,6 +107,8 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
             summary = _write_changes(history, done, news, account)
             close(night, account)
     except StudyError as error:
+        if not (night.folder / "journal.jsonl").exists():
+            shutil.rmtree(night.folder)
         stop(USAGE, str(error))
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; the same command goes on with the night {night.stamp}")

@@ -78,12 +78,13 @@ def night_to_do(history: History, asked: Asked) -> Night:
     return history.night(stamp)
 
 
-def carry_out_night(history: History, asked: Asked) -> Done:
+def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     """Answer and clock as much as the budget allows. Who calls this holds the history's lock.
 
+    Args: night: as `night_to_do` gave it.
     Raises: StoreError, StudyError, OSError.
     """
-    night, before = night_to_do(history, asked), history.whole_nights()
+    before = history.whole_nights()
     disk.make_folder(night.folder)
     seen, plan = last_seen(before), night.plan
     closings = [float(earlier.plan["seconds"]["closing"]) for earlier in before[-LATELY:]]

@@ -159,7 +159,7 @@ def night(root: Path, what: Asked | None = None) -> tuple[Night, News | None, di
     history: History = created(root)
     what = what or asked()
     done = carry_out_night(history, what, night_to_do(history, what))
-    write_summary(done.night.store())
+    write_summary(done.store)
     news = compared(history, done)
     account = accounted(history, done, news, 0.0)
     close(done.night, account)

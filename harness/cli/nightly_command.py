@@ -99,7 +99,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
         with _logged(night.folder / "night.log"):
             done = carry_out_night(history, asked, night)
             ended = time.monotonic()
-            write_summary(done.night.store())
+            write_summary(done.store)
             news = compared(history, done)
             if reported:
                 _publish(done, news)
@@ -142,7 +142,7 @@ def _publish(done: "Done", news: "News | None") -> None:
     """Recordings of what is kept, and the report."""
     from reports import build, write_recordings
 
-    trials = done.night.store().trials
+    trials = done.store.trials
     fresh = trials[(trials["recalled"] == "") & trials["trajectory_kept"] & trials["trajectory_hash"].notna()]
     if done.asked.keep == "changed" and news is not None:
         changed = {row.trial_b for row in news.changes.rows if row.trial_b}
@@ -163,7 +163,7 @@ def _write_changes(history: "History", done: "Done", news: "News | None", accoun
     folder = done.night.folder / "changes"
     make_folder(folder)
     if news is not None:
-        for name, content in changes_files(news.changes, done.night.store(), done.asked.gated).items():
+        for name, content in changes_files(news.changes, done.store, done.asked.gated).items():
             write_atomically(folder / name, content)
         write_what_changed(news.changes, folder, done.asked.gated)
     standing = open_since([night.plan for night in history.whole_nights() if night != done.night], acknowledged(history))

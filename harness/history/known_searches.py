@@ -68,7 +68,8 @@ class KnownSearches:
         if front is None:
             return True
         group = group_of(trial)
-        now = {(r.track, r.dt): r for r in records.values() if _group(r) == group}
+        near = (r for r in records.values() if (r.engine, r.case, r.experiment) == (group[3], group[1], group[0]))
+        now = {(r.track, r.dt): r for r in near if _group(r) == group}
         return not all(self._as_before(now.get(setting), error) for setting, error in front.errors.items())
 
     def clocked(self, trials: Sequence[Trial]) -> set[str]:

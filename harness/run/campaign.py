@@ -3,7 +3,8 @@
 import hashlib
 import random
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -18,6 +19,8 @@ from harness.case import Case
 from harness.case.alteration import ALONE, REFINED
 from harness.case.own_titles import called
 from harness.run.fork_servers import expect
+from harness.run.guide import UNGUIDED, Guide
+from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
 from harness.run.preloads import preloads
 from harness.run.progress import Progress
@@ -26,8 +29,9 @@ from harness.run.timing_blocks import clock_group
 from harness.search import first_break, front, needless_effects, refined_ladder
 from harness.search.front import due_for_clock
 from harness.store import disk
-from harness.store.journal import FolderTaken, Journal, StoreError, read_journal
+from harness.store.journal import FolderTaken, Journal, StoreError
 from harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
+from harness.store.record import Timing
 from harness.store.seal import sealed_json, sealed_toml
 from harness.store.store import Store, read_plain, write_json, write_tables
 from harness.study.catalogue import describe_case, describe_engine
@@ -69,6 +73,7 @@ def _accuracy(
     workers: int,
     machine: str,
     cluster: "Workplace | None",
+    guide: Guide,
 ) -> None:
     waiting = [trial for trial in trials if trial.trial not in journal.records]
     for trial in waiting:
@@ -76,8 +81,13 @@ def _accuracy(
         if reason is not None:
             journal.append(outcome(trial, "unavailable", reason))
     waiting = [trial for trial in waiting if reasons[trial.engine] is None]
+    for trial in waiting:
+        if (known := guide.known(trial)) is not None:
+            journal.append(known)
+    waiting = [trial for trial in waiting if trial.trial not in journal.records]
     if not waiting:
         return
+    by_name = {trial.trial: trial for trial in waiting}
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     lost: list[str] = []
@@ -88,7 +98,8 @@ def _accuracy(
                 if record.status == "interrupted":
                     lost.append(record.reason)
                 else:
-                    journal.append(replace(record, answered_on=record.answered_on or machine))
+                    kept = replace(record, answered_on=record.answered_on or machine)
+                    journal.append(guide.answered(by_name[record.trial], kept))
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
@@ -101,6 +112,7 @@ def _timing(
     cases: Mapping[str, Case],
     machine: Mapping[str, Any],
     cluster: "Workplace | None",
+    guide: Guide,
 ) -> None:
     records, here = dict(journal.records), machine_digest(machine)
     near = due_for_clock(trials, records, cases)
@@ -116,19 +128,28 @@ def _timing(
         and trial.trial in records
         and records[trial.trial].status in _TIMED
     ]
+    wanted = guide.clocks(due, records)
+    due = [trial for trial in due if trial.trial in wanted]
     _say(clocked_elsewhere(journal, [trial.trial for trial in due], machine))
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
     with Progress("timing", len(due)) as progress:
         groups = [tuple(group) for _, group in groupby(due, key=_together)]
-        clocked = (timing for group in groups for timing in clock_group(group, folder, shuffle))
-        for timing in clocked if cluster is None else cluster.clocked(groups, folder):
+        clocked = _one_by_one(groups, folder, shuffle, guide) if cluster is None else cluster.clocked(groups, folder)
+        for timing in clocked:
             journal.append(replace(timing, clocked_on=here))
             troubles += [timing.note] if timing.note else []
             progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
+
+
+def _one_by_one(groups: Sequence[tuple[Trial, ...]], folder: Path, shuffle: random.Random, guide: Guide) -> Iterator[Timing]:
+    for group in groups:
+        stop_if_asked()
+        yield from clock_group(group, folder, shuffle)
+        guide.clocked(group)
 
 
 def _say(notes: Sequence[str]) -> None:
@@ -170,9 +191,13 @@ def _searched(
     adapters: Mapping[str, Adapter],
     machine: str,
     cluster: "Workplace | None",
+    guide: Guide,
 ) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     extended, number = list(trials), 0
+    if beside := guide.beside(trials, journal.records):
+        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, guide)
+        extended += beside
     searches = [
         go_on
         for go_on, wanted in (
@@ -184,12 +209,13 @@ def _searched(
         if wanted
     ]
     while searches:
-        records = read_journal(journal.path)
+        records = dict(journal.records)
         more = [trial for go_on in searches for trial in go_on(extended, records, cases, adapters)]
+        more = [trial for trial in more if guide.searches(trial, records)]
         if not more:
             break
         number += 1
-        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cluster)
+        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cluster, guide)
         extended += more
     return extended
 
@@ -204,6 +230,7 @@ def carry_out(
     resume: bool | Literal["merge"],
     shard: Shard = (1, 1),
     cluster: "Workplace | None" = None,
+    guide: Guide = UNGUIDED,
 ) -> Store:
     """Run every trial of a study that the folder does not hold yet.
 
@@ -212,7 +239,8 @@ def carry_out(
 
     Args: resume: whether the folder may hold this study's run, or with 'merge' another's too. What no longer holds in it is
     withdrawn and run anew, and told of on standard error.
-    cluster: whose workers answer and clock, in place of `workers` processes here.
+    cluster: whose workers answer and clock, in place of `workers` processes here. guide: of a history, which knows some of
+    the answers.
     Raises:
         FolderTaken: where the folder holds another run. StoreError: where it is locked or cannot be read, and where an answer
         could not be kept.
@@ -247,25 +275,27 @@ def carry_out(
     try:
         chosen = {trial.case for trial in trials}
         catalogue = _catalogue(folder, {n: describe_case(case) for n, case in cases.items() if case.name in chosen}, engines)
-        journal.begin(
-            {
-                "study": plain,
-                "machine": circumstances(machine),
-                "engines": versions,
-                "files": files_of(chosen, adapters),
-                "catalogue": hashlib.sha256(catalogue).hexdigest(),
-                "trials": sorted({trial.trial for trial in trials}),
-            }
-        )
+        begun: dict[str, Any] = {
+            "study": plain,
+            "machine": circumstances(machine),
+            "engines": versions,
+            "files": files_of(chosen, adapters),
+            "catalogue": hashlib.sha256(catalogue).hexdigest(),
+            "trials": sorted({trial.trial for trial in trials}),
+        }
+        journal.begin(begun)
         whole = merged([session["study"] for session in journal.written.sessions])
         disk.write_atomically(folder / "study.toml", sealed_toml("study.toml", tomli_w.dumps(whole)))
         disk.write_atomically(folder / "catalogue.json", catalogue)
         write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
         expect(preloads(chosen, adapters))
-        _accuracy("accuracy", trials, reasons, journal, folder, workers, here, cluster)
-        trials = _searched(trials, reasons, journal, folder, workers, cases, adapters, here, cluster)
-        _timing(trials, journal, folder, cases, machine, cluster)
+        with suppress(TimeIsUp):
+            for batch in guide.batches(trials):
+                _accuracy("accuracy", batch, reasons, journal, folder, workers, here, cluster, guide)
+                batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, cluster, guide)
+                _timing(batch, journal, folder, cases, machine, cluster, guide)
+        journal.begin(begun | {"trials": sorted(guide.asked(begun["trials"], journal.records))})
         complete = True
     finally:
         journal.close()

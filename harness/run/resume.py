@@ -36,7 +36,7 @@ def _cell(record: Record) -> str:
 
 def damage(folder: Path, record: Record) -> str:
     """What is wrong with the trajectory that a record names; '' where nothing is."""
-    if record.trajectory_hash is None:
+    if record.trajectory_hash is None or not record.trajectory_kept:
         return ""
     path = folder / "trajectories" / f"{record.trajectory_hash}.npz"
     try:

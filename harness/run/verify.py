@@ -30,6 +30,8 @@ _TRUTH = re.compile(r"[0-9a-f]{16}\.(npz|json)")
 _KEPT = ("study.toml", "catalogue.json", "machine.json")
 _SHOWN = ("report", "recordings", MINIMAL)
 """Folders that hold what people look at: made from the others alone, and not checked."""
+_OF_A_NIGHT = ("night.json", "night.log", "changes")
+"""What a night of a history adds; `harness.history` checks it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +137,8 @@ def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
     directory = folder / "trajectories"
     named = {record.trajectory_hash for record in written.records.values()} - {None}
     idle = {record.trajectory_hash for record in written.lost.values()}
-    for name in sorted(str(entry) for entry in named):
+    kept = {record.trajectory_hash for record in written.records.values() if record.trajectory_kept} - {None}
+    for name in sorted(str(entry) for entry in kept):
         if not (directory / f"{name}.npz").is_file():
             yield Problem(directory / f"{name}.npz", "missing", _ANEW)
     for path in sorted(directory.glob("*")):
@@ -185,7 +188,7 @@ def _summaries(store: Store, written: Written) -> Iterator[Problem]:
 
 def _strangers(folder: Path, written: Written) -> Iterator[Problem]:
     known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in TABLES)}
-    known |= {*_SHOWN, SCENES, "trajectories", "truths", "logs"}
+    known |= {*_SHOWN, *_OF_A_NIGHT, SCENES, "trajectories", "truths", "logs"}
     trials = {*written.records, *written.lost, *(trial for session in written.sessions for trial in session["trials"])}
     logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
     drafts = (folder / "recordings").glob(".*")

@@ -17,7 +17,7 @@ from harness.intake.mendable import LiesIn, Mendable
 from harness.store import disk
 from harness.store.record import SCHEMA_VERSION, Record, Timing
 
-__all__ = ["DamagedFile", "FolderTaken", "Journal", "NoRun", "StoreError", "Written", "read_journal", "read_written"]
+__all__ = ["DamagedFile", "FolderTaken", "Journal", "NoRun", "NotKept", "StoreError", "Written", "read_journal", "read_written"]
 
 Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 
@@ -40,6 +40,10 @@ class NoRun(StoreError):
     """What was asked for is not there: a run folder, a trial or a recording; the message says what there is."""
 
     lies_in = "usage"
+
+
+class NotKept(StoreError):
+    """A trajectory of which its hash alone is kept."""
 
 
 class FolderTaken(StoreError):

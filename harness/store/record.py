@@ -129,6 +129,9 @@ class Record:
         sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`.
         answered_on, clocked_on: the digests of the machines of the accuracy run, and rough cost, and of the timing run; see
         `harness.store.machine_fingerprint`. timing_note: what went wrong under the clock, as the warnings say too.
+        recalled: the night of a history that computed the answer, '' where this run did. again: of a known answer that was
+        computed again all the same, what was known: its hash, or its status where it has none; '' of any other.
+        trajectory_kept: False where a trajectory is kept by its hash alone.
     """
 
     trial: str
@@ -175,6 +178,9 @@ class Record:
     answered_on: str = ""
     clocked_on: str = ""
     timing_note: str = ""
+    recalled: str = ""
+    again: str = ""
+    trajectory_kept: bool = True
     base: str = ""
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
@@ -183,6 +189,16 @@ class Record:
         """A JSON-ready mapping, non-finite numbers as the words 'nan', 'inf', '-inf'; `from_plain` reads it back."""
         plain: dict[str, Any] = _worded(dataclasses.asdict(self))
         return plain
+
+    @property
+    def answer(self) -> str:
+        """The hash of what the engine said, or the status of a trial without an answer."""
+        return self.trajectory_hash or self.status
+
+    @property
+    def disagrees(self) -> bool:
+        """Was it computed again, and gave another answer to the same digest?"""
+        return self.again not in ("", self.answer)
 
     def timed(self, timing: Timing) -> "Record":
         """The same record with the outcome of its timing run."""

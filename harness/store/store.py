@@ -5,7 +5,7 @@ import hashlib
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from harness.store import disk
 from harness.store.arrays import read_arrays
-from harness.store.journal import DamagedFile, NoRun, StoreError, Written, read_journal, read_written
+from harness.store.journal import DamagedFile, NoRun, NotKept, StoreError, Written, read_journal, read_written
 from harness.store.notices import StoredNotice
 from harness.store.older_schemas import base_of_track, notices_in_sentences
 from harness.store.record import Measurement, Record, Sample
@@ -36,6 +36,9 @@ _SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied"
     "sources": "{}",
     "answered_on": "",
     "clocked_on": "",
+    "recalled": "",
+    "again": "",
+    "trajectory_kept": True,
 }
 """What the trials of a store from before there were these columns mean by their absence."""
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
@@ -118,10 +121,18 @@ class Store:
         provenance.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = Path(folder)
+    def __init__(self, folder: Path, only: Collection[tuple[str, str]] | None = None) -> None:
+        """Args: only: these experiments and cases, all for None. Raises: NoRun."""
+        self.folder, self._only = Path(folder), only
         if not (self.folder / "journal.jsonl").is_file() and not (self.folder / "trials.parquet").is_file():
             raise NoRun(f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run")
+
+    def part(self, only: Collection[tuple[str, str]]) -> "Store":
+        """The same folder with these experiments and cases alone; its journal is not read again."""
+        other = Store(self.folder, only)
+        if (self.folder / "journal.jsonl").is_file():
+            other.__dict__["_written"] = self._written
+        return other
 
     @cached_property
     def _written(self) -> Written:
@@ -138,7 +149,10 @@ class Store:
     def _read(self) -> dict[str, pd.DataFrame]:
         journal = self.folder / "journal.jsonl"
         if journal.is_file():
-            return tables_of(self._written.records)
+            records, only = self._written.records, self._only
+            if only is not None:
+                records = {name: record for name, record in records.items() if (record.experiment, record.case) in only}
+            return tables_of(records)
         trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
         needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)
@@ -201,6 +215,11 @@ class Store:
         return read_plain(self.folder / "machine.json")
 
     @cached_property
+    def night(self) -> dict[str, Any]:
+        """What a history says of this run, where it is one of its nights."""
+        return read_plain(self.folder / "night.json")
+
+    @cached_property
     def study(self) -> dict[str, Any]:
         """The study file of the run."""
         return read_plain(self.folder / "study.toml")
@@ -214,6 +233,10 @@ class Store:
         try:
             return read_arrays(path, only)
         except FileNotFoundError as error:
+            by_hash = self.trials[self.trials["trajectory_hash"] == trajectory_hash]
+            if len(by_hash) and not by_hash["trajectory_kept"].any():
+                again = f"plumbline reproduce {self.folder} {by_hash['trial'].iloc[0]} runs it again"
+                raise NotKept(f"{path}: kept by its hash alone; {again}") from error
             raise StoreError(f"{path}: missing; --resume makes it anew") from error
         except (Damaged, OSError) as error:
             raise StoreError(f"{path}: not readable: {error}; --resume makes it anew") from error

@@ -23,6 +23,7 @@ from reports.recordings.runs import stage_of
 from reports.recordings.shapes import CROWD
 from reports.recordings.truth import truth_at
 from reports.viewer import viewer_command
+from tests.recorded_folder import CORNERS, LAW, QUARTER, TIMES, Folder, Read, placed, record, rising, zoo
 
 
 @pytest.fixture

@@ -90,6 +90,8 @@ def sentence(row: Change) -> str:
         return f"{subject}: {row.metric} held to {_value(row.before, row.unit)}, now {_value(row.after, row.unit)}: {way}."
     if row.kind == "determinism":
         return f"{subject}: repeated {row.metric}: {row.before}, now {row.after}{' ' + row.detail if row.detail else ''}."
+    if row.kind == "digest":
+        return f"{subject}: same digest, another answer: {row.before}, now {row.after}."
     if row.kind == "warning":
         way = "warns no more" if row.after is None else "warns anew"
         return f"{subject}: {way}, in {_many(row.count, 'trial')}: {row.detail}"

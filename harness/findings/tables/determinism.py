@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.store.journal import NotKept
 from harness.store.store import Store
 from harness.trajectory import Floats
 
@@ -37,8 +38,8 @@ class Agreement:
         way: how it was repeated. hash_first, hash: of the whole answers; those of 'restored' and 'reordered' differ by what
         they hold, and are compared state by state. steps: that both have. first_step: the first that differs, None for none.
         farthest [m]: the greatest distance of any body. doubles_in [s]: the time in which the difference doubles, None where it
-        does not grow by ten times. verdict: 'bit-identical', 'differs', 'parts' (of a nudge), or the status of a run without
-        an answer. trial, trial_first: the two runs.
+        does not grow by ten times. verdict: 'bit-identical', 'differs', 'parts' (of a nudge), 'not kept' (two hashes say
+        nothing by themselves), or the status of a run without an answer. trial, trial_first: the two runs.
     """
 
     case: str
@@ -121,7 +122,15 @@ def _row(first: Any, run: Any, way: str, parts: _Parting, verdict: str, reason: 
 
 
 def _compared(store: Store, first: Any, run: Any, way: str) -> Agreement:
-    steps, differs, distance = parting(*(store.trajectory(side.trajectory_hash) for side in (first, run)))
+    try:
+        steps, differs, distance = parting(*(store.trajectory(side.trajectory_hash) for side in (first, run)))
+    except NotKept as error:
+        if first.trajectory_hash == run.trajectory_hash:
+            return _row(first, run, way, _Parting(), "bit-identical")
+        by_hash = way in ("restored", "reordered")  # these hold other things, and say nothing by it
+        return _row(
+            first, run, way, _Parting(), "not kept" if by_hash else "parts" if way == "nudged" else "differs", str(error)
+        )
     dt = float(first.dt)
     parted = np.flatnonzero(differs)
     first_step = None if len(parted) == 0 else round(float(steps[parted[0]]) / dt)

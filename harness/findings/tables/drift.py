@@ -16,6 +16,7 @@ from harness.metric import NotMeasurable
 from harness.metrics.energy import energy_change
 from harness.scene.file import parse
 from harness.statistics.order import fit_slope
+from harness.store.journal import NotKept
 from harness.store.store import Store
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
@@ -83,7 +84,10 @@ def _drift(store: Store, row: Any) -> Drift:
     if row.status not in ("passed", "failed"):
         return Drift(**same, **nothing, quantity="", unit="", verdict=row.status)
     rests = store.catalogue["cases"][row.case]["truth"] == "rest"
-    quantity, time, series = _series(store.trajectory(row.trajectory_hash), rests)
+    try:
+        quantity, time, series = _series(store.trajectory(row.trajectory_hash), rests)
+    except NotKept:
+        return Drift(**same, **nothing, quantity="", unit="", verdict="not kept")
     fit = fit_slope(time.tolist(), series.tolist()) if np.isfinite(series).all() else None
     if fit is None:
         return Drift(**same, **nothing, quantity=quantity, unit=UNITS[quantity], verdict="too short")

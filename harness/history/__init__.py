@@ -1,0 +1,1 @@
+"""What nights remember: a folder of run folders beside a pool of answers, and what is made of them."""

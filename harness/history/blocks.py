@@ -1,0 +1,116 @@
+"""A night's work in blocks, one for each experiment and case, and what earlier nights say of each: cost, trouble, last seen."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any, TypeAlias
+
+from harness.history.folder import Night
+from harness.store.record import digest
+from harness.study.trial import Trial
+
+__all__ = ["LATELY", "Block", "Key", "Seen", "Sight", "blocks_of", "last_seen"]
+
+Key: TypeAlias = tuple[str, str]
+"""Experiment and case."""
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The trials of a case in an experiment, on all engines: what is clocked side by side."""
+
+    experiment: str
+    case: str
+    trials: tuple[Trial, ...]
+
+    @property
+    def key(self) -> Key:
+        """What it is called."""
+        return self.experiment, self.case
+
+    @property
+    def digest(self) -> str:
+        """Another one where anything changed that an answer of it rests on."""
+        return digest(sorted(trial.trial for trial in self.trials))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sight:
+    """What one night did of a block, as its `night.json` keeps it.
+
+    Terms:
+        digest: of the block. answers: with those that searches went on to. computed: of these, not recalled. answer_seconds,
+        clock_seconds: wall time of both. clocked: trials. unstable: of these, those whose timing is marked so. worse: changes
+        that were told of it. done: was all of it carried out?
+    """
+
+    experiment: str
+    case: str
+    digest: str
+    answers: int = 0
+    computed: int = 0
+    answer_seconds: float = 0.0
+    clocked: int = 0
+    clock_seconds: float = 0.0
+    unstable: int = 0
+    worse: int = 0
+    done: bool = True
+
+    def plain(self) -> dict[str, Any]:
+        """A JSON-ready mapping."""
+        return asdict(self)
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Sight":
+        """Read back what `plain` wrote; fields of a later program are left aside."""
+        known = {field.name for field in fields(cls)}
+        return cls(**{name: value for name, value in plain.items() if name in known})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """What all earlier nights say of a block.
+
+    Terms:
+        night: the last one that did all of it. sight: what that did. of_all [s]: wall time of computing every answer, None
+        where no night that is kept computed any. troubled: was it worse, or were most of its timings unstable, lately?
+    """
+
+    night: Night
+    sight: Sight
+    of_all: float | None
+    troubled: bool
+
+
+LATELY = 3
+"""Nights that a regression or noise counts for."""
+NOISY = 0.5
+"""Share of unstable timings from which a block is noisy."""
+
+
+def blocks_of(trials: Iterable[Trial]) -> tuple[Block, ...]:
+    """The blocks in the order in which a study names them."""
+    grouped: dict[Key, list[Trial]] = {}
+    for trial in trials:
+        grouped.setdefault((trial.experiment.name, trial.case), []).append(trial)
+    return tuple(Block(*key, tuple(group)) for key, group in grouped.items())
+
+
+def last_seen(nights: Sequence[Night]) -> dict[Key, Seen]:
+    """By block. Args: nights: whole ones, the earliest first. Raises: DamagedFile."""
+    seen: dict[Key, Seen] = {}
+    for age, night in enumerate(reversed(nights)):
+        for row in night.plan.get("blocks", ()):
+            sight = Sight.from_plain(row)
+            key = (sight.experiment, sight.case)
+            of_all = sight.answer_seconds * sight.answers / sight.computed if sight.computed else None
+            if key not in seen:
+                if sight.done:
+                    noisy = sight.clocked > 0 and sight.unstable > NOISY * sight.clocked
+                    troubled = age < LATELY and (noisy or sight.worse > 0)
+                    seen[key] = Seen(night=night, sight=sight, of_all=of_all, troubled=troubled)
+                continue
+            known = seen[key]
+            troubled = known.troubled or (age < LATELY and sight.worse > 0)
+            least = known.of_all if known.of_all is not None else of_all
+            seen[key] = Seen(night=known.night, sight=known.sight, of_all=least, troubled=troubled)
+    return seen

@@ -1,0 +1,210 @@
+"""Where earlier nights' searches ended: fronts that are clocked again, and brackets that are tried at their ends.
+
+A front is searched anew where it errs otherwise than it did; a limit, where its bracket no longer holds and breaks: then the
+search, which finds the ends among its values, goes on by itself.
+"""
+
+import json
+import math
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from harness.adapter import Settings
+from harness.case import Case
+from harness.history.blocks import Key, Seen
+from harness.history.pool import Pool
+from harness.search.first_break import bracket, ruler
+from harness.search.front import SMALLEST, TELLING
+from harness.statistics.pareto import on_front
+from harness.store.record import Record
+from harness.store.store import Store
+from harness.study.trial import Trial
+
+__all__ = ["KnownSearches"]
+
+BESIDE = 2
+"""Settings of an engine that are clocked beside a front, drawn anew each night."""
+Setting: TypeAlias = tuple[str, float]
+"""Track, with what a search turned in it, and time step [s]."""
+Group: TypeAlias = tuple[str, str, str, str]
+"""Experiment, case, parameters, engine: one search of a front."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Front:
+    """A front as the last night that saw it clocked it. Terms: errors: of its settings, as shares of the scale."""
+
+    errors: Mapping[Setting, float]
+    others: tuple[Setting, ...]
+
+
+@dataclass(slots=True)
+class KnownSearches:
+    """What earlier nights found, group by group, read when it is wanted. Terms: seed: of what is drawn at random."""
+
+    seen: Mapping[Key, Seen]
+    cases: Mapping[str, Case]
+    pool: Pool
+    seed: str
+    _stores: dict[str, Store] = field(default_factory=dict)
+    _fronts: dict[Group, _Front | None] = field(default_factory=dict)
+
+    def beside(self, trials: Sequence[Trial]) -> list[Trial]:
+        """What is asked beside the trials of a study so that the searches begin where they ended: all that is in the pool
+        under today's name, and where it is not, the settings of a front with a few others, and both ends of a bracket."""
+        named = {trial.trial for trial in trials}
+        made: dict[str, Trial] = {}
+        for trial in self._by_search(trials):
+            for other in self._of_front(trial) if trial.experiment.sweep else self._of_limit(trial):
+                if other.trial not in named:
+                    made.setdefault(other.trial, other)
+        return list(made.values())
+
+    def goes_on(self, trial: Trial, records: Mapping[str, Record]) -> bool:
+        """Is a front searched anew: is none known, or does it err otherwise now?"""
+        front = self.front_of(trial)
+        if front is None:
+            return True
+        group = group_of(trial)
+        near = (r for r in records.values() if (r.engine, r.case, r.experiment) == (group[3], group[1], group[0]))
+        now = {(r.track, r.dt): r for r in near if _group(r) == group}
+        return not all(self._as_before(now.get(setting), error) for setting, error in front.errors.items())
+
+    def clocked(self, trials: Sequence[Trial]) -> set[str]:
+        """Of swept trials that are due for the clock: the known front, both tracks at the case's own step, a few others."""
+        chosen: set[str] = set()
+        groups: dict[Group, list[Trial]] = {}
+        for trial in trials:
+            groups.setdefault(group_of(trial), []).append(trial)
+        for group, mine in groups.items():
+            front = self.front_of(mine[0])
+            if front is None:
+                chosen |= {trial.trial for trial in mine}
+                continue
+            own = self.cases[mine[0].case].dt
+            wanted = [t for t in mine if _setting(t) in front.errors or (t.round == 0 and t.settings.dt == own)]
+            rest = [t for t in mine if t not in wanted]
+            drawn = random.Random(f"{self.seed} {group}").sample(rest, min(BESIDE, len(rest)))
+            chosen |= {trial.trial for trial in (*wanted, *drawn)}
+        return chosen
+
+    def front_of(self, trial: Trial) -> _Front | None:
+        """The known front of a trial's case on its engine; None where none is known."""
+        group = group_of(trial)
+        if group not in self._fronts:
+            self._fronts[group] = self._read_front(trial)
+        return self._fronts[group]
+
+    def _by_search(self, trials: Sequence[Trial]) -> Iterator[Trial]:
+        """One trial for each front, and every first trial of a limit."""
+        groups = set[Group]()
+        for trial in trials:
+            if (trial.experiment.name, trial.case) not in self.seen:
+                continue
+            if trial.experiment.limit is not None and trial.round == 0:
+                yield trial
+            elif trial.experiment.sweep and group_of(trial) not in groups:
+                groups.add(group_of(trial))
+                yield trial
+
+    def _store(self, key: Key) -> Store:
+        night = self.seen[key].night
+        if night.stamp not in self._stores:
+            self._stores[night.stamp] = night.store()
+        return self._stores[night.stamp]
+
+    def _rows(self, trial: Trial) -> list[dict[str, Any]]:
+        """What the last night that saw a trial's block has of its engine."""
+        store = self._store((trial.experiment.name, trial.case))
+        table = store.trials
+        mine = table[
+            (table["experiment"] == trial.experiment.name) & (table["case"] == trial.case) & (table["engine"] == trial.engine)
+        ]
+        bases = store.bases
+        return [{**row, "base": bases[row["trial"]]} for row in mine.to_dict("records")]
+
+    def _read_front(self, trial: Trial) -> _Front | None:
+        key = (trial.experiment.name, trial.case)
+        if key not in self.seen:
+            return None
+        case, table = self.cases[trial.case], self._store(key).measurements
+        errors = {row.trial: abs(float(row.value)) for row in table[table["metric"] == case.headline].itertuples()}
+        clocked = [
+            (row, max(error / case.scale, SMALLEST), float(row["cpu_per_unit"]))
+            for row in self._rows(trial)
+            if row["parameters"] == _parameters(trial)
+            and row["cpu_per_unit"] == row["cpu_per_unit"]
+            and math.isfinite(error := errors.get(row["trial"], math.nan))
+        ]
+        if not clocked:
+            return None
+        first = on_front([error for _, error, _ in clocked], [cost for _, _, cost in clocked])
+        settings = [(str(row["track"]), float(row["dt"])) for row, _, _ in clocked]
+        return _Front(
+            {s: error for s, (_, error, _), best in zip(settings, clocked, first, strict=True) if best},
+            tuple(s for s, best in zip(settings, first, strict=True) if not best),
+        )
+
+    def _as_before(self, record: Record | None, error: float) -> bool:
+        if record is None or record.status not in ("passed", "failed"):
+            return False
+        case = self.cases[record.case]
+        now = next((abs(m.value) for m in record.measurements if m.metric == case.headline), math.nan) / case.scale
+        return max(now, SMALLEST) / error < TELLING and error / max(now, SMALLEST) < TELLING
+
+    def _of_front(self, trial: Trial) -> Iterator[Trial]:
+        front = self.front_of(trial)
+        if front is None:
+            return
+        drawn = random.Random(f"{self.seed} {group_of(trial)}").sample(front.others, min(BESIDE, len(front.others)))
+        for row in self._rows(trial):
+            if row["parameters"] != _parameters(trial) or row["round"] == 0:
+                continue
+            other = trial.probing(
+                self.cases[trial.case],
+                track=row["track"],
+                base=row["base"],
+                settings=Settings(**json.loads(row["settings"])),
+                round=int(row["round"]),
+            )
+            setting = (str(row["track"]), float(row["dt"]))
+            if self.pool.holds(other.trial) or setting in front.errors or setting in drawn:
+                yield other
+
+    def _of_limit(self, trial: Trial) -> Iterator[Trial]:
+        case, by = self.cases[trial.case], ruler(trial, self.cases[trial.case])
+        along_dt = by.axis.parameter == "dt"
+        mine = {name: value for name, value in json.loads(_parameters(trial)).items() if name != by.axis.parameter}
+        values = {}
+        for row in self._rows(trial):
+            given = json.loads(row["parameters"])
+            others = {name: value for name, value in given.items() if name != by.axis.parameter}
+            same = (row["track"], row["parts"], row["remedied"]) == (trial.track, trial.parts, "")
+            if same and others == mine and (along_dt or row["dt"] == trial.settings.dt):
+                values[float(row["dt"] if along_dt else given[by.axis.parameter])] = row, given.get(by.axis.parameter)
+        found = bracket({value: row["status"] for value, (row, _) in values.items()}, by)
+        for value, (row, hardness) in values.items():
+            settings = trial.settings.with_dt(row["dt"]) if along_dt else trial.settings
+            there = dict(trial.parameters) if along_dt else {**trial.parameters, by.axis.parameter: hardness}
+            other = trial.probing(case, parameters=there, settings=settings, round=max(1, int(row["round"])))
+            if self.pool.holds(other.trial) or value in (found.held, found.broke):
+                yield other
+
+
+def group_of(trial: Trial) -> Group:
+    """The search of a front that a trial belongs to."""
+    return trial.experiment.name, trial.case, _parameters(trial), trial.engine
+
+
+def _group(record: Record) -> Group:
+    return record.experiment, record.case, json.dumps(dict(record.parameters), sort_keys=True), record.engine
+
+
+def _parameters(trial: Trial) -> str:
+    return json.dumps(dict(trial.parameters), sort_keys=True)
+
+
+def _setting(trial: Trial) -> Setting:
+    return trial.track, trial.settings.dt

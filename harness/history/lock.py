@@ -1,0 +1,51 @@
+"""Two nights never meet: whoever holds a history's lock writes to it, and lets it go by ending, however that happens."""
+
+import fcntl
+import json
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from typing import Any
+
+from harness.history.folder import SCHEMA, History
+from harness.store import disk
+from harness.store.journal import StoreError
+
+__all__ = ["holder", "locked"]
+
+
+def holder() -> dict[str, Any]:
+    """Who this process is, for others to read."""
+    moment = datetime.now(UTC).isoformat(timespec="seconds")
+    return {"schema": SCHEMA, "host": socket.gethostname(), "process": os.getpid(), "since": moment}
+
+
+@contextmanager
+def locked(history: History) -> Iterator[None]:
+    """Hold a history; the file says who does, the system lets it go when the process ends.
+
+    Raises: StoreError, where another process holds it. OSError.
+    """
+    descriptor = disk.calls.open(history.lock, os.O_RDWR | os.O_CREAT)
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            said = os.pread(descriptor, 1000, 0).decode(errors="replace")
+            raise StoreError(f"{history.root}: another night holds it ({_words(said)}); wait for its end") from error
+        disk.calls.truncate(descriptor, 0)
+        os.pwrite(descriptor, json.dumps(holder()).encode(), 0)
+        yield
+        disk.calls.truncate(descriptor, 0)
+    finally:
+        os.close(descriptor)
+
+
+def _words(said: str) -> str:
+    try:
+        known = json.loads(said)
+        return f"process {known['process']} on {known['host']} since {known['since']}"
+    except (ValueError, KeyError, TypeError):
+        return "it does not say who"

@@ -1,0 +1,216 @@
+"""One night: begun or gone on with, carried out within its budget, compared with what was seen before, and closed."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.history.acknowledged import acknowledged
+from harness.history.blocks import LATELY, Key, Seen, Sight, last_seen
+from harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
+from harness.history.known_searches import KnownSearches
+from harness.history.last_answers import LastAnswers
+from harness.history.pool import Pool
+from harness.history.since_last_seen import News, first_seen, news_of
+from harness.history.spending import Budget, bytes_of, memory_peaks
+from harness.history.steering import Keep, Steering
+from harness.history.words import told
+from harness.run.campaign import carry_out
+from harness.run.interrupt import until
+from harness.store import disk
+from harness.store.journal import read_journal
+from harness.store.machine_fingerprint import fingerprint, machine_digest
+from harness.store.record import Record, digest
+from harness.store.store import Store, write_json
+from harness.study.study import Study
+
+__all__ = ["Asked", "Done", "accounted", "carry_out_night", "close", "compared", "night_to_do"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse. seed: '' for the
+    night's own name."""
+
+    study: Study
+    cases: Mapping[str, Case]
+    adapters: Mapping[str, Adapter]
+    budget: float = math.inf
+    workers: int = 2
+    keep: Keep = "changed"
+    gated: tuple[str, ...] = ()
+    seed: str = ""
+
+    @property
+    def digest(self) -> str:
+        """Another one for a night that asks something else."""
+        return digest([repr(self.study), sorted(self.cases), sorted(self.adapters)])
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """A night that was carried out. Terms: seen: what was known of each block before. store: its tables, read once."""
+
+    night: Night
+    asked: Asked
+    seen: Mapping[Key, Seen]
+    steering: Steering
+    budget: Budget
+    store: Store
+
+    @property
+    def blocks(self) -> set[Key]:
+        """Those that were carried out to their end."""
+        return self.steering.done
+
+
+def night_to_do(history: History, asked: Asked) -> Night:
+    """The last night, where it asked the same and did not come to its end; otherwise a new one. Raises: DamagedFile."""
+    nights = history.nights()
+    if nights and not nights[-1].whole and nights[-1].plan.get("asked") == asked.digest:
+        return nights[-1]
+    stamp = stamp_of(datetime.now(UTC))
+    if nights and nights[-1].stamp >= stamp:
+        stamp = stamp_of(datetime.fromtimestamp(nights[-1].began.timestamp() + 1, UTC))
+    return history.night(stamp)
+
+
+def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
+    """Answer and clock as much as the budget allows. Who calls this holds the history's lock.
+
+    Args: night: as `night_to_do` gave it.
+    Raises: StoreError, StudyError, OSError.
+    """
+    before = history.whole_nights()
+    disk.make_folder(night.folder)
+    seen, plan = last_seen(before), night.plan
+    closings = [float(earlier.plan["seconds"]["closing"]) for earlier in before[-LATELY:]]
+    budget = Budget.of(asked.budget, max(closings, default=None))
+    seed = asked.seed or night.stamp
+    started: dict[str, Any] = {
+        "schema": SCHEMA,
+        "stamp": night.stamp,
+        "asked": asked.digest,
+        "study": asked.study.name,
+        "budget": None if math.isinf(asked.budget) else asked.budget,
+        "keep": asked.keep,
+        "seed": seed,
+        "gated": list(asked.gated),
+        "complete": False,
+    }
+
+    def save(steering: Steering) -> None:
+        write_json(night.folder / NIGHT, started | {"blocks": steering.sights({}, {})})
+
+    pool, so_far = Pool(history.pool), read_journal(night.folder / "journal.jsonl").values()
+    steering = Steering(
+        pool=pool,
+        folder=night.folder,
+        stamp=night.stamp,
+        seed=seed,
+        machine=machine_digest(fingerprint()),
+        keep=asked.keep,
+        seen=seen,
+        last=LastAnswers(seen).of,
+        searched=KnownSearches(seen, asked.cases, pool, seed),
+        distrusted=_distrusted(before, night, so_far),
+        left=budget.left,
+        save=save,
+    )
+    steering.go_on([Sight.from_plain(row) for row in plan.get("blocks", ())], so_far)
+    if not plan:
+        save(steering)
+    with until(budget.end):
+        carry_out(
+            asked.study,
+            night.folder,
+            asked.cases,
+            asked.adapters,
+            workers=asked.workers,
+            resume=True,
+            guide=steering,
+        )
+    steering.close()
+    store = night.store()
+    _without_idle_logs(night, set(store.trials["trial"]))
+    return Done(night, asked, seen, steering, budget, store)
+
+
+def _without_idle_logs(night: Night, recorded: set[str]) -> None:
+    """Take away the logs of trials that were under way when time was up: they have no record that would name them."""
+    logs = night.folder / "logs"
+    for path in logs.glob("*.log"):
+        if path.stem not in recorded:
+            disk.remove(path)
+    if logs.is_dir() and not any(logs.iterdir()):
+        logs.rmdir()
+
+
+def compared(history: History, done: Done) -> News | None:
+    """What changed since each block was last seen; None where nothing of the night was seen before. Raises: StoreError."""
+    return news_of(done.store, done.night.stamp, done.seen, done.blocks, acknowledged(history), _first_told(history))
+
+
+def accounted(history: History, done: Done, news: News | None, closing: float) -> dict[str, Any]:
+    """What the night's own file says when it is whole. Args: closing [s]: what tables and report took. Raises: StoreError."""
+    night, steering = done.night, done.steering
+    trials, rows = done.store.trials, () if news is None else news.changes.rows
+    where = {row.trial: (row.experiment, row.case) for row in trials.itertuples()}
+    clocked = trials[trials["cpu_per_unit"] > 0]
+    unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(value=False).astype(bool)])
+    worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
+    first = _first_told(history)
+    changed = (
+        []
+        if news is None
+        else [told(row, news.changes, first_seen(row, first, night.stamp)) for row in rows if row.sense in ("worse", "better")]
+    )
+    return {name: value for name, value in night.plan.items() if name != "blocks"} | {
+        "complete": True,
+        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
+        "seconds": {"whole": done.budget.taken(), "closing": closing},
+        "memory_mb": memory_peaks(),
+        "bytes": _bytes(history, night),
+        "answers": len(trials),
+        "computed": int((trials["recalled"] == "").sum()),
+        "recalled": int((trials["recalled"] != "").sum()),
+        "again": int((trials["again"] != "").sum()),
+        "disagreements": sum(row.kind == "digest" for row in rows),
+        "clocked": len(clocked),
+        "blocks": steering.sights(unstable, worse),
+        "left_out": [entry.plain() for entry in steering.out],
+        "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
+        "told": changed,
+    }
+
+
+def close(night: Night, account: Mapping[str, Any]) -> None:
+    """Write the night's own file, by which it is whole. Raises: OSError."""
+    write_json(night.folder / NIGHT, account)
+
+
+def _first_told(history: History) -> dict[str, str]:
+    """The first nights of disagreements, which last until the digest is another: by what they are called without a night."""
+    earlier: dict[str, str] = {}
+    for night in history.whole_nights():
+        for row in night.plan.get("told", ()):
+            if row["kind"] == "digest":
+                earlier.setdefault(row["lasting"], row["first_seen"])
+    return earlier
+
+
+def _distrusted(nights: Sequence[Night], night: Night, so_far: Iterable[Record]) -> dict[tuple[str, str], str]:
+    """By case and engine, the last night in which it gave another answer to the same digest. Args: so_far: of tonight."""
+    known = {(case, engine): stamp for case, engine, stamp in (nights[-1].plan.get("distrusted", ()) if nights else ())}
+    return known | {(record.case, record.engine): night.stamp for record in so_far if record.disagrees}
+
+
+def _bytes(history: History, night: Night) -> dict[str, int]:
+    """What lies on the disk, by what it is; a trajectory that the pool keeps too counts once."""
+    parts = ("trajectories", "recordings", "report", "truths")
+    sizes = {name: bytes_of([night.folder / name]) for name in parts}
+    return {"night": bytes_of([night.folder]), **sizes, "pool": bytes_of([history.pool])}

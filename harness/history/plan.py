@@ -1,0 +1,114 @@
+"""In which order a night goes through its blocks, and which of them its budget leaves out."""
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from statistics import mean
+from typing import Any, Literal, TypeAlias
+
+from harness.history.blocks import Block, Key, Seen
+
+__all__ = ["Left", "LeftOut", "Plan", "Why", "ranked"]
+
+Left: TypeAlias = Callable[[], float]
+"""Seconds that are left, infinite without a budget."""
+TROUBLED_SHARE = 1 / 3
+"""Of a budget, for what is only noisy or was worse lately: else what has never been seen would never be."""
+LARGEST, LONGEST = 12, 120.0
+"""Blocks of a batch, and seconds that they are foreseen to take: a batch is clocked before the next one is answered."""
+
+Why = Literal["no time was left", "it is foreseen to take longer than was left", "time was up half-way"]
+"""Why a block was left out."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeftOut:
+    """A block that the budget left out. Terms: last_seen: the stamp of a night, '' for none. foreseen [s], None if unknown."""
+
+    experiment: str
+    case: str
+    trials: int
+    why: Why
+    last_seen: str
+    foreseen: float | None
+
+    def plain(self) -> dict[str, Any]:
+        """A JSON-ready mapping."""
+        return asdict(self)
+
+
+def ranked(blocks: Collection[Block], seen: Mapping[Key, Seen]) -> list[Block]:
+    """Most valuable first: what changed, what was worse or noisy lately, then what was seen the longest time ago or never."""
+
+    def rank(block: Block) -> tuple[int, str]:
+        known = seen.get(block.key)
+        if known is None:
+            return 2, ""
+        if known.sight.digest != block.digest:
+            return 0, known.night.stamp
+        return (1 if known.troubled else 2), known.night.stamp
+
+    return sorted(blocks, key=rank)
+
+
+@dataclass(slots=True)
+class Plan:
+    """What is left to do, and how long that will take.
+
+    Terms:
+        waiting: blocks in order. seen: by earlier nights. due: by block, the share of its answers that have to be computed.
+        taken [s]: by block, what it took tonight.
+    """
+
+    waiting: list[Block]
+    seen: Mapping[Key, Seen]
+    due: Mapping[Key, float]
+    taken: dict[Key, float] = field(default_factory=dict)
+
+    def foreseen(self, block: Block) -> float | None:
+        """Seconds: by what it took in earlier nights, else by what others of its experiment took tonight; None if unknown."""
+        known = self.seen.get(block.key)
+        if known is not None and (known.of_all is not None or self.due[block.key] == 0.0):
+            return self.due[block.key] * (known.of_all or 0.0) + known.sight.clock_seconds
+        alike = [seconds for (experiment, _), seconds in self.taken.items() if experiment == block.experiment]
+        return mean(alike) if alike else None
+
+    def batches(self, left: Left) -> Iterator[list[Block]]:
+        """Blocks that fit into what is left, batch by batch; what does not stays behind in `waiting`."""
+        for_troubled = TROUBLED_SHARE * left()
+        skipped: list[Block] = []
+        while self.waiting:
+            batch, seconds, unknown = list[Block](), 0.0, set[str]()
+            while self.waiting and len(batch) < LARGEST and seconds < LONGEST:
+                block = self.waiting[0]
+                foreseen, troubled = self.foreseen(block), self._troubled(block)
+                if (foreseen is None and block.experiment in unknown) or (batch and (foreseen is None) != bool(unknown)):
+                    break  # what one block of an experiment takes is learnt before others are begun, and keeps none waiting
+                self.waiting.pop(0)
+                if seconds + (foreseen or 0.0) >= left() or (troubled and (foreseen or 0.0) > for_troubled):
+                    skipped.append(block)
+                    continue
+                if foreseen is None:
+                    unknown.add(block.experiment)
+                for_troubled -= (foreseen or 0.0) if troubled else 0.0
+                batch.append(block)
+                seconds += foreseen or 0.0
+            if not batch:
+                break
+            yield batch
+        self.waiting = skipped + self.waiting
+
+    def left_out(self, block: Block, why: Why) -> LeftOut:
+        """A block of these, as it is named."""
+        known = self.seen.get(block.key)
+        return LeftOut(
+            experiment=block.experiment,
+            case=block.case,
+            trials=len(block.trials),
+            why=why,
+            last_seen="" if known is None else known.night.stamp,
+            foreseen=self.foreseen(block),
+        )
+
+    def _troubled(self, block: Block) -> bool:
+        known = self.seen.get(block.key)
+        return known is not None and known.troubled and known.sight.digest == block.digest

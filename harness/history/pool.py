@@ -1,0 +1,91 @@
+"""The pool: every answer once, under the name of its trial, which covers all that decides it.
+
+A file holds the record of an accuracy run as it was first computed, with the night that computed it. Trajectories lie beside
+it by their own hashes, as far as they are kept.
+"""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from harness.history.folder import SCHEMA
+from harness.store import disk
+from harness.store.journal import DamagedFile
+from harness.store.record import SCHEMA_VERSION, Record
+from harness.store.seal import sealed_json
+from harness.store.store import read_plain
+
+__all__ = ["MACHINE_BOUND", "Answer", "Pool"]
+
+MACHINE_BOUND = ("timeout", "oom", "crashed")
+"""Outcomes that a faster or a larger machine may not have: they are recalled on the machine that had them only."""
+POOLED = ("passed", "failed", "diverged", "unsupported", *MACHINE_BOUND)
+"""Outcomes that are kept; what is not installed, or was interrupted, is asked again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """An answer of the pool. Terms: record: without a timing. night: the stamp of the night that computed it."""
+
+    record: Record
+    night: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pool:
+    """The answers in a folder."""
+
+    folder: Path
+
+    def path_of(self, trial: str) -> Path:
+        """Where the answer of a trial lies, or would."""
+        return self.folder / trial[:2] / f"{trial}.json"
+
+    def trajectory_path(self, trajectory_hash: str) -> Path:
+        """Where a trajectory lies, where it is kept."""
+        return self.folder / "trajectories" / trajectory_hash[:2] / f"{trajectory_hash}.npz"
+
+    def holds(self, trial: str) -> bool:
+        """Is there an answer to a trial of this name?"""
+        return self.path_of(trial).is_file()
+
+    def answer(self, trial: str) -> Answer | None:
+        """What is known of a trial of this name; None where nothing is. Raises: DamagedFile, OSError."""
+        path = self.path_of(trial)
+        if not path.is_file():
+            return None
+        kept = read_plain(path)
+        if kept["schema"] > SCHEMA:
+            raise DamagedFile(path, f"has schema {kept['schema']}, this program reads up to {SCHEMA}", "upgrade it")
+        return Answer(Record.from_plain(kept["record"], kept["record_schema"]), str(kept["night"]))
+
+    def keep(self, record: Record, night: str) -> None:
+        """Keep an answer, in place of one of its name. Raises: OSError."""
+        if record.status not in POOLED:
+            return
+        plain = replace(record, recalled="", again="").plain()
+        content: dict[str, Any] = {"schema": SCHEMA, "record_schema": SCHEMA_VERSION, "night": night, "record": plain}
+        path = self.path_of(record.trial)
+        disk.make_folder(path.parent)
+        disk.write_atomically(path, sealed_json(path.name, content))
+
+    def keep_trajectory(self, path: Path) -> None:
+        """Keep a trajectory of a run folder: the same file under two names where the disk allows. Raises: OSError."""
+        kept = self.trajectory_path(path.stem)
+        if kept.is_file():
+            return
+        disk.make_folder(kept.parent)
+        try:
+            os.link(path, kept)
+        except OSError:
+            disk.write_atomically(kept, disk.read(path))
+
+    def answers(self) -> Iterator[Path]:
+        """The files of all answers."""
+        yield from sorted(self.folder.glob("[0-9a-f][0-9a-f]/*.json"))
+
+    def trajectories(self) -> Iterator[Path]:
+        """The files of all trajectories."""
+        yield from sorted(self.folder.glob("trajectories/[0-9a-f][0-9a-f]/*.npz"))

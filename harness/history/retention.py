@@ -1,0 +1,73 @@
+"""What of a history may go: old nights, answers that no night asks for any more, trajectories that none keeps."""
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from harness.history.blocks import last_seen
+from harness.history.folder import History, Night
+from harness.history.pool import Pool
+from harness.history.spending import bytes_of
+from harness.store import disk
+from harness.store.journal import read_journal
+
+__all__ = ["Pruning", "prune", "pruning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Pruning:
+    """What goes.
+
+    Terms: nights; answers, trajectories: files of the pool. standing: old nights that stay, since each is the last that saw
+    something. bytes: what is freed.
+    """
+
+    nights: tuple[Night, ...]
+    answers: tuple[Path, ...]
+    trajectories: tuple[Path, ...]
+    standing: tuple[Night, ...]
+    bytes: int
+
+
+def pruning(history: History, *, older: float | None = None, keep_nights: int | None = None) -> Pruning:
+    """What would go of a history. Args: older [s]: nights that began longer ago; keep_nights: all but the last so many.
+
+    A night goes where both say so, or the one that is given; never one that is the last to have done a block.
+    Raises: StoreError.
+    """
+    nights = history.nights()
+    before = None if older is None else datetime.now(UTC) - timedelta(seconds=older)
+    late = nights[-keep_nights:] if keep_nights else ()
+    given = older is not None or keep_nights is not None
+    old = [n for n in nights if given and n not in late and (before is None or n.began < before)]
+    needed = {seen.night for seen in last_seen(history.whole_nights()).values()}
+    going = tuple(night for night in old if night not in needed)
+    answers, trajectories = _unnamed(history, [night for night in nights if night not in going])
+    paths = [*(night.folder for night in going), *answers, *trajectories]
+    return Pruning(going, answers, trajectories, tuple(night for night in old if night in needed), bytes_of(paths))
+
+
+def prune(what: Pruning) -> None:
+    """Take it away: a night loses what makes it one first, so that none is ever half there. Raises: OSError."""
+    for night in what.nights:
+        disk.remove(night.folder / "journal.jsonl")
+        shutil.rmtree(night.folder)
+    for path in (*what.answers, *what.trajectories):
+        disk.remove(path)
+
+
+def _unnamed(history: History, nights: list[Night]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
+    """Answers and trajectories of the pool that no record of these nights names."""
+    trials, hashes = set[str](), set[str | None]()
+    for night in nights:
+        for record in read_journal(night.folder / "journal.jsonl").values():
+            trials.add(record.trial)
+            hashes |= {record.trajectory_hash} if record.trajectory_kept else set()
+    pool = Pool(history.pool)
+    return tuple(_others(pool.answers(), trials)), tuple(_others(pool.trajectories(), hashes))
+
+
+def _others(paths: Iterator[Path], named: "set[str] | set[str | None]") -> Iterator[Path]:
+    yield from (path for path in paths if path.stem not in named)

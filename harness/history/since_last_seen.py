@@ -1,0 +1,110 @@
+"""What changed tonight: every block against the last night that did all of it, and other answers to the same digest."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from harness.findings.changes import Change, Changes, compare
+from harness.findings.changes.matching import where_of
+from harness.findings.changes.weights import heaviest_first
+from harness.history.acknowledged import Acknowledgement, change_id
+from harness.history.blocks import Key, Seen
+from harness.store.store import Store
+
+__all__ = ["News", "first_seen", "news_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class News:
+    """What changed. Terms: changes: what nobody has acknowledged; acknowledged: the others; ids: of both, in the same order."""
+
+    changes: Changes
+    acknowledged: tuple[Change, ...]
+
+    def regressions(self, gated: Collection[str]) -> tuple[Change, ...]:
+        """What of these engines is worse."""
+        return self.changes.regressions(gated)
+
+
+def first_seen(change: Change, earlier: Mapping[str, str], stamp: str) -> str:
+    """The night that a change is called by.
+
+    Args: earlier: nights by what a change is called without one, of those that last. stamp: of tonight.
+    """
+    return earlier.get(change_id(change, ""), stamp)
+
+
+def news_of(
+    store: Store,
+    stamp: str,
+    seen: Mapping[Key, Seen],
+    blocks: Collection[Key],
+    known: Mapping[str, Acknowledgement],
+    earlier: Mapping[str, str],
+) -> News | None:
+    """What changed in a night; None where nothing of it was seen before.
+
+    Args: store, stamp: of the night. blocks: that it carried out. known: what was acknowledged. earlier: see `first_seen`.
+    Raises: StoreError.
+    """
+    known_blocks = {key for key in blocks if key in seen}
+    if not known_blocks:
+        return None
+    fresh = _with_news(store) & known_blocks or {min(known_blocks)}
+    before: dict[str, set[Key]] = {}
+    for key in fresh:
+        before.setdefault(seen[key].night.stamp, set()).add(key)
+    nights = {seen[key].night.stamp: seen[key].night for key in fresh}
+    parts = [compare(nights[stamp].store_of(keys), store.part(keys)) for stamp, keys in sorted(before.items(), reverse=True)]
+    others = {row.trial_b: row for row in _disagreements(store)}
+    every = heaviest_first(
+        dict.fromkeys([*(row for part in parts for row in part.rows if not _left_aside(row, others)), *others.values()])
+    )
+    recalled = store.part(known_blocks - fresh).trials
+    told = tuple(row for row in every if change_id(row, first_seen(row, earlier, stamp)) not in known)
+    changes = replace(
+        parts[0],
+        b=replace(parts[0].b, trials=len(store.trials)),
+        rows=told,
+        matched=sum(part.matched for part in parts) + len(recalled),
+        same=sum(part.same for part in parts) + int(recalled["trajectory_hash"].notna().sum()),
+        clocked=sum(part.clocked for part in parts),
+        unread=tuple(dict.fromkeys(text for part in parts for text in part.unread)),
+    )
+    return News(changes, tuple(row for row in every if row not in told))
+
+
+def _with_news(store: Store) -> set[Key]:
+    """The blocks in which anything was answered for the first time, answered otherwise, or clocked: all else was recalled."""
+    trials = store.trials
+    fresh = (trials["recalled"] == "") & (trials["again"] != trials["trajectory_hash"].fillna(trials["status"]))
+    rows = trials[fresh | (trials["cpu_per_unit"] > 0)]
+    return {*zip(rows["experiment"], rows["case"], strict=True)}
+
+
+def _left_aside(row: Change, disagreements: Mapping[str, Change]) -> bool:
+    """Is it no news? Searches try other values every night, and a budget leaves others out; and what is as good, but not the
+    same to the same digest, is told as that."""
+    return row.kind == "trials" or (row.sense == "within tolerance" and row.trial_b in disagreements)
+
+
+def _disagreements(store: Store) -> list[Change]:
+    """A row for each answer that was known, was computed again, and is another."""
+    rows = store.trials
+    return [
+        Change(
+            kind="digest",
+            sense="worse",
+            case=row.case,
+            engine=row.engine,
+            track=row.track,
+            where=where_of(row, store.catalogue),
+            dt=float(row.dt),
+            metric="answer",
+            trial_a=row.trial,
+            trial_b=row.trial,
+            before=row.again,
+            after=row.trajectory_hash if isinstance(row.trajectory_hash, str) else row.status,
+        )
+        for row in rows[rows["again"] != ""].itertuples()
+        if row.again != (row.trajectory_hash if isinstance(row.trajectory_hash, str) else row.status)
+    ]

@@ -1,0 +1,67 @@
+"""Is a history still what was written? Its nights as run folders, their own files, and every answer of the pool."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+from harness.history.acknowledged import acknowledged
+from harness.history.folder import NIGHT, History
+from harness.history.pool import Pool
+from harness.run.verify import Problem, problems
+from harness.store import disk
+from harness.store.arrays import read_arrays
+from harness.store.journal import DamagedFile, StoreError
+from harness.store.seal import Damaged, check_seal
+from harness.store.trajectory_file import kept_hash
+
+__all__ = ["problems_of"]
+
+_AGAIN = "delete it; the next night computes it again"
+_KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl")
+
+
+def problems_of(history: History) -> Iterator[Problem]:
+    """All that is wrong with a history, file by file; it is only read. Raises: StoreError."""
+    yield from _sealed(history.root / "history.json", "restore it")
+    try:
+        acknowledged(history)
+    except DamagedFile as error:
+        yield Problem(error.path, error.what, error.cure)
+    for night in history.nights():
+        path = night.folder / NIGHT
+        yield from _sealed(path, "restore it, or delete the night")
+        if not night.whole:
+            yield Problem(path, "the night did not come to its end", "the next call goes on with it where it asks the same")
+        yield from problems(night.folder)
+    yield from _pool(Pool(history.pool))
+    for path in sorted(history.root.glob("*")):
+        if path.name not in _KNOWN:
+            yield Problem(path, "is not of this history", "nothing needs it; delete it")
+
+
+def _sealed(path: Path, cure: str) -> Iterator[Problem]:
+    try:
+        if not path.is_file():
+            yield Problem(path, "missing", cure)
+        elif not check_seal(path, disk.read(path)):
+            yield Problem(path, "it has no checksum", cure)
+    except Damaged as error:
+        yield Problem(path, str(error), cure)
+
+
+def _pool(pool: Pool) -> Iterator[Problem]:
+    for path in pool.answers():
+        yield from _sealed(path, _AGAIN)
+        try:
+            answer = pool.answer(path.stem)
+        except (StoreError, ValueError, KeyError, TypeError, json.JSONDecodeError):
+            continue  # its seal said so
+        if answer is None or answer.record.trial != path.stem:
+            yield Problem(path, "is the answer to another trial than its name says", _AGAIN)
+    for path in pool.trajectories():
+        try:
+            check_seal(path, disk.read(path))
+            if kept_hash(read_arrays(path)) != path.stem:
+                raise Damaged("its answer is not the one that its name says")
+        except (Damaged, KeyError) as error:
+            yield Problem(path, str(error), "delete it; its hash is kept in the journals")

@@ -1,0 +1,97 @@
+"""What a night has to say, in sentences: made last, for people and comments, and never read back."""
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any
+
+from harness.findings.changes import Change, Changes
+from harness.findings.changes.comment import comment
+from harness.findings.changes.words import command, sentence
+from harness.history.acknowledged import change_id
+from harness.history.since_last_seen import News
+from harness.intake.safe_text import markdown_cell
+
+__all__ = ["in_short", "left_out_in_short", "open_since", "summary", "told"]
+
+_FIRST = 8
+"""Names that a line has room for."""
+
+
+def told(row: Change, changes: Changes, since: str) -> dict[str, Any]:
+    """A change as `night.json` keeps it: what it is called, what it is about, in a sentence, and what shows it again.
+
+    Args: since: its first night. Returns: also 'lasting', what it is called whatever the night.
+    """
+    return {
+        "id": change_id(row, since),
+        "lasting": change_id(row, ""),
+        "first_seen": since,
+        "kind": row.kind,
+        "sense": row.sense,
+        "case": row.case,
+        "engine": row.engine,
+        "track": row.track,
+        "metric": row.metric,
+        "regression": row.regression,
+        "sentence": sentence(row),
+        "command": command(row, changes),
+    }
+
+
+def left_out_in_short(rows: Sequence[Mapping[str, Any]]) -> str:
+    """What the budget left out, in one line; '' for nothing."""
+    if not rows:
+        return ""
+    counts = Counter(str(row["experiment"]) for row in rows)
+    groups = []
+    for experiment, count in counts.items():
+        cases = [str(row["case"]) for row in rows if row["experiment"] == experiment]
+        more = f" and {count - _FIRST} more" if count > _FIRST else ""
+        groups.append(f"{experiment}: {', '.join(cases[:_FIRST])}{more}")
+    return f"left out by the budget, {len(rows)}: {'; '.join(groups)}"
+
+
+def in_short(plan: Mapping[str, Any]) -> str:
+    """What a night did, in one line."""
+    taken = plan["seconds"]["whole"]
+    budget = "" if plan["budget"] is None else f" of {plan['budget']:.0f}"
+    disk, memory = plan["bytes"], plan["memory_mb"]
+    return (
+        f"night {plan['stamp']}: {plan['answers']} answers, {plan['recalled']} recalled, {plan['computed']} computed "
+        f"({plan['again']} of them known ones again, {plan['disagreements']} otherwise), {plan['clocked']} clocked; "
+        f"{taken:.0f}{budget} s, {disk['night'] / 2**20:.0f} MB and {disk['pool'] / 2**20:.0f} in the pool, "
+        f"{memory['own']:.0f} MB of memory and {memory['largest_child']:.0f} in the largest process"
+    )
+
+
+def open_since(plans: Iterable[Mapping[str, Any]], known: Collection[str]) -> list[Mapping[str, Any]]:
+    """Regressions that nobody acknowledged and that no later night took back, the earliest first.
+
+    Args: plans: of the nights before, the earliest first.
+    """
+    standing: dict[str, Mapping[str, Any]] = {}
+    for plan in plans:
+        for row in plan.get("told", ()):
+            if row["regression"]:
+                standing.setdefault(row["lasting"], row)
+            elif row["sense"] == "better":
+                standing.pop(row["lasting"], None)
+    return [row for row in standing.values() if row["id"] not in known]
+
+
+def summary(news: News | None, plan: Mapping[str, Any], standing: Sequence[Mapping[str, Any]]) -> str:
+    """In Markdown: what changed, what is still worse, and what the night did; fits a comment."""
+    tail = ["", "## The night", "", markdown_cell(in_short(plan)) + "."]
+    if line := left_out_in_short(plan["left_out"]):
+        tail += ["", markdown_cell(line[0].upper() + line[1:]) + "."]
+    if news is not None and news.acknowledged:
+        tail += ["", f"Acknowledged and not told again: {len(news.acknowledged)}."]
+    for row in standing[:_FIRST]:
+        if row is standing[0]:
+            tail += ["", f"## Still worse since an earlier night ({len(standing)})", ""]
+        tail.append(f"* {row['first_seen']}: {markdown_cell(row['sentence'])} `plumbline history ack {row['id']}`")
+    if news is None:
+        head = "# What changed\n\nNothing of this night was seen before: there is nothing to compare it with.\n"
+    else:
+        head = comment(news.changes, plan["gated"])
+    return head + "\n".join(tail) + "\n"

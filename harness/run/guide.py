@@ -1,0 +1,53 @@
+"""What may steer a run beyond its study: what is known already, in which order it goes, where its searches begin."""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from harness.store.record import Record
+from harness.study.trial import Trial
+
+__all__ = ["UNGUIDED", "Guide"]
+
+
+class Guide:
+    """A run as it goes by itself; a history overrides what it steers."""
+
+    def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
+        """The trials in parts, each of which is answered, searched on and clocked before the next one begins."""
+        yield list(trials)
+
+    def known(self, trial: Trial) -> Record | None:
+        """The record of an answer that is not computed again; None where there is none."""
+        del trial
+        return None
+
+    def answered(self, trial: Trial, record: Record) -> Record:
+        """Take in an answer that was computed. Returns: the record to be kept."""
+        del trial
+        return record
+
+    def beside(self, trials: Sequence[Trial], records: Mapping[str, Record]) -> list[Trial]:
+        """Trials of the same searches that earlier ones ended at."""
+        del trials, records
+        return []
+
+    def searches(self, trial: Trial, records: Mapping[str, Record]) -> bool:
+        """Is a trial run that a search proposes?"""
+        del trial, records
+        return True
+
+    def clocks(self, trials: Sequence[Trial], records: Mapping[str, Record]) -> Collection[str]:
+        """The names of those trials, due for the clock, that are clocked."""
+        del records
+        return {trial.trial for trial in trials}
+
+    def clocked(self, trials: Sequence[Trial]) -> None:
+        """Take note that these were clocked side by side, just now."""
+
+    def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
+        """Of all trials of a study, those that the run comprised in the end."""
+        del records
+        return trials
+
+
+UNGUIDED = Guide()
+"""A run without a history."""

@@ -1,0 +1,321 @@
+"""What nights remember: answers recalled and computed again, planted changes told, deaths, locks, addresses, budgets."""
+
+import json
+import os
+import shutil
+import signal
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness.findings.changes.words import command, sentence
+from harness.history import steering
+from harness.history.acknowledged import acknowledge, change_id
+from harness.history.address import copy_of
+from harness.history.folder import created, opened
+from harness.history.listing import COLUMNS, rows
+from harness.history.lock import locked
+from harness.history.pool import Pool
+from harness.history.retention import prune, pruning
+from harness.history.soundness import problems_of
+from harness.history.steering import AGAIN, computed_again
+from harness.run import campaign
+from harness.store.journal import StoreError, read_journal
+from tests.conftest import Command
+from tests.nights import STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
+from tests.stress.light_run import STUDY as LIGHT
+from tests.stress.light_run import light
+
+CELLS = 20
+"""Answers of the study of few cells: two cases once and three steps, each on two engines and two tracks."""
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A history with one night, which the tests copy."""
+    root = tmp_path_factory.mktemp("first") / "h"
+    with planted():
+        night(root)
+    return root
+
+
+@pytest.fixture
+def root(first: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return Path(shutil.copytree(first, tmp_path / "h"))
+
+
+def test_a_twentieth_of_the_known_answers_is_computed_again_and_the_same_one_for_the_same_seed() -> None:
+    names = [f"{number:016x}" for number in range(4000)]
+    again = [name for name in names if computed_again(name, "a night")]
+    # Binomial: 200 of 4000 with a standard deviation of 14; six of them are never met.
+    assert abs(len(again) - AGAIN * len(names)) < 6 * 14
+    assert again == [name for name in names if computed_again(name, "a night")]
+    assert again != [name for name in names if computed_again(name, "another night")]
+
+
+def test_a_second_night_recalls_what_is_known_and_tells_nothing(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn(monkeypatch, 0.0)
+    with planted() as computed:
+        second, news, account = night(root)
+    assert computed == []
+    assert account["recalled"] == CELLS
+    assert account["clocked"] == CELLS
+    assert news is not None
+    assert not [row for row in news.changes.rows if row.sense in ("worse", "better")]
+    assert news.changes.matched == news.changes.same == CELLS
+    recalled = second.store().trials
+    assert set(recalled["recalled"]) - {""} == {opened(root).nights()[0].stamp}
+    assert [*problems_of(opened(root))] == []
+
+
+def test_a_slower_engine_is_told_with_how_much_and_what_shows_it(root: Path) -> None:
+    with planted(Fault(engine="reference", price=1.2)):
+        _, news, _ = night(root)
+    assert news is not None
+    worse = news.regressions(("reference",))
+    assert {(row.kind, row.engine) for row in news.changes.rows if row.regression} == {("price", "reference")}
+    # Samples of 1 % noise, five of them: a median is off by less than 2 %.
+    assert all(row.ratio == pytest.approx(1.2, rel=0.02) for row in worse)
+    assert {row.case for row in worse} >= {"flight_projectile", "friction_stop"}
+    one = next(row for row in worse if row.case == "friction_stop")
+    assert "friction_stop on reference" in sentence(one)
+    assert "--engine reference --case friction_stop" in command(one, news.changes)
+
+
+def test_more_friction_is_told_of_the_case_that_has_any(root: Path) -> None:
+    with planted(Fault(engine="reference", scene=rougher)):
+        _, news, _ = night(root)
+    assert news is not None
+    worse = news.regressions(("reference",))
+    assert {(row.case, row.engine) for row in worse} == {("friction_stop", "reference")}
+    assert {row.kind for row in worse} <= {"verdict", "error"}
+    assert all(command(row, news.changes).startswith("plumbline reproduce") for row in worse)
+
+
+def test_one_ulp_under_the_same_digest_is_another_answer_and_then_everything_of_that_engine_is_computed(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn(monkeypatch, 1.0)
+    with planted(Fault(engine="reference", state=one_ulp_off, known=False)):
+        last, news, account = night(root)
+    assert news is not None
+    told = [row for row in news.changes.rows if row.kind in ("digest", "verdict", "error", "price", "limit")]
+    assert {(row.kind, row.engine, row.sense) for row in told} == {("digest", "reference", "worse")}
+    assert account["disagreements"] == len(told) == CELLS // 2
+    assert "same digest, another answer" in sentence(told[0])
+    drawn(monkeypatch, 0.0)
+    with planted() as computed:
+        _, later, _ = night(root)
+    # What it answered before that night is not trusted; what it answered in it is.
+    assert computed == []
+    assert later is not None
+    assert {record.recalled for record in read_journal(opened(root).nights()[-1].folder / "journal.jsonl").values()} >= {
+        last.stamp
+    }
+
+
+def test_one_ulp_under_another_digest_is_told_as_no_worse(root: Path) -> None:
+    with planted(Fault(engine="reference", state=one_ulp_off)):
+        _, news, _ = night(root)
+    assert news is not None
+    told = {(row.kind, row.sense, row.engine) for row in news.changes.rows if row.kind in ("error", "verdict", "digest")}
+    assert told == {("error", "within tolerance", "reference")}
+    assert news.regressions(("reference",)) == ()
+
+
+def test_what_is_acknowledged_is_not_told_again(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn(monkeypatch, 1.0)
+    fault = Fault(engine="mujoco", state=one_ulp_off, known=False)
+    with planted(fault):
+        _, _, account = night(root)
+    for row in account["told"]:
+        acknowledge(opened(root), row["id"], "a new C library")
+    with planted():
+        _, news, _ = night(root)
+    assert news is not None
+    assert not [row for row in news.changes.rows if row.kind == "digest"]
+    assert {row.kind for row in news.acknowledged} == {"digest"}
+    assert all(change_id(row, account["stamp"]) in {told["id"] for told in account["told"]} for row in news.acknowledged)
+
+
+def test_a_night_that_was_killed_goes_on_where_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn(monkeypatch, 0.0)
+    before = len(opened(root).nights())
+    child = os.fork()
+    if child == 0:
+        with planted(Fault(engine="reference")):
+            answers = campaign.run_isolated
+
+            def dying(*arguments: object) -> Iterator[object]:
+                for number, record in enumerate(answers(*arguments)):  # type: ignore[arg-type]
+                    yield record
+                    if number == 2:
+                        os.kill(os.getpid(), signal.SIGKILL)
+
+            campaign.run_isolated = dying  # type: ignore[assignment]
+            night(root)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+    history = opened(root)
+    killed = history.nights()[-1]
+    assert len(history.nights()) == before + 1
+    assert not killed.whole
+    with planted(Fault(engine="reference")) as computed:
+        again, _, account = night(root)
+    assert again == killed
+    assert again.whole
+    assert len(computed) == CELLS // 2 - 3  # three were written down before it died
+    assert account["answers"] == CELLS
+    assert [*problems_of(history)] == []
+
+
+def test_two_nights_never_meet_and_a_dead_one_holds_nothing(tmp_path: Path) -> None:
+    history = created(tmp_path / "h")
+    told, tell = os.pipe()
+    child = os.fork()
+    if child == 0:
+        with locked(history):
+            os.write(tell, b"held")
+            signal.pause()
+    assert os.read(told, 4) == b"held"
+    with pytest.raises(StoreError, match=f"another night holds it .process {child} on "), locked(history):
+        pass
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    with locked(history):
+        pass
+
+
+def test_a_history_lies_at_any_address(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
+    there = copy_of("memory://nights/h")
+    few = asked(replace(STUDY, experiments=STUDY.experiments[:1]), engines=("mujoco",))
+    with there.locked(60.0), pytest.raises(StoreError, match="another night holds it"), there.locked(60.0):
+        pass
+    with planted():
+        night(there.root, few)
+    there.send()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "another machine"))
+    elsewhere = copy_of("memory://nights/h")
+    assert elsewhere.root != there.root
+    elsewhere.fetch()
+    assert [*problems_of(opened(elsewhere.root))] == []
+    with planted() as computed:
+        _, _, account = night(elsewhere.root, few)
+    assert account["recalled"] == account["answers"] - len(computed) > 0
+    elsewhere.send()
+    there.fetch()
+    assert len(opened(there.root).nights()) == 2
+
+
+@pytest.mark.parametrize(("keep", "stays"), [("all", True), ("changed", False), ("none", False)])
+def test_of_what_passed_as_before_the_hash_is_kept(keep: steering.Keep, stays: bool, tmp_path: Path) -> None:
+    """The adapter's source is another, its answers are the same: they are computed, and none is news."""
+    root, one = tmp_path / "h", replace(STUDY, experiments=STUDY.experiments[:1])
+    with planted():
+        night(root, asked(one, engines=("mujoco",), keep="none"))
+    with planted(Fault(engine="mujoco")):
+        last, _, _ = night(root, asked(one, engines=("mujoco",), keep=keep))
+    records = read_journal(last.folder / "journal.jsonl").values()
+    assert {record.trajectory_kept for record in records if record.status == "passed"} == {stays}
+    kept = {record.trajectory_hash for record in records if record.trajectory_kept}
+    assert {path.stem for path in Pool(opened(root).pool).trajectories()} == kept
+    assert {path.stem for path in (last.folder / "trajectories").glob("*.npz")} == kept
+    assert [*problems_of(opened(root))] == []
+
+
+def test_old_nights_go_and_answers_that_no_night_names_but_not_the_last_that_saw_something(root: Path) -> None:
+    with planted(Fault(engine="reference")):
+        night(root)
+    one = replace(STUDY, experiments=STUDY.experiments[:1])
+    with planted(Fault(engine="reference")):
+        night(root, asked(one))
+    history = opened(root)
+    what = pruning(history, keep_nights=1)
+    assert what.nights == history.nights()[:1]
+    assert what.standing == history.nights()[1:2]
+    assert len(what.answers) == CELLS // 2
+    assert what.bytes > 0
+    assert len([*Pool(history.pool).answers()]) == CELLS + CELLS // 2
+    prune(what)
+    assert len(history.nights()) == 2
+    assert len([*Pool(history.pool).answers()]) == CELLS
+    assert [*problems_of(history)] == []
+
+
+def test_a_damaged_answer_is_named_and_computed_again(root: Path) -> None:
+    damaged = next(Pool(opened(root).pool).answers())
+    damaged.write_bytes(damaged.read_bytes().replace(b"passed", b"failed").replace(b"every", b"some "))
+    assert [problem.path for problem in problems_of(opened(root))] == [damaged]
+    with planted() as computed:
+        night(root)
+    assert damaged.stem in computed
+    assert [*problems_of(opened(root))] == []
+
+
+def test_the_nights_are_listed(first: Path) -> None:
+    (row,) = rows(opened(first))
+    assert tuple(row) == COLUMNS
+    assert (row["state"], row["answers"], row["computed"], row["clocked"]) == ("whole", CELLS, CELLS, CELLS)
+    assert "mujoco" in row["versions"]
+
+
+FILE = """
+name = "few"
+[[experiments]]
+name = "look"
+cases = ["flight_projectile", "friction_stop"]
+samples = 3
+"""
+
+
+def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_summary_to_who_is_notified(
+    tmp_path: Path, printed: Command
+) -> None:
+    study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
+    study.write_text(FILE)
+    words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]
+    with planted():
+        began = printed(*words)
+    assert (began.returncode, began.stderr) == (0, "")
+    assert "4 answers, 0 recalled, 4 computed" in began.stdout
+    with planted(Fault(engine="mujoco", scene=rougher)):
+        ended = printed(*words, "--gate", "mujoco", "--notify", f"cat > {mail}")
+    assert ended.returncode == 1
+    assert "gate: friction_stop on mujoco" in ended.stdout
+    assert "plumbline reproduce" in ended.stdout
+    night = opened(root).nights()[-1]
+    assert mail.read_bytes() == (night.folder / "changes" / "summary.md").read_bytes()
+    assert "friction_stop on mujoco" in mail.read_text()
+    assert {path.name for path in (night.folder / "changes").iterdir()} == {
+        "summary.md", "junit.xml", "changes.json", "asv.json", "bencher.json", "badge.svg", "what-changed.html", "style",
+    }  # fmt: skip
+    assert "accuracy" in (night.folder / "night.log").read_text()
+    listed = printed("history", root, "--json")
+    assert [row["worse"] > 0 for row in json.loads(listed.stdout)] == [False, True]
+    assert printed("verify", root).returncode == 0
+    with planted(Fault(engine="mujoco", scene=rougher)):
+        settled = printed(*words, "--gate", "mujoco")
+    # It is told once, by the night that saw it first; from then on it stands below, until somebody acknowledges it.
+    assert settled.returncode == 0
+    assert "Still worse since an earlier night" in (opened(root).nights()[-1].folder / "changes" / "summary.md").read_text()
+
+
+def test_a_history_of_this_schema_is_read_by_its_successors(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, printed: Command
+) -> None:
+    """`tests/unit/history_1` was written by the first version that had histories; its sources are others by now."""
+    light(monkeypatch)
+    root = Path(shutil.copytree(Path(__file__).parent / "history_1", tmp_path / "h"))
+    (row,) = rows(opened(root))
+    assert (row["night"], row["state"], row["answers"], row["clocked"]) == ("20261124T135557Z", "whole", 2, 2)
+    assert [Pool(opened(root).pool).answer(path.stem) for path in Pool(opened(root).pool).answers()].count(None) == 0
+    old = opened(root).nights()[0]
+    assert printed("show", old.folder, "--format", "json").returncode == 0
+    _, news, account = night(root, asked(LIGHT, engines=("sound",)))
+    assert account["answers"] == 2
+    assert news is not None
+    assert news.changes.matched == 2

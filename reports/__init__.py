@@ -36,11 +36,11 @@ def parity_page(folder: Path) -> Path:
     return write_page(folder)
 
 
-def write_recordings(folder: Path) -> tuple[Path, ...]:
-    """Write `folder/recordings/<case>.rrd` for each case of a run folder; returns their paths."""
+def write_recordings(folder: Path, cases: Collection[str] | None = None) -> tuple[Path, ...]:
+    """Write `folder/recordings/<case>.rrd` for each of these cases of a run folder, all for None; returns their paths."""
     from reports.recordings import write_recordings as write
 
-    return write(folder)
+    return write(folder, cases)
 
 
 def recording_of(folder: Path, case: str) -> Path:

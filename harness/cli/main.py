@@ -4,7 +4,9 @@ import click
 
 from harness.cli.diff_command import diff
 from harness.cli.guard import Guarded
+from harness.cli.history_command import history
 from harness.cli.installed import cases, check, engines
+from harness.cli.nightly_command import nightly
 from harness.cli.parity_command import parity
 from harness.cli.run_folder import report, reproduce, serve, show, verify, view
 from harness.cli.run_study import run
@@ -19,7 +21,23 @@ def main() -> None:
     """Compare rigid-body physics engines: what accuracy costs in time, and where each engine breaks."""
 
 
-for command in (engines, cases, check, run, show, report, view, serve, verify, reproduce, diff, scene, parity):
+for command in (
+    engines,
+    cases,
+    check,
+    run,
+    show,
+    report,
+    view,
+    serve,
+    verify,
+    reproduce,
+    diff,
+    nightly,
+    history,
+    scene,
+    parity,
+):
     main.add_command(command)
 
 

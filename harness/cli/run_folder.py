@@ -100,10 +100,13 @@ def serve(folder: Path, port: int) -> None:
 @click.command()
 @run_folder
 def verify(folder: Path) -> None:
-    """Check every file that DIR keeps against its checksum and the journal; one line for each that is not as written."""
+    """Check each file of DIR, a run or a history, against its checksum and the journal; a line for what is not as written."""
+    from harness.history.folder import opened as opened_history
+    from harness.history.soundness import problems_of
     from harness.run.verify import problems
 
-    sentences = [str(problem) for problem in problems(folder)]
+    whole = problems_of(opened_history(folder)) if (folder / "history.json").is_file() else problems(folder)
+    sentences = [str(problem) for problem in whole]
     for sentence in sentences:
         say(sentence)
     say(f"{len(sentences)} problems" if sentences else "every file is as it was written", err=True)

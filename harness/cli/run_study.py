@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from harness.store.store import Store
     from harness.study.study import Study
 
-__all__ = ["run"]
+__all__ = ["run", "study_and_cases"]
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -44,18 +44,25 @@ def _once(name: str, given: "Sequence[str]") -> None:
 
 
 def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> "tuple[Study, dict[str, Case]]":
-    from fnmatch import fnmatchcase
-
     from harness.study import plugins
     from harness.study.own_scene import study_of
-    from harness.study.roll_call import call_roll
-    from harness.study.study import load_study
 
     if own:
         case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
         if globs:
             raise click.BadParameter(f"{quoted(globs[0])}: a scene file is one case, expected none", param_hint="--case")
         return study_of(case, budget), {case.name: case}
+    return study_and_cases(name, globs)
+
+
+def study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
+    """A study by its name or file, and those of the cases it asks about that a pattern names. Raises: StudyError."""
+    from fnmatch import fnmatchcase
+
+    from harness.study import plugins
+    from harness.study.roll_call import call_roll
+    from harness.study.study import load_study
+
     study = load_study(name)
     _once("--case", globs)
     for sentence in left_out("cases", "metrics", "pages"):

@@ -16,8 +16,8 @@ __all__ = ["NIGHT", "SCHEMA", "History", "Night", "created", "opened", "stamp_of
 SCHEMA = 1
 """Of every file that a history adds to its run folders; one of a later schema is refused, an earlier one is read."""
 NIGHT = "night.json"
-"""What a night adds to its run folder: what was planned, left out and recalled; written last, so that a night with one that says
-it is complete is whole."""
+"""What a night adds to its run folder: what was planned, left out and recalled; written last, so that a night is whole that has
+one which says so."""
 _STAMP = "%Y%m%dT%H%M%SZ"
 _STAMPED = re.compile(r"\d{8}T\d{6}Z")
 
@@ -114,7 +114,7 @@ def opened(root: Path) -> History:
 
 
 def created(root: Path) -> History:
-    """The history in a folder, begun where there is none. Raises: StoreError, where the folder holds something else; OSError."""
+    """The history in a folder, begun where there is none. Raises: StoreError, where it holds something else; OSError."""
     if not (root / "history.json").is_file():
         if root.is_dir() and any(path.name != "lock" for path in root.iterdir()):
             raise StoreError(f"{root}: holds something else than a history; choose another --history")

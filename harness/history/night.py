@@ -22,9 +22,9 @@ from harness.history.words import told
 from harness.run.campaign import carry_out
 from harness.run.interrupt import until
 from harness.store import disk
+from harness.store.journal import read_journal
 from harness.store.machine_fingerprint import fingerprint, machine_digest
 from harness.store.record import digest
-from harness.store.journal import read_journal
 from harness.store.store import write_json
 from harness.study.study import Study
 
@@ -150,7 +150,11 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(False).astype(bool)])
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
     first = _first_told(history)
-    changed = [] if news is None else [told(row, news.changes, first_seen(row, first, night.stamp)) for row in rows if row.sense in ("worse", "better")]
+    changed = (
+        []
+        if news is None
+        else [told(row, news.changes, first_seen(row, first, night.stamp)) for row in rows if row.sense in ("worse", "better")]
+    )
     return {name: value for name, value in night.plan.items() if name != "blocks"} | {
         "complete": True,
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -166,7 +170,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "blocks": steering.sights(unstable, worse),
         "left_out": [entry.plain() for entry in steering.out],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
-        "told": changed,
+        "told": [] if news is None else [told(row, news.changes, first_seen(row, first, night.stamp)) for row in changed],
     }
 
 

@@ -18,8 +18,11 @@ __all__ = ["Pruning", "prune", "pruning"]
 
 @dataclass(frozen=True, slots=True)
 class Pruning:
-    """What goes. Terms: nights; answers, trajectories: files of the pool; standing: old nights that stay, since each is the last
-    that saw something. bytes: what is freed."""
+    """What goes.
+
+    Terms: nights; answers, trajectories: files of the pool. standing: old nights that stay, since each is the last that saw
+    something. bytes: what is freed.
+    """
 
     nights: tuple[Night, ...]
     answers: tuple[Path, ...]

@@ -1,4 +1,4 @@
-"""What changed tonight: every block against the last night that did all of it, and what was answered otherwise to the same digest."""
+"""What changed tonight: every block against the last night that did all of it, and other answers to the same digest."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -53,7 +53,9 @@ def news_of(
     if not before:
         return None
     nights = {seen[key].night.stamp: seen[key].night for key in blocks if key in seen}
-    parts = [compare(nights[stamp].store_of(keys), night.store_of(keys)) for stamp, keys in sorted(before.items(), reverse=True)]
+    parts = [
+        compare(nights[stamp].store_of(keys), night.store_of(keys)) for stamp, keys in sorted(before.items(), reverse=True)
+    ]
     others = {row.trial_b: row for row in _disagreements(night.store())}
     every = heaviest_first(
         dict.fromkeys([*(row for part in parts for row in part.rows if not _left_aside(row, others)), *others.values()])

@@ -1,4 +1,4 @@
-"""A night's run, steered by its history: what is known is recalled, a random share computed again, the dearest part first planned.
+"""A night's run, steered by its history: what is known is recalled, a random share of it computed again.
 
 What an engine answered to a case before a night in which it gave another answer to the same digest is not recalled any more.
 """
@@ -24,7 +24,7 @@ from harness.study.trial import Trial
 __all__ = ["AGAIN", "Keep", "Steering", "computed_again"]
 
 AGAIN = 1 / 20
-"""Share of the known answers that are computed again all the same: digests do not see the C library, the processor, the compiler."""
+"""Share of the known answers that are computed again: digests do not see the C library, the processor, the compiler."""
 MOST_KEPT = 2**30
 """Bytes of new trajectories that a night keeps; of what goes beyond, the hash."""
 Keep: TypeAlias = Literal["all", "changed", "none"]
@@ -52,9 +52,9 @@ class Steering(Guide):
     """The guide of one night.
 
     Terms:
-        folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier nights
-        say of each block. last: of a trial, whatever it rests on, status and hash of its last answer. distrusted: by case and
-        engine, the night before which nothing is recalled. left: seconds until the end. save: called behind each batch, and
+        folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier
+        nights say of each block. last: of a trial, whatever it rests on, status and hash of its last answer. distrusted: by case
+        and engine, the night before which nothing is recalled. left: seconds until the end. save: called behind each batch, and
         keeps what a night that goes on has to know.
     """
 

@@ -1,4 +1,4 @@
-"""What may steer a run beyond its study: what is known already, in which order it goes, where its searches begin, when it ends."""
+"""What may steer a run beyond its study: what is known already, in which order it goes, where its searches begin."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 

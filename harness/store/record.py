@@ -129,8 +129,8 @@ class Record:
         answered_on, clocked_on: the digests of the machines of the accuracy run, and rough cost, and of the timing run; see
         `harness.store.machine_fingerprint`. timing_note: what went wrong under the clock, as the warnings say too.
         recalled: the night of a history that computed the answer, '' where this run did. again: of a known answer that was
-        computed again all the same, what was known: its hash, or its status where it has none; '' of any other. trajectory_kept:
-        False where a trajectory is kept by its hash alone.
+        computed again all the same, what was known: its hash, or its status where it has none; '' of any other.
+        trajectory_kept: False where a trajectory is kept by its hash alone.
     """
 
     trial: str

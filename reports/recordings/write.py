@@ -1,6 +1,7 @@
 """Writing the recordings of a run folder, each whole or not at all."""
 
 import os
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["write_recordings"]
 
 
-def write_recordings(folder: Path) -> tuple[Path, ...]:
-    """Write `folder/recordings/<case>.rrd` for every case that has a trial, and give their paths back.
+def write_recordings(folder: Path, cases: Collection[str] | None = None) -> tuple[Path, ...]:
+    """Write `folder/recordings/<case>.rrd` for every case that has a trial, or these alone, and give their paths back.
 
     Raises:
         StoreError: no run folder. OSError: a recording cannot be written.
@@ -41,7 +42,8 @@ def write_recordings(folder: Path) -> tuple[Path, ...]:
     was_strict = rr.strict_mode()
     rr.set_strict_mode(True)
     try:
-        return tuple(write_case(store, name, target) for name in dict.fromkeys(store.trials["case"]))
+        there = [name for name in dict.fromkeys(store.trials["case"]) if cases is None or name in cases]
+        return tuple(write_case(store, name, target) for name in there)
     finally:
         rr.set_strict_mode(was_strict)
 

@@ -7,11 +7,22 @@ from typing import Literal
 __all__ = ["ANSWERS", "Beside", "Change", "Changes", "Kind", "Sense", "Side", "Value"]
 
 Kind = Literal[
-    "verdict", "error", "price", "limit", "determinism", "digest", "warning", "trials", "version", "sources", "settings", "machine"
+    "verdict",
+    "error",
+    "price",
+    "limit",
+    "determinism",
+    "digest",
+    "warning",
+    "trials",
+    "version",
+    "sources",
+    "settings",
+    "machine",
 ]
 """What changed: a verdict (the status of a trial); an answer, by its error; a price; a limit; whether repetitions give the same
-bits; whether the same digest gives the same answer on another night; what was warned of; which trials there are; an engine's version; the texts that an answer rests on; what an engine was set
-to; the machine."""
+bits; whether the same digest gives the same answer on another night; what was warned of; which trials there are; an engine's
+version; the texts that an answer rests on; what an engine was set to; the machine."""
 ANSWERS: tuple[Kind, ...] = ("verdict", "error", "price", "limit", "determinism", "digest")
 """Kinds that say what an engine does: of these a regression can be."""
 

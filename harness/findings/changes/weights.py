@@ -9,7 +9,8 @@ from harness.findings.changes.values import Change, Kind, Sense
 __all__ = ["heaviest_first"]
 
 _GRAVITY: tuple[tuple[Kind, Sense], ...] = (
-    ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"), ("price", "worse"),
+    ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"),
+    ("price", "worse"),
     ("verdict", "better"), ("limit", "better"), ("error", "better"), ("price", "better"), ("determinism", "better"),
     ("version", "neither"), ("warning", "worse"), ("warning", "better"), ("warning", "neither"), ("verdict", "neither"),
     ("settings", "neither"), ("error", "neither"), ("sources", "neither"), ("machine", "neither"), ("trials", "neither"),

@@ -128,7 +128,9 @@ def _compared(store: Store, first: Any, run: Any, way: str) -> Agreement:
         if first.trajectory_hash == run.trajectory_hash:
             return _row(first, run, way, _Parting(), "bit-identical")
         by_hash = way in ("restored", "reordered")  # these hold other things, and say nothing by it
-        return _row(first, run, way, _Parting(), "not kept" if by_hash else "parts" if way == "nudged" else "differs", str(error))
+        return _row(
+            first, run, way, _Parting(), "not kept" if by_hash else "parts" if way == "nudged" else "differs", str(error)
+        )
     dt = float(first.dt)
     parted = np.flatnonzero(differs)
     first_step = None if len(parted) == 0 else round(float(steps[parted[0]]) / dt)

@@ -1,0 +1,177 @@
+"""The command of every night: carry it out within its budget, say what changed, keep it."""
+
+import math
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, redirect_stderr
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
+from harness.cli.seconds import Seconds
+from harness.intake.safe_text import quoted
+
+if TYPE_CHECKING:
+    from harness.history.address import Elsewhere
+    from harness.history.folder import History
+    from harness.history.night import Asked, Done
+    from harness.history.since_last_seen import News
+
+__all__ = ["nightly"]
+
+_UNBOUNDED = 86400.0
+"""Seconds that a night without a budget may hold an address for."""
+_SPARE = 3600.0
+"""Seconds beyond its budget."""
+
+
+@click.command()
+@click.option("--history", "address", required=True, metavar="DIR", help="Where it is kept: a folder, or what fsspec reaches.")
+@click.option("--budget", type=Seconds(10.0, 7 * 86400.0), metavar="T", help="Wall time for all of it: 30m, 2h [no end].")
+@click.option("--engine", "engines", multiple=True, help="Only this engine; may be repeated.")
+@click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where it is worse; may be repeated [ours].")
+@click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
+@click.option("--study", default="nightly", show_default=True, help="Another study, built in or a file.")
+@click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
+@click.option("--keep", type=click.Choice(["all", "changed", "none"]), default="changed", show_default=True,
+              help="Trajectories and recordings: of all, without those of what passed as before, of none.")  # fmt: skip
+@click.option("--notify", metavar="CMD", help="A shell command that is given summary.md on its standard input.")
+@click.option("--seed", default="", metavar="TEXT", help="Of what is drawn at random [the night's name].")
+@click.option("--report/--no-report", "reported", default=True, show_default=True, help="Write the pages too.")
+def nightly(address: str, budget: float | None, notify: str | None, reported: bool, **given: Any) -> None:
+    """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
+    from harness.history.address import copy_of, is_elsewhere
+    from harness.history.folder import created
+    from harness.history.lock import locked
+
+    asked = _asked(budget=math.inf if budget is None else budget, **given)
+    elsewhere = copy_of(address) if is_elsewhere(address) else None
+    root = Path(address) if elsewhere is None else elsewhere.root
+    with ExitStack() as held:
+        if elsewhere is not None:
+            held.enter_context(elsewhere.locked(_UNBOUNDED if budget is None else budget + _SPARE))
+            elsewhere.fetch()
+        history = created(root)
+        held.enter_context(locked(history))
+        barred = _night(history, asked, elsewhere, notify, reported)
+    if barred:
+        sys.exit(GATE)
+
+
+def _asked(
+    *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, **rest: Any
+) -> "Asked":
+    from harness.cli.run_study import study_and_cases
+    from harness.history.night import Asked
+    from harness.study import plugins
+    from harness.study.catalogue import describe_engine
+    from harness.study.experiment import StudyError
+
+    try:
+        plan, cases = study_and_cases(study, globs)
+    except StudyError as error:
+        stop(USAGE, str(error))
+    adapters = {name: plugins.adapter(name) for name in engines} if engines else plugins.adapters()
+    for engine in gated:
+        if engine not in adapters:
+            raise click.BadParameter(
+                f"{quoted(engine)} is not asked, expected some of {', '.join(adapters)}", param_hint="--gate"
+            )
+    ours = tuple(name for name, adapter in adapters.items() if describe_engine(adapter)["ours"])
+    return Asked(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
+
+
+def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
+    """Carry it out and close it. Returns: is a gated engine worse?"""
+    from harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+    from harness.history.words import in_short, left_out_in_short
+    from harness.study.experiment import StudyError
+
+    night = night_to_do(history, asked)
+    night.folder.mkdir(parents=True, exist_ok=True)
+    try:
+        with _logged(night.folder / "night.log"):
+            done = carry_out_night(history, asked)
+            ended = time.monotonic()
+            news = compared(history, done)
+            if reported:
+                _publish(done, news)
+            account = accounted(history, done, news, time.monotonic() - ended)
+            summary = _write_changes(history, done, news, account)
+            close(night, account)
+    except StudyError as error:
+        stop(USAGE, str(error))
+    except KeyboardInterrupt:
+        stop(INTERRUPTED, f"interrupted; the same command goes on with the night {night.stamp}")
+    if elsewhere is not None:
+        elsewhere.send()
+    say(in_short(account))
+    if line := left_out_in_short(account["left_out"]):
+        say(line)
+    barred = () if news is None else news.regressions(asked.gated)
+    worse = [row for row in account["told"] if row["regression"]]
+    for row in worse:
+        say(f"{'gate: ' if row['engine'] in asked.gated else ''}{row['sentence']}")
+        say(f"    {row['command']}  (id {row['id']})")
+    say(str(summary))
+    if notify is not None:
+        _notify(notify, summary)
+    return bool(barred)
+
+
+@contextmanager
+def _logged(path: Path) -> Iterator[None]:
+    """On a terminal as it is; elsewhere what is said on the way goes to a file, so that a timer's mail holds the outcome."""
+    if sys.stderr.isatty():
+        yield
+        return
+    with path.open("a", encoding="utf-8", errors="backslashreplace") as log, redirect_stderr(log):
+        yield
+
+
+def _publish(done: "Done", news: "News | None") -> None:
+    """Summary, recordings of what is kept, report; the page What changed."""
+    from harness.findings.summary import write_summary
+    from reports import build, write_recordings
+
+    store = done.night.store()
+    write_summary(store)
+    trials = store.trials
+    fresh = trials[(trials["recalled"] == "") & trials["trajectory_kept"] & trials["trajectory_hash"].notna()]
+    if done.asked.keep == "changed" and news is not None:
+        changed = {row.trial_b for row in news.changes.rows if row.trial_b}
+        fresh = fresh[fresh["trial"].isin(changed)]
+    if done.asked.keep != "none" and done.asked.study.recordings:
+        write_recordings(done.night.folder, sorted(set(fresh["case"])))
+    build(done.night.folder)
+
+
+def _write_changes(history: "History", done: "Done", news: "News | None", account: dict[str, Any]) -> Path:
+    """What changed, for people, build servers and other trackers. Returns: summary.md."""
+    from harness.findings.changes.files import changes_files
+    from harness.history.acknowledged import acknowledged
+    from harness.history.words import open_since, summary
+    from harness.store.disk import make_folder, write_atomically
+    from reports import what_changed
+
+    folder = done.night.folder / "changes"
+    make_folder(folder)
+    if news is not None:
+        for name, content in changes_files(news.changes, done.night.store(), done.asked.gated).items():
+            write_atomically(folder / name, content)
+        what_changed(news.changes, folder, done.asked.gated)
+    standing = open_since([night.plan for night in history.whole_nights() if night != done.night], acknowledged(history))
+    path = folder / "summary.md"
+    write_atomically(path, summary(news, account, standing).encode())
+    return path
+
+
+def _notify(command: str, summary: Path) -> None:
+    """Give the summary to a command; that it fails is said, and changes nothing."""
+    ended = subprocess.run(command, shell=True, input=summary.read_bytes(), check=False)
+    if ended.returncode:
+        say(f"--notify: exit code {ended.returncode}: {command}", err=True)

@@ -7,8 +7,9 @@ until what is left is beyond chance: Student's t of the two levels beside it, co
 (Bonferroni). docs/decisions/0016 says how often that finds what, what could be found at best, and what else was tried.
 """
 
+import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
@@ -16,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CHANCE", "ChangePoint", "Level", "change_points", "common_mode", "levelled", "levels"]
+__all__ = ["CHANCE", "FEWEST", "ChangePoint", "Level", "change_points", "common_mode", "levelled", "levels"]
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -35,6 +36,8 @@ PENALTY = 10.0
 """Of a candidate, in squared spreads: below what the test asks for, so that the test decides."""
 SHIFT = 6
 """Nights by which a candidate may be moved."""
+OUTLIERS = 0.03
+"""Share of nights on which a price is one."""
 TINY = 1e-6
 """Spread of a series that hardly varies: there is no t of none."""
 _NORMAL_MAD = 0.6745
@@ -44,11 +47,13 @@ _NORMAL_CAPPED = 0.9866
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChangePoint:
-    """Terms: index: of the first value on the new level. ratio: new level over old. p_value: how often chance does as much."""
+    """Terms: index: of the first value on the new level. ratio: new level over old. p_value: how often chance does as much.
+    error: standard error of the ratio's logarithm."""
 
     index: int
     ratio: float
     p_value: float
+    error: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,13 +81,16 @@ def change_points(
     made: list[ChangePoint] = []
     for number in dict.fromkeys(numbers.tolist()):
         nights = np.flatnonzero(usable & (numbers == number))
-        steps = _of_log(np.log(series[nights]), chance)
-        made += [ChangePoint(index=int(nights[at]), ratio=ratio, p_value=p) for at, ratio, p in steps]
+        for at, step in _of_log(np.log(series[nights]), chance):
+            made.append(ChangePoint(index=int(nights[at]), ratio=float(np.exp(step.size)), p_value=step.p_value, error=step.error))
     return tuple(sorted(made, key=lambda point: point.index))
 
 
-def levels(series: Floats, points: Sequence[ChangePoint], segments: NDArray[np.int64] | None = None) -> tuple[Level, ...]:
-    """The levels of a series (n,) between its change points, segment by segment, each with its own fence; in order."""
+def levels(series: Floats, steps: Collection[int], segments: NDArray[np.int64] | None = None) -> tuple[Level, ...]:
+    """The levels of a series (n,) between steps, segment by segment, each with its own fence; in order.
+
+    Args: steps: indices of the first night on each new level.
+    """
     numbers = np.zeros(len(series), np.int64) if segments is None else segments
     usable, made = np.isfinite(series) & (series > 0), list[Level]()
     for number in dict.fromkeys(numbers.tolist()):
@@ -90,7 +98,7 @@ def levels(series: Floats, points: Sequence[ChangePoint], segments: NDArray[np.i
         if len(nights) == 0:
             continue
         y = np.log(series[nights])
-        ends = [int(np.searchsorted(nights, point.index)) for point in points if point.index in nights]
+        ends = [int(np.searchsorted(nights, step)) for step in sorted(set(steps)) if nights[0] < step <= nights[-1]]
         spread = _spread(y, ends) if len(y) >= 2 * FEWEST + 2 else 0.0
         for a, b in pairwise([0, *ends, len(y)]):
             middle = _level(y[a:b], max(spread, TINY))[0]
@@ -134,8 +142,17 @@ def levelled(series: Floats) -> Floats:
     return mean
 
 
-def _of_log(y: Floats, chance: float) -> list[tuple[int, float, float]]:
-    """Index, ratio and p of each change in logarithms (n,), all finite."""
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """Between two levels of logarithms. Terms: size, with its standard error; p_value."""
+
+    size: float
+    p_value: float
+    error: float
+
+
+def _of_log(y: Floats, chance: float) -> list[tuple[int, _Step]]:
+    """Index and step of each change in logarithms (n,), all finite."""
     if len(y) < 2 * FEWEST + 2:
         return []  # a spread of so few values is none
     ends = _candidates(y)
@@ -144,9 +161,9 @@ def _of_log(y: Floats, chance: float) -> list[tuple[int, float, float]]:
         for _ in range(2):
             ends = _moved(y, ends, spread)
         tests = [_test(y, *around, spread) for around in _around(ends, len(y))]
-        weakest = max(range(len(ends)), key=lambda k: tests[k][1])
-        if tests[weakest][1] < chance:
-            return [(end, float(np.exp(step)), p) for end, (step, p) in zip(ends, tests, strict=True)]
+        weakest = max(range(len(ends)), key=lambda k: tests[k].p_value)
+        if tests[weakest].p_value < chance:
+            return list(zip(ends, tests, strict=True))
         del ends[weakest]
     return []
 
@@ -215,12 +232,20 @@ def _capped(values: Floats, spread: float) -> float:
     return float(np.minimum(off**2, CAP**2).sum())
 
 
-def _test(y: Floats, start: int, at: int, end: int, spread: float) -> tuple[float, float]:
-    """The step between two levels, and how often chance alone makes one as sure anywhere in the series."""
+def _test(y: Floats, start: int, at: int, end: int, spread: float) -> _Step:
+    """The step between two levels, and how often chance alone makes one as sure anywhere in the series.
+
+    Beside another change its night was chosen together with that one's, so that there were as many pairs. Levels that far apart
+    that one would be outliers of the other are also as likely as so many outliers in a row.
+    """
     from scipy.stats import t as student  # late, too
 
     (low, few), (high, many) = _level(y[start:at], spread), _level(y[at:end], spread)
     if few < max(FEWEST, ORDINARY * (at - start)) or many < max(FEWEST, ORDINARY * (end - at)) or abs(high - low) < LEAST:
-        return high - low, 1.0
-    t = abs(high - low) / (spread * (1 / few + 1 / many) ** 0.5)
-    return high - low, min(1.0, 2 * float(student.sf(t, len(y) - 3)) * (len(y) - 1))
+        return _Step(high - low, 1.0, math.inf)
+    error = spread * (1 / few + 1 / many) ** 0.5
+    places = (len(y) - 1) ** (1 if start == 0 and end == len(y) else 2)
+    chance = 2 * float(student.sf(abs(high - low) / error, len(y) - 3)) * places
+    if abs(high - low) > CAP * spread:
+        chance = max(chance, len(y) * OUTLIERS ** min(few, many))
+    return _Step(high - low, min(1.0, chance), error)

@@ -12,7 +12,7 @@ from typing import Any
 from harness.findings.where import in_words, other_values
 from harness.store.store import Store
 
-__all__ = ["Pair", "matched", "requested", "where_of"]
+__all__ = ["Pair", "by_question", "matched", "requested", "where_of"]
 
 _ASKED = (
     "study", "experiment", "case", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
@@ -52,6 +52,17 @@ def matched(store_a: Store, store_b: Store) -> tuple[Pair, ...]:
 
     of_a, of_b = named(rows_a), named(rows_b)
     return tuple(Pair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
+
+
+def by_question(store: Store) -> dict[Hashable, Any]:
+    """The rows of the table `trials` by what they ask; those that share it (two versions side by side) by their order too."""
+    asked: Counter[Hashable] = Counter()
+    rows: dict[Hashable, Any] = {}
+    for row in store.trials.itertuples():
+        key = _key(row)
+        rows[key, asked[key]] = row
+        asked[key] += 1
+    return rows
 
 
 def _key(row: Any) -> Hashable:

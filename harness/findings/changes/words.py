@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from harness.findings.changes.values import Change, Changes, Value
 
-__all__ = ["command", "first_line", "folded", "headline", "sentence"]
+__all__ = ["command", "command_in", "first_line", "folded", "headline", "sentence"]
 
 _ORIGINS = {
     "adapter": "the adapter's source",
@@ -108,7 +108,11 @@ def sentence(row: Change) -> str:
 
 def command(row: Change, changes: Changes) -> str:
     """What shows a change again; '' for what is a fact about the runs."""
-    folder = changes.b.folder
+    return command_in(row, changes.b.folder)
+
+
+def command_in(row: Change, folder: str) -> str:
+    """The same, from the run folder that the change was first seen in."""
     if row.kind == "price":
         case = ["--case", row.case] if row.case else []
         return shlex.join(["plumbline", "run", f"{folder}/study.toml", "--engine", row.engine, *case, "--out", "build/again"])

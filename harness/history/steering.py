@@ -53,8 +53,8 @@ class Steering(Guide):
 
     Terms:
         folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier
-        nights say of each block. last: of a trial, whatever it rests on, status and hash of its last answer. distrusted: by case
-        and engine, the night before which nothing is recalled. left: seconds until the end. save: called behind each batch, and
+        nights say of each block. last: of a trial, whatever it rests on, the last status and hash. distrusted: by case and
+        engine, the night before which nothing is recalled. left: seconds until the end. save: called behind each batch, and
         keeps what a night that goes on has to know.
     """
 

@@ -208,6 +208,11 @@ class Store:
         return read_plain(self.folder / "machine.json")
 
     @cached_property
+    def night(self) -> dict[str, Any]:
+        """What a history says of this run, where it is one of its nights."""
+        return read_plain(self.folder / "night.json")
+
+    @cached_property
     def study(self) -> dict[str, Any]:
         """The study file of the run."""
         return read_plain(self.folder / "study.toml")

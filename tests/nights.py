@@ -1,0 +1,152 @@
+"""Nights carried out in this process, clocked by formula, with faults planted in an engine: what a history makes of them."""
+
+import math
+import random
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.adapter import Adapter
+from harness.findings.summary import write_summary
+from harness.history.folder import History, Night, created
+from harness.history.night import Asked, accounted, carry_out_night, close, compared
+from harness.history.since_last_seen import News
+from harness.run import campaign
+from harness.run.timing_blocks import summarise
+from harness.scene import Scene
+from harness.store.record import Record, Sample, Timing
+from harness.study import plugins
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+from harness.study.trial import Trial
+from harness.trial.accuracy import run_trial
+
+__all__ = ["STUDY", "Fault", "asked", "night", "planted", "rougher", "one_ulp_off"]
+
+ENGINES = ("reference", "mujoco")
+STUDY = Study(
+    name="few",
+    recordings=False,
+    experiments=(
+        Experiment(name="look", cases=("flight_projectile", "friction_stop"), samples=3),
+        Experiment(name="ladder", cases=("flight_projectile",), dt=(1 / 60, 1 / 120, 1 / 480), samples=3),
+    ),
+)
+"""Sixteen answers of two engines, eight prices of each."""
+NOISE = 0.01
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fault:
+    """What is planted in an engine. Terms: scene, state: what becomes of them. price: times as dear. known: by its sources?"""
+
+    engine: str
+    scene: Callable[[Scene], Scene] = lambda scene: scene
+    state: Callable[[Any], None] = lambda _state: None
+    price: float = 1.0
+    known: bool = True
+
+
+NONE = Fault(engine="")
+
+
+class _Simulation:
+    """A simulation whose states are tampered with."""
+
+    def __init__(self, inner: Any, fault: Fault) -> None:
+        self._inner, self._fault = inner, fault
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+    def state(self, out: Any) -> None:
+        self._inner.state(out)
+        self._fault.state(out)
+
+
+class _Faulty:
+    """An adapter with a fault."""
+
+    def __init__(self, inner: Adapter, fault: Fault) -> None:
+        self._inner, self._fault = inner, fault
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+    def build(self, scene: Scene, settings: Any) -> Any:
+        return _Simulation(self._inner.build(self._fault.scene(scene), settings), self._fault)
+
+
+def rougher(scene: Scene) -> Scene:
+    """Three per cent more friction."""
+    return replace(
+        scene,
+        surfaces=tuple(
+            replace(surface, static_friction=1.03 * surface.static_friction, kinetic_friction=1.03 * surface.kinetic_friction)
+            for surface in scene.surfaces
+        ),
+    )
+
+
+def one_ulp_off(state: Any) -> None:
+    """The last bit of one coordinate."""
+    state.p_WB[0, 0] = np.nextafter(state.p_WB[0, 0], math.inf)
+
+
+@contextmanager
+def planted(fault: Fault = NONE) -> Iterator[list[str]]:
+    """Run nights in this process with a fault in one engine. Gives: the names of the trials that are computed."""
+    computed: list[str] = []
+
+    def answers(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
+        for trial in trials:
+            adapter = plugins.adapter(trial.engine)
+            faulty: Any = _Faulty(adapter, fault) if trial.engine == fault.engine else adapter
+            computed.append(trial.trial)
+            yield run_trial(trial, plugins.case(trial.case), faulty, folder)
+
+    def clocks(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
+        for trial in trials:
+            price = (fault.price if trial.engine == fault.engine else 1.0) * 1e-5
+            noise = np.exp(np.random.default_rng(len(computed)).normal(0, NOISE, 5))
+            samples = tuple(
+                Sample(process=0, block=k, steps=100, cpu=100 * price * each, wall=1e-3, canary=1e-3, switches=0)
+                for k, each in enumerate(noise)
+            )
+            yield replace(summarise(trial, samples), unstable_timing=False)
+
+    plain = campaign.sources_of
+
+    def sources(case: str, engine: str) -> dict[str, str]:
+        said = dict(plain(case, engine))
+        return said | ({"adapter": f"{said['adapter']} planted"} if fault.known and engine == fault.engine else {})
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(campaign, "run_isolated", answers)
+        patch.setattr(campaign, "clock_group", clocks)
+        patch.setattr(campaign, "sources_of", sources)
+        yield computed
+
+
+def asked(study: Study = STUDY, engines: Sequence[str] = ENGINES, **others: Any) -> Asked:
+    """What a night of few cells is asked for; our engine is gated."""
+    cases = plugins.cases(lambda name: any(experiment.asks(name) for experiment in study.experiments))
+    return Asked(
+        study=study, cases=cases, adapters={name: plugins.adapter(name) for name in engines}, gated=("reference",), **others
+    )
+
+
+def night(root: Path, what: Asked | None = None) -> tuple[Night, News | None, dict[str, Any]]:
+    """One night from its beginning to its end; with what changed, and its account."""
+    history: History = created(root)
+    done = carry_out_night(history, what or asked())
+    write_summary(done.night.store())
+    news = compared(history, done)
+    account = accounted(history, done, news, 0.0)
+    close(done.night, account)
+    return done.night, news, account

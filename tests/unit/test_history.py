@@ -1,0 +1,339 @@
+"""What nights remember: answers recalled and computed again, planted changes told, deaths, locks, addresses, budgets."""
+
+import os
+import signal
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness.findings.changes.words import command, sentence
+from harness.history import steering
+from harness.history.acknowledged import acknowledge, change_id
+from harness.history.address import copy_of
+from harness.history.blocks import Block, Seen, Sight
+from harness.history.folder import Night, created, opened
+from harness.history.listing import COLUMNS, rows
+from harness.history.lock import locked
+from harness.history.plan import Plan, ranked
+from harness.history.pool import Pool
+from harness.history.retention import prune, pruning
+from harness.history.soundness import problems_of
+from harness.history.steering import AGAIN, computed_again
+from harness.run import campaign
+from harness.store.journal import StoreError, read_journal
+from tests.nights import STUDY, Fault, asked, night, one_ulp_off, planted, rougher
+
+CELLS = 20
+"""Answers of the study of few cells: two cases once and three steps, each on two engines and two tracks."""
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A history with one night, which the tests copy."""
+    root = tmp_path_factory.mktemp("first") / "h"
+    with planted():
+        night(root)
+    return root
+
+
+@pytest.fixture
+def root(first: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    import shutil
+
+    return Path(shutil.copytree(first, tmp_path / "h"))
+
+
+def drawn(monkeypatch: pytest.MonkeyPatch, share: float) -> None:
+    """Let another share of the known answers be computed again."""
+    monkeypatch.setattr(steering, "AGAIN", share)
+
+
+def test_a_twentieth_of_the_known_answers_is_computed_again_and_the_same_one_for_the_same_seed() -> None:
+    names = [f"{number:016x}" for number in range(4000)]
+    again = [name for name in names if computed_again(name, "a night")]
+    # Binomial: 200 of 4000 with a standard deviation of 14; six of them are never met.
+    assert abs(len(again) - AGAIN * len(names)) < 6 * 14
+    assert again == [name for name in names if computed_again(name, "a night")]
+    assert again != [name for name in names if computed_again(name, "another night")]
+
+
+def test_a_second_night_recalls_what_is_known_and_tells_nothing(root: Path) -> None:
+    with planted() as computed:
+        second, news, account = night(root)
+    assert len(computed) <= CELLS // 10
+    assert account["recalled"] == CELLS - len(computed)
+    assert account["clocked"] == CELLS
+    assert news is not None
+    assert not [row for row in news.changes.rows if row.sense in ("worse", "better")]
+    assert news.changes.matched == news.changes.same == CELLS
+    recalled = second.store().trials
+    assert set(recalled["recalled"]) - {""} == {opened(root).nights()[0].stamp}
+    assert [*problems_of(opened(root))] == []
+
+
+def test_a_slower_engine_is_told_with_how_much_and_what_shows_it(root: Path) -> None:
+    with planted(Fault(engine="reference", price=1.2)):
+        _, news, _ = night(root)
+    assert news is not None
+    worse = news.regressions(("reference",))
+    assert {(row.kind, row.engine) for row in news.changes.rows if row.regression} == {("price", "reference")}
+    # Samples of 1 % noise, five of them: a median is off by less than 2 %.
+    assert all(row.ratio == pytest.approx(1.2, rel=0.02) for row in worse)
+    assert {row.case for row in worse} >= {"flight_projectile", "friction_stop"}
+    one = next(row for row in worse if row.case == "friction_stop")
+    assert "friction_stop on reference" in sentence(one)
+    assert "--engine reference --case friction_stop" in command(one, news.changes)
+
+
+def test_more_friction_is_told_of_the_case_that_has_any(root: Path) -> None:
+    with planted(Fault(engine="reference", scene=rougher)):
+        _, news, _ = night(root)
+    assert news is not None
+    worse = news.regressions(("reference",))
+    assert {(row.case, row.engine) for row in worse} == {("friction_stop", "reference")}
+    assert {row.kind for row in worse} <= {"verdict", "error"}
+    assert all(command(row, news.changes).startswith("plumbline reproduce") for row in worse)
+
+
+def test_one_ulp_under_the_same_digest_is_another_answer_and_then_everything_of_that_engine_is_computed(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn(monkeypatch, 1.0)
+    with planted(Fault(engine="reference", state=one_ulp_off, known=False)):
+        last, news, account = night(root)
+    assert news is not None
+    told = [row for row in news.changes.rows if row.kind in ("digest", "verdict", "error", "price", "limit")]
+    assert {(row.kind, row.engine, row.sense) for row in told} == {("digest", "reference", "worse")}
+    assert account["disagreements"] == len(told) == CELLS // 2
+    assert "same digest, another answer" in sentence(told[0])
+    drawn(monkeypatch, 0.0)
+    with planted() as computed:
+        _, later, _ = night(root)
+    # What it answered before that night is not trusted; what it answered in it is.
+    assert computed == []
+    assert later is not None
+    assert {record.recalled for record in read_journal(opened(root).nights()[-1].folder / "journal.jsonl").values()} >= {
+        last.stamp
+    }
+
+
+def test_one_ulp_under_another_digest_is_told_as_no_worse(root: Path) -> None:
+    with planted(Fault(engine="reference", state=one_ulp_off)):
+        _, news, _ = night(root)
+    assert news is not None
+    told = {(row.kind, row.sense, row.engine) for row in news.changes.rows if row.kind in ("error", "verdict", "digest")}
+    assert told == {("error", "within tolerance", "reference")}
+    assert news.regressions(("reference",)) == ()
+
+
+def test_what_is_acknowledged_is_not_told_again(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn(monkeypatch, 1.0)
+    fault = Fault(engine="mujoco", state=one_ulp_off, known=False)
+    with planted(fault):
+        _, _, account = night(root)
+    for row in account["told"]:
+        acknowledge(opened(root), row["id"], "a new C library")
+    with planted():
+        _, news, _ = night(root)
+    assert news is not None
+    assert not [row for row in news.changes.rows if row.kind == "digest"]
+    assert {row.kind for row in news.acknowledged} == {"digest"}
+    assert all(change_id(row, account["stamp"]) in {told["id"] for told in account["told"]} for row in news.acknowledged)
+
+
+def test_a_night_that_was_killed_goes_on_where_it_was(root: Path) -> None:
+    before = len(opened(root).nights())
+    child = os.fork()
+    if child == 0:
+        with planted(Fault(engine="reference")):
+            answers = campaign.run_isolated
+
+            def dying(*arguments: object) -> Iterator[object]:
+                for number, record in enumerate(answers(*arguments)):  # type: ignore[arg-type]
+                    yield record
+                    if number == 2:
+                        os.kill(os.getpid(), signal.SIGKILL)
+
+            campaign.run_isolated = dying  # type: ignore[assignment]
+            night(root)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+    history = opened(root)
+    killed = history.nights()[-1]
+    assert len(history.nights()) == before + 1
+    assert not killed.whole
+    with planted(Fault(engine="reference")) as computed:
+        again, _, account = night(root)
+    assert again == killed
+    assert again.whole
+    assert len(computed) < CELLS // 2
+    assert account["answers"] == CELLS
+    assert [*problems_of(history)] == []
+
+
+def test_two_nights_never_meet_and_a_dead_one_holds_nothing(tmp_path: Path) -> None:
+    history = created(tmp_path / "h")
+    told, tell = os.pipe()
+    child = os.fork()
+    if child == 0:
+        with locked(history):
+            os.write(tell, b"held")
+            signal.pause()
+    assert os.read(told, 4) == b"held"
+    with pytest.raises(StoreError, match=f"another night holds it .process {child} on "), locked(history):
+        pass
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    with locked(history):
+        pass
+
+
+def test_a_history_lies_at_any_address(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
+    there = copy_of("memory://nights/h")
+    few = asked(replace(STUDY, experiments=STUDY.experiments[:1]), engines=("mujoco",))
+    with there.locked(60.0), pytest.raises(StoreError, match="another night holds it"), there.locked(60.0):
+        pass
+    with planted():
+        night(there.root, few)
+    there.send()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "another machine"))
+    elsewhere = copy_of("memory://nights/h")
+    assert elsewhere.root != there.root
+    elsewhere.fetch()
+    assert [*problems_of(opened(elsewhere.root))] == []
+    with planted() as computed:
+        _, _, account = night(elsewhere.root, few)
+    assert account["recalled"] == account["answers"] - len(computed) > 0
+    elsewhere.send()
+    there.fetch()
+    assert len(opened(there.root).nights()) == 2
+
+
+@pytest.mark.parametrize(("keep", "stays"), [("all", True), ("changed", False), ("none", False)])
+def test_of_what_passed_as_before_the_hash_is_kept(keep: steering.Keep, stays: bool, tmp_path: Path) -> None:
+    """The adapter's source is another, its answers are the same: they are computed, and none is news."""
+    root, one = tmp_path / "h", replace(STUDY, experiments=STUDY.experiments[:1])
+    with planted():
+        night(root, asked(one, engines=("mujoco",), keep="none"))
+    with planted(Fault(engine="mujoco")):
+        last, _, _ = night(root, asked(one, engines=("mujoco",), keep=keep))
+    records = read_journal(last.folder / "journal.jsonl").values()
+    assert {record.trajectory_kept for record in records if record.status == "passed"} == {stays}
+    kept = {record.trajectory_hash for record in records if record.trajectory_kept}
+    assert {path.stem for path in Pool(opened(root).pool).trajectories()} == kept
+    assert {path.stem for path in (last.folder / "trajectories").glob("*.npz")} == kept
+    assert [*problems_of(opened(root))] == []
+
+
+def test_old_nights_go_and_answers_that_no_night_names_but_not_the_last_that_saw_something(root: Path) -> None:
+    with planted(Fault(engine="reference")):
+        night(root)
+    one = replace(STUDY, experiments=STUDY.experiments[:1])
+    with planted(Fault(engine="reference")):
+        night(root, asked(one))
+    history = opened(root)
+    what = pruning(history, keep_nights=1)
+    assert what.nights == history.nights()[:1]
+    assert what.standing == history.nights()[1:2]
+    assert len(what.answers) == CELLS // 2
+    assert what.bytes > 0
+    assert len([*Pool(history.pool).answers()]) == CELLS + CELLS // 2
+    prune(what)
+    assert len(history.nights()) == 2
+    assert len([*Pool(history.pool).answers()]) == CELLS
+    assert [*problems_of(history)] == []
+
+
+def test_a_damaged_answer_is_named_and_computed_again(root: Path) -> None:
+    damaged = next(Pool(opened(root).pool).answers())
+    damaged.write_bytes(damaged.read_bytes().replace(b"passed", b"failed").replace(b"every", b"some "))
+    assert [problem.path for problem in problems_of(opened(root))] == [damaged]
+    with planted() as computed:
+        night(root)
+    assert damaged.stem in computed
+    assert [*problems_of(opened(root))] == []
+
+
+def test_the_nights_are_listed(first: Path) -> None:
+    (row,) = rows(opened(first))
+    assert tuple(row) == COLUMNS
+    assert (row["state"], row["answers"], row["computed"], row["clocked"]) == ("whole", CELLS, CELLS, CELLS)
+    assert "mujoco" in row["versions"]
+
+
+def block(case: str) -> Block:
+    """A block of one trial that is of that name."""
+    from tests.unit.test_campaign import trials
+
+    return Block("plain", case, (replace(trials()[0], trial=case, case=case),))
+
+
+def seen(case: str, stamp: str, seconds: float, *, changed: bool = False, troubled: bool = False) -> Seen:
+    """A block that took so long to compute, half as long to clock."""
+    sight = Sight(
+        experiment="plain",
+        case=case,
+        digest="another" if changed else block(case).digest,
+        answers=1,
+        computed=1,
+        answer_seconds=seconds,
+        clock_seconds=seconds / 2,
+    )
+    return Seen(night=Night(stamp, Path(stamp)), sight=sight, of_all=seconds, troubled=troubled)
+
+
+NIGHTS = "20261101T010000Z", "20261102T010000Z"
+
+
+def test_what_changed_goes_first_then_trouble_then_what_was_seen_longest_ago() -> None:
+    blocks = [block(case) for case in ("seen late", "new", "troubled", "changed", "seen early")]
+    known = {
+        ("plain", "seen late"): seen("seen late", NIGHTS[1], 1.0),
+        ("plain", "seen early"): seen("seen early", NIGHTS[0], 1.0),
+        ("plain", "troubled"): seen("troubled", NIGHTS[1], 1.0, troubled=True),
+        ("plain", "changed"): seen("changed", NIGHTS[1], 1.0, changed=True),
+    }
+    assert [b.case for b in ranked(blocks, known)] == ["changed", "troubled", "new", "seen early", "seen late"]
+
+
+def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
+    """Each takes what the nights before took: the clock goes by that."""
+    costs = {"a": 40.0, "b": 100.0, "c": 30.0, "d": 1.0}
+    known = {("plain", case): seen(case, NIGHTS[0], seconds, changed=True) for case, seconds in costs.items()}
+    plan, left = Plan([block(case) for case in costs], known, {("plain", case): 1.0 for case in costs}), [120.0]
+    carried: list[str] = []
+    for batch in plan.batches(lambda: left[0]):
+        for one in batch:
+            carried.append(one.case)
+            left[0] -= 1.5 * costs[one.case]
+    assert carried == ["a", "c", "d"]
+    (out,) = (plan.left_out(one, "it is foreseen to take longer than was left") for one in plan.waiting)
+    assert (out.case, out.foreseen, out.last_seen) == ("b", 150.0, NIGHTS[0])
+
+
+def test_trouble_gets_a_third_of_a_budget_at_most() -> None:
+    """Else what is noisy every night would keep out what was never seen."""
+    known = {("plain", case): seen(case, NIGHTS[0], 20.0, troubled=True) for case in "abcd"}
+    known |= {("plain", "e"): seen("e", NIGHTS[0], 20.0)}
+    plan, left = (
+        Plan(ranked([block(case) for case in "abcde"], known), known, {("plain", case): 1.0 for case in "abcde"}),
+        100.0,
+    )
+    carried = [one.case for batch in plan.batches(lambda: left) for one in batch]
+    assert carried == ["a", "e"]
+
+
+def test_what_an_unknown_block_takes_is_learnt_from_the_first_of_its_experiment() -> None:
+    plan, left = Plan([block(case) for case in "abcd"], {}, {("plain", case): 1.0 for case in "abcd"}), [100.0]
+    carried: list[str] = []
+    for batch in plan.batches(lambda: left[0]):
+        for one in batch:
+            carried.append(one.case)
+            plan.taken[one.key] = 45.0
+            left[0] -= 45.0
+    assert carried == ["a", "b"]
+    assert [one.case for one in plan.waiting] == ["c", "d"]

@@ -8,6 +8,7 @@ from shlex import quote
 
 from harness.history.panels import Panel, engine_panels, panels
 from harness.history.regressions import Trends
+from harness.history.series import Series
 from harness.store.disk import make_folder, write_atomically
 from reports.contents import FAMILIES
 from reports.figure import Figure
@@ -21,8 +22,8 @@ __all__ = ["PAGE", "trends_page", "write_trends"]
 
 PAGE = "index.html"
 _STATES = {"open": "failed", "acknowledged": "interrupted", "mended": "passed", "another version": "unavailable"}
-_MOST_CHARTS, _MOST_ROWS = 8, 300
-"""Charts of changes, newest first, and rows of a table; the miniatures and changes.json have all."""
+_MOST_CHARTS, _MOST_ROWS, _MOST_ANSWERS = 8, 300, 1000
+"""Charts of changes, those that stand first, and rows of a list and of a table; `plumbline history trends --json` has all."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +64,8 @@ def trends_page(trends: Trends) -> tuple[str, tuple[Figure, ...]]:
             rows=trends.regressions[:_MOST_ROWS],
             better=[one for one in trends.dated if one.first.sense == "better"][:_MOST_ROWS],
             segments=_segments(trends),
-            ack=f"plumbline history {quote(trends.root)} ack",
+            ack=("plumbline history ack", f"--history {quote(trends.root)}"),
+            answers=_answers(trends)[:_MOST_ANSWERS],
         )
     )
     return guarded(page), figures
@@ -78,7 +80,8 @@ def _changed_charts(trends: Trends, every: Sequence[Panel], by_engine: Sequence[
         dated = standing.get((panel.case, panel.engine))
         return dated is None or dated.state != "open", -max(step.night for step in panel.steps)
 
-    stepped = sorted((panel for panel in (*by_engine, *every) if panel.steps), key=weight)
+    own = (panel for panel in (*by_engine, *every) if any(step.change.case == panel.case for step in panel.steps))
+    stepped = sorted(own, key=weight)
     return [
         index_chart([panel], trends.nights, chosen, f"{panel.case or 'All cases'} on {panel.engine}")
         for panel in stepped[:_MOST_CHARTS]
@@ -100,6 +103,25 @@ def _families(every: Sequence[Panel]) -> list[_Family]:
     order = list(FAMILIES)
     ranked = sorted(families, key=lambda name: (order.index(name) if name in order else len(order), name))
     return [_Family(title=FAMILIES.get(name, name), cases=tuple(families[name])) for name in ranked]
+
+
+def _answers(trends: Trends) -> list[tuple[Series, str, float, float, int]]:
+    """Errors and limits, those first that changed last: each with the night since which it is as it is, its first and last value,
+    and how many nights changed its bits or value."""
+    rows = []
+    for one in trends.series:
+        if one.subject.kind == "price":
+            continue
+        there = [n for n, trial in enumerate(one.trials) if trial]
+        changed = [b for a, b in zip(there, there[1:], strict=False) if _otherwise(one, a, b)]
+        since = trends.nights[changed[-1] if changed else there[0]].stamp
+        rows.append((one, since, float(one.values[there[0]]), float(one.values[there[-1]]), len(changed)))
+    return sorted(rows, key=lambda row: row[1], reverse=True)
+
+
+def _otherwise(one: Series, a: int, b: int) -> bool:
+    """Are two nights of a series other answers?"""
+    return one.hashes[a] != one.hashes[b] or (not one.hashes[b] and one.values[a] != one.values[b])
 
 
 def _segments(trends: Trends) -> list[tuple[str, str]]:

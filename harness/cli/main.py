@@ -4,7 +4,7 @@ import click
 
 from harness.cli.diff_command import diff
 from harness.cli.guard import Guarded
-from harness.cli.history_command import history
+from harness.cli.history_group import history
 from harness.cli.installed import cases, check, engines
 from harness.cli.nightly_command import nightly
 from harness.cli.parity_command import parity

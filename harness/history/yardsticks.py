@@ -20,7 +20,7 @@ __all__ = ["over_segments", "yardsticks"]
 FEWEST = 2
 """Other engines: with the canary three votes, of which one may be wrong."""
 CLIP = 3.0
-"""A vote is counted for at most so many median departures from the middle."""
+"""A vote further from the middle than so many median departures is not counted."""
 
 
 def yardsticks(
@@ -76,7 +76,8 @@ def _agreed(votes: Floats, kernel: Floats) -> Floats:
         middle = np.nanmedian(np.log(np.vstack([votes, kernel])), axis=0)
         off = np.log(votes) - middle
         most = CLIP * float(np.nanmedian(np.abs(off)))
-        agreed: Floats = np.exp(middle + np.nanmean(np.clip(off, -most, most), axis=0))
+        mean = np.nanmean(np.where(np.abs(off) <= most, off, np.nan), axis=0)
+        agreed: Floats = np.exp(middle + np.nan_to_num(mean))
     return agreed
 
 

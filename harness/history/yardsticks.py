@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.findings.changes.values import Beside
-from harness.statistics.change_points import common_mode, levelled
+from harness.statistics.change_points import common_mode
 from harness.trajectory import Floats
 
 __all__ = ["over_segments", "yardsticks"]
@@ -63,10 +63,8 @@ def over_segments(values: Floats, segments: NDArray[np.int64]) -> Floats:
 
 
 def _moved(rows: Floats) -> Floats:
-    """The common motion of rows (s, n), NaN on nights without any: their mean about the median, outliers clipped."""
-    rough = np.where(np.isfinite(rows).any(axis=0), common_mode(rows), np.nan)
-    motion: Floats = rough * levelled(rows / rough)
-    return motion
+    """The common motion of rows (s, n), NaN on nights without any; a case that changed does not move the median of all."""
+    return np.where(np.isfinite(rows).any(axis=0), common_mode(rows), np.nan)
 
 
 def _agreed(votes: Floats, kernel: Floats) -> Floats:

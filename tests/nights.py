@@ -14,7 +14,7 @@ import pytest
 from harness.adapter import Adapter
 from harness.findings.summary import write_summary
 from harness.history.folder import History, Night, created
-from harness.history.night import Asked, accounted, carry_out_night, close, compared
+from harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
 from harness.history.since_last_seen import News
 from harness.run import campaign
 from harness.run.timing_blocks import summarise
@@ -25,6 +25,7 @@ from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
+from harness.trial.ensemble import endure
 
 __all__ = ["STUDY", "Fault", "asked", "night", "planted", "rougher", "one_ulp_off"]
 
@@ -41,13 +42,21 @@ STUDY = Study(
 NOISE = 0.01
 
 
+def _as_it_is(scene: Scene) -> Scene:
+    return scene
+
+
+def _untouched(_state: Any) -> None:
+    pass
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fault:
     """What is planted in an engine. Terms: scene, state: what becomes of them. price: times as dear. known: by its sources?"""
 
     engine: str
-    scene: Callable[[Scene], Scene] = lambda scene: scene
-    state: Callable[[Any], None] = lambda _state: None
+    scene: Callable[[Scene], Scene] = _as_it_is
+    state: Callable[[Any], None] = _untouched
     price: float = 1.0
     known: bool = True
 
@@ -100,7 +109,8 @@ def one_ulp_off(state: Any) -> None:
 
 @contextmanager
 def planted(fault: Fault = NONE) -> Iterator[list[str]]:
-    """Run nights in this process with a fault in one engine. Gives: the names of the trials that are computed."""
+    """Run nights in this process with a fault in one engine; steps cost the same under all settings. Gives: the names of the
+    trials that are computed."""
     computed: list[str] = []
 
     def answers(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
@@ -108,7 +118,9 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
             adapter = plugins.adapter(trial.engine)
             faulty: Any = _Faulty(adapter, fault) if trial.engine == fault.engine else adapter
             computed.append(trial.trial)
-            yield run_trial(trial, plugins.case(trial.case), faulty, folder)
+            answer = endure if trial.members > 1 else run_trial
+            record = answer(trial, plugins.case(trial.case), faulty, folder)
+            yield replace(record, rough_cost=1e-5 / trial.settings.dt) if trial.experiment.sweep else record
 
     def clocks(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
         for trial in trials:
@@ -124,7 +136,8 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
 
     def sources(case: str, engine: str) -> dict[str, str]:
         said = dict(plain(case, engine))
-        return said | ({"adapter": f"{said['adapter']} planted"} if fault.known and engine == fault.engine else {})
+        text = f"{said['adapter']} {fault.scene.__name__} {fault.state.__name__} {fault.price}"
+        return said | ({"adapter": text} if fault.known and engine == fault.engine else {})
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(campaign, "run_isolated", answers)
@@ -144,8 +157,9 @@ def asked(study: Study = STUDY, engines: Sequence[str] = ENGINES, **others: Any)
 def night(root: Path, what: Asked | None = None) -> tuple[Night, News | None, dict[str, Any]]:
     """One night from its beginning to its end; with what changed, and its account."""
     history: History = created(root)
-    done = carry_out_night(history, what or asked())
-    write_summary(done.night.store())
+    what = what or asked()
+    done = carry_out_night(history, what, night_to_do(history, what))
+    write_summary(done.store)
     news = compared(history, done)
     account = accounted(history, done, news, 0.0)
     close(done.night, account)

@@ -1,6 +1,7 @@
 """The command of every night: carry it out within its budget, say what changed, keep it."""
 
 import math
+import shutil
 import subprocess
 import sys
 import time
@@ -87,6 +88,7 @@ def _asked(
 
 def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
     """Carry it out and close it. Returns: is a gated engine worse?"""
+    from harness.findings.summary import write_summary
     from harness.history.night import accounted, carry_out_night, close, compared, night_to_do
     from harness.history.words import in_short, left_out_in_short
     from harness.study.experiment import StudyError
@@ -95,8 +97,9 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     night.folder.mkdir(parents=True, exist_ok=True)
     try:
         with _logged(night.folder / "night.log"):
-            done = carry_out_night(history, asked)
+            done = carry_out_night(history, asked, night)
             ended = time.monotonic()
+            write_summary(done.store)
             news = compared(history, done)
             if reported:
                 _publish(done, news)
@@ -104,6 +107,8 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
             summary = _write_changes(history, done, news, account)
             close(night, account)
     except StudyError as error:
+        if not (night.folder / "journal.jsonl").exists():
+            shutil.rmtree(night.folder)
         stop(USAGE, str(error))
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; the same command goes on with the night {night.stamp}")
@@ -134,13 +139,10 @@ def _logged(path: Path) -> Iterator[None]:
 
 
 def _publish(done: "Done", news: "News | None") -> None:
-    """Summary, recordings of what is kept, report; the page What changed."""
-    from harness.findings.summary import write_summary
+    """Recordings of what is kept, and the report."""
     from reports import build, write_recordings
 
-    store = done.night.store()
-    write_summary(store)
-    trials = store.trials
+    trials = done.store.trials
     fresh = trials[(trials["recalled"] == "") & trials["trajectory_kept"] & trials["trajectory_hash"].notna()]
     if done.asked.keep == "changed" and news is not None:
         changed = {row.trial_b for row in news.changes.rows if row.trial_b}
@@ -156,14 +158,14 @@ def _write_changes(history: "History", done: "Done", news: "News | None", accoun
     from harness.history.acknowledged import acknowledged
     from harness.history.words import open_since, summary
     from harness.store.disk import make_folder, write_atomically
-    from reports import what_changed
+    from reports.what_changed import write_what_changed
 
     folder = done.night.folder / "changes"
     make_folder(folder)
     if news is not None:
-        for name, content in changes_files(news.changes, done.night.store(), done.asked.gated).items():
+        for name, content in changes_files(news.changes, done.store, done.asked.gated).items():
             write_atomically(folder / name, content)
-        what_changed(news.changes, folder, done.asked.gated)
+        write_what_changed(news.changes, folder, done.asked.gated)
     standing = open_since([night.plan for night in history.whole_nights() if night != done.night], acknowledged(history))
     path = folder / "summary.md"
     write_atomically(path, summary(news, account, standing).encode())

@@ -56,6 +56,8 @@ def show(folder: Path, table: str, form: str) -> None:
         brief = (
             ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
         )
+        if table == "trials" and any(row["recalled"] for row in rows):
+            brief = [*brief[:-1], "recalled", "reason"]
         if table == "trials":
             rows = [row | {"status": shown_status(str(row["case"]), str(row["status"]))} for row in rows]
         shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]

@@ -8,7 +8,7 @@ from harness.history.folder import Night
 from harness.store.record import digest
 from harness.study.trial import Trial
 
-__all__ = ["Block", "Key", "Seen", "Sight", "blocks_of", "last_seen"]
+__all__ = ["LATELY", "Block", "Key", "Seen", "Sight", "blocks_of", "last_seen"]
 
 Key: TypeAlias = tuple[str, str]
 """Experiment and case."""

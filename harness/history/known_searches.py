@@ -68,7 +68,8 @@ class KnownSearches:
         if front is None:
             return True
         group = group_of(trial)
-        now = {(r.track, r.dt): r for r in records.values() if _group(r) == group}
+        near = (r for r in records.values() if (r.engine, r.case, r.experiment) == (group[3], group[1], group[0]))
+        now = {(r.track, r.dt): r for r in near if _group(r) == group}
         return not all(self._as_before(now.get(setting), error) for setting, error in front.errors.items())
 
     def clocked(self, trials: Sequence[Trial]) -> set[str]:
@@ -175,18 +176,19 @@ class KnownSearches:
     def _of_limit(self, trial: Trial) -> Iterator[Trial]:
         case, by = self.cases[trial.case], ruler(trial, self.cases[trial.case])
         along_dt = by.axis.parameter == "dt"
+        mine = {name: value for name, value in json.loads(_parameters(trial)).items() if name != by.axis.parameter}
         values = {}
         for row in self._rows(trial):
             given = json.loads(row["parameters"])
             others = {name: value for name, value in given.items() if name != by.axis.parameter}
-            mine = {name: value for name, value in trial.parameters.items() if name != by.axis.parameter}
             same = (row["track"], row["parts"], row["remedied"]) == (trial.track, trial.parts, "")
             if same and others == mine and (along_dt or row["dt"] == trial.settings.dt):
-                values[float(row["dt"] if along_dt else given[by.axis.parameter])] = row, given
+                values[float(row["dt"] if along_dt else given[by.axis.parameter])] = row, given.get(by.axis.parameter)
         found = bracket({value: row["status"] for value, (row, _) in values.items()}, by)
-        for value, (row, given) in values.items():
+        for value, (row, hardness) in values.items():
             settings = trial.settings.with_dt(row["dt"]) if along_dt else trial.settings
-            other = trial.probing(case, parameters=given, settings=settings, round=max(1, int(row["round"])))
+            there = dict(trial.parameters) if along_dt else {**trial.parameters, by.axis.parameter: hardness}
+            other = trial.probing(case, parameters=there, settings=settings, round=max(1, int(row["round"])))
             if self.pool.holds(other.trial) or value in (found.held, found.broke):
                 yield other
 

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.history.acknowledged import acknowledged
-from harness.history.blocks import Key, Seen, Sight, last_seen
+from harness.history.blocks import LATELY, Key, Seen, Sight, last_seen
 from harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from harness.history.known_searches import KnownSearches
 from harness.history.last_answers import LastAnswers
@@ -24,8 +24,8 @@ from harness.run.interrupt import until
 from harness.store import disk
 from harness.store.journal import read_journal
 from harness.store.machine_fingerprint import fingerprint, machine_digest
-from harness.store.record import digest
-from harness.store.store import write_json
+from harness.store.record import Record, digest
+from harness.store.store import Store, write_json
 from harness.study.study import Study
 
 __all__ = ["Asked", "Done", "accounted", "carry_out_night", "close", "compared", "night_to_do"]
@@ -53,13 +53,14 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """A night that was carried out. Terms: seen: what was known of each block before."""
+    """A night that was carried out. Terms: seen: what was known of each block before. store: its tables, read once."""
 
     night: Night
     asked: Asked
     seen: Mapping[Key, Seen]
     steering: Steering
     budget: Budget
+    store: Store
 
     @property
     def blocks(self) -> set[Key]:
@@ -78,15 +79,16 @@ def night_to_do(history: History, asked: Asked) -> Night:
     return history.night(stamp)
 
 
-def carry_out_night(history: History, asked: Asked) -> Done:
+def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     """Answer and clock as much as the budget allows. Who calls this holds the history's lock.
 
+    Args: night: as `night_to_do` gave it.
     Raises: StoreError, StudyError, OSError.
     """
-    night, before = night_to_do(history, asked), history.whole_nights()
+    before = history.whole_nights()
     disk.make_folder(night.folder)
     seen, plan = last_seen(before), night.plan
-    closings = [float(earlier.plan["seconds"]["closing"]) for earlier in before[-1:]]
+    closings = [float(earlier.plan["seconds"]["closing"]) for earlier in before[-LATELY:]]
     budget = Budget.of(asked.budget, max(closings, default=None))
     seed = asked.seed or night.stamp
     started: dict[str, Any] = {
@@ -104,7 +106,7 @@ def carry_out_night(history: History, asked: Asked) -> Done:
     def save(steering: Steering) -> None:
         write_json(night.folder / NIGHT, started | {"blocks": steering.sights({}, {})})
 
-    pool = Pool(history.pool)
+    pool, so_far = Pool(history.pool), read_journal(night.folder / "journal.jsonl").values()
     steering = Steering(
         pool=pool,
         folder=night.folder,
@@ -115,11 +117,11 @@ def carry_out_night(history: History, asked: Asked) -> Done:
         seen=seen,
         last=LastAnswers(seen).of,
         searched=KnownSearches(seen, asked.cases, pool, seed),
-        distrusted=_distrusted(before, night),
+        distrusted=_distrusted(before, night, so_far),
         left=budget.left,
         save=save,
     )
-    steering.go_on([Sight.from_plain(row) for row in plan.get("blocks", ())])
+    steering.go_on([Sight.from_plain(row) for row in plan.get("blocks", ())], so_far)
     if not plan:
         save(steering)
     with until(budget.end):
@@ -133,21 +135,21 @@ def carry_out_night(history: History, asked: Asked) -> Done:
             guide=steering,
         )
     steering.close()
-    return Done(night, asked, seen, steering, budget)
+    return Done(night, asked, seen, steering, budget, night.store())
 
 
 def compared(history: History, done: Done) -> News | None:
     """What changed since each block was last seen; None where nothing of the night was seen before. Raises: StoreError."""
-    return news_of(done.night, done.seen, _with_news(done), acknowledged(history), _first_told(history))
+    return news_of(done.store, done.night.stamp, done.seen, done.blocks, acknowledged(history), _first_told(history))
 
 
 def accounted(history: History, done: Done, news: News | None, closing: float) -> dict[str, Any]:
     """What the night's own file says when it is whole. Args: closing [s]: what tables and report took. Raises: StoreError."""
     night, steering = done.night, done.steering
-    trials, rows = night.store().trials, () if news is None else news.changes.rows
+    trials, rows = done.store.trials, () if news is None else news.changes.rows
     where = {row.trial: (row.experiment, row.case) for row in trials.itertuples()}
     clocked = trials[trials["cpu_per_unit"] > 0]
-    unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(False).astype(bool)])
+    unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(value=False).astype(bool)])
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
     first = _first_told(history)
     changed = (
@@ -170,7 +172,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "blocks": steering.sights(unstable, worse),
         "left_out": [entry.plain() for entry in steering.out],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
-        "told": [] if news is None else [told(row, news.changes, first_seen(row, first, night.stamp)) for row in changed],
+        "told": changed,
     }
 
 
@@ -189,21 +191,10 @@ def _first_told(history: History) -> dict[str, str]:
     return earlier
 
 
-def _with_news(done: Done) -> set[Key]:
-    """The blocks in which anything was answered for the first time, answered otherwise, or clocked."""
-    trials = done.night.store().trials
-    fresh = (trials["recalled"] == "") & (trials["again"] != trials["trajectory_hash"].fillna(trials["status"]))
-    rows = trials[fresh | (trials["cpu_per_unit"] > 0)]
-    return {*zip(rows["experiment"], rows["case"], strict=True)} & done.blocks
-
-
-def _distrusted(nights: Sequence[Night], night: Night) -> dict[tuple[str, str], str]:
-    """By case and engine, the last night in which it gave another answer to the same digest."""
+def _distrusted(nights: Sequence[Night], night: Night, so_far: Iterable[Record]) -> dict[tuple[str, str], str]:
+    """By case and engine, the last night in which it gave another answer to the same digest. Args: so_far: of tonight."""
     known = {(case, engine): stamp for case, engine, stamp in (nights[-1].plan.get("distrusted", ()) if nights else ())}
-    if (night.folder / "journal.jsonl").is_file():
-        records = read_journal(night.folder / "journal.jsonl").values()
-        known |= {(record.case, record.engine): night.stamp for record in records if record.disagrees}
-    return known
+    return known | {(record.case, record.engine): night.stamp for record in so_far if record.disagrees}
 
 
 def _bytes(history: History, night: Night) -> dict[str, int]:

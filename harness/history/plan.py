@@ -81,8 +81,8 @@ class Plan:
             while self.waiting and len(batch) < LARGEST and seconds < LONGEST:
                 block = self.waiting[0]
                 foreseen, troubled = self.foreseen(block), self._troubled(block)
-                if foreseen is None and block.experiment in unknown:
-                    break  # what one block of an experiment takes is learnt before the others are begun
+                if (foreseen is None and block.experiment in unknown) or (batch and (foreseen is None) != bool(unknown)):
+                    break  # what one block of an experiment takes is learnt before others are begun, and keeps none waiting
                 self.waiting.pop(0)
                 if seconds + (foreseen or 0.0) >= left() or (troubled and (foreseen or 0.0) > for_troubled):
                     skipped.append(block)

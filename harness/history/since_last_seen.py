@@ -8,7 +8,6 @@ from harness.findings.changes.matching import where_of
 from harness.findings.changes.weights import heaviest_first
 from harness.history.acknowledged import Acknowledgement, change_id
 from harness.history.blocks import Key, Seen
-from harness.history.folder import Night
 from harness.store.store import Store
 
 __all__ = ["News", "first_seen", "news_of"]
@@ -35,42 +34,51 @@ def first_seen(change: Change, earlier: Mapping[str, str], stamp: str) -> str:
 
 
 def news_of(
-    night: Night,
+    store: Store,
+    stamp: str,
     seen: Mapping[Key, Seen],
     blocks: Collection[Key],
     known: Mapping[str, Acknowledgement],
     earlier: Mapping[str, str],
 ) -> News | None:
-    """What changed in a night; None where nothing of it was ever seen before.
+    """What changed in a night; None where nothing of it was seen before.
 
-    Args: blocks: those that the night carried out. known: what was acknowledged. earlier: see `first_seen`.
+    Args: store, stamp: of the night. blocks: those that it carried out. known: what was acknowledged. earlier: see `first_seen`.
     Raises: StoreError.
     """
-    before: dict[str, set[Key]] = {}
-    for key in blocks:
-        if key in seen:
-            before.setdefault(seen[key].night.stamp, set()).add(key)
-    if not before:
+    known_blocks = {key for key in blocks if key in seen}
+    if not known_blocks:
         return None
-    nights = {seen[key].night.stamp: seen[key].night for key in blocks if key in seen}
-    parts = [
-        compare(nights[stamp].store_of(keys), night.store_of(keys)) for stamp, keys in sorted(before.items(), reverse=True)
-    ]
-    others = {row.trial_b: row for row in _disagreements(night.store())}
+    fresh = _with_news(store) & known_blocks or {min(known_blocks)}
+    before: dict[str, set[Key]] = {}
+    for key in fresh:
+        before.setdefault(seen[key].night.stamp, set()).add(key)
+    nights = {seen[key].night.stamp: seen[key].night for key in fresh}
+    parts = [compare(nights[stamp].store_of(keys), store.part(keys)) for stamp, keys in sorted(before.items(), reverse=True)]
+    others = {row.trial_b: row for row in _disagreements(store)}
     every = heaviest_first(
         dict.fromkeys([*(row for part in parts for row in part.rows if not _left_aside(row, others)), *others.values()])
     )
-    told = tuple(row for row in every if change_id(row, first_seen(row, earlier, night.stamp)) not in known)
+    recalled = store.part(known_blocks - fresh).trials
+    told = tuple(row for row in every if change_id(row, first_seen(row, earlier, stamp)) not in known)
     changes = replace(
         parts[0],
-        b=replace(parts[0].b, trials=len(night.store().trials)),
+        b=replace(parts[0].b, trials=len(store.trials)),
         rows=told,
-        matched=sum(part.matched for part in parts),
-        same=sum(part.same for part in parts),
+        matched=sum(part.matched for part in parts) + len(recalled),
+        same=sum(part.same for part in parts) + int(recalled["trajectory_hash"].notna().sum()),
         clocked=sum(part.clocked for part in parts),
         unread=tuple(dict.fromkeys(text for part in parts for text in part.unread)),
     )
     return News(changes, tuple(row for row in every if row not in told))
+
+
+def _with_news(store: Store) -> set[Key]:
+    """The blocks in which anything was answered for the first time, answered otherwise, or clocked: all else was recalled."""
+    trials = store.trials
+    fresh = (trials["recalled"] == "") & (trials["again"] != trials["trajectory_hash"].fillna(trials["status"]))
+    rows = trials[fresh | (trials["cpu_per_unit"] > 0)]
+    return {*zip(rows["experiment"], rows["case"], strict=True)}
 
 
 def _left_aside(row: Change, disagreements: Mapping[str, Change]) -> bool:

@@ -12,9 +12,9 @@ import psutil
 __all__ = ["Budget", "bytes_of", "memory_peaks"]
 
 CLOSING = 0.1
-"""Share of a budget that is set aside for tables, report and upload until a night has shown what they take."""
+"""Share of a budget that is set aside for tables, report and upload, or more where a night has shown that they take it."""
 MARGIN = 1.3
-"""Times what they took in the last night: the report grows with what is known."""
+"""Times what they took lately at most: the report grows with what is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Budget:
     def of(cls, seconds: float, closing: float | None) -> "Budget":
         """The budget of this process, counted from its start. Args: closing [s]: what the end of an earlier night took."""
         running = max(0.0, time.time() - psutil.Process().create_time())
-        aside = CLOSING * seconds if closing is None else min(MARGIN * closing, seconds / 2)
+        aside = CLOSING * seconds if closing is None else min(max(CLOSING * seconds, MARGIN * closing), seconds / 2)
         return cls(seconds, time.monotonic() - running, aside)
 
     @property

@@ -6,7 +6,7 @@ What an engine answered to a case before a night in which it gave another answer
 import os
 import sys
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -17,7 +17,7 @@ from harness.history.plan import Left, LeftOut, Plan, ranked
 from harness.history.pool import MACHINE_BOUND, Answer, Pool
 from harness.run.guide import Guide
 from harness.store import disk
-from harness.store.journal import DamagedFile, read_journal
+from harness.store.journal import DamagedFile
 from harness.store.record import Record, digest
 from harness.study.trial import Trial
 
@@ -55,7 +55,7 @@ class Steering(Guide):
         folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier
         nights say of each block. last: of a trial, whatever it rests on, the last status and hash. distrusted: by case and
         engine, the night before which nothing is recalled. left: seconds until the end. save: called behind each batch, and
-        keeps what a night that goes on has to know.
+        keeps what a night that goes on has to know. hashes: of trajectories that stay.
     """
 
     pool: Pool
@@ -78,6 +78,7 @@ class Steering(Guide):
     _plan: Plan | None = None
     _again: dict[str, Record] = field(default_factory=dict)
     _mark: float = 0.0
+    hashes: set[str | None] = field(default_factory=set)
     _kept: int = 0
 
     def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
@@ -106,6 +107,7 @@ class Steering(Guide):
             return None
         self._tally((trial.experiment.name, trial.case)).answers += 1
         kept = found.record.trajectory_hash is not None and self._link(found.record.trajectory_hash)
+        self.hashes |= {found.record.trajectory_hash} if kept else set()
         return replace(found.record, round=trial.round, recalled=found.night, trajectory_kept=kept)
 
     def answered(self, trial: Trial, record: Record) -> Record:
@@ -121,6 +123,7 @@ class Steering(Guide):
             if record.disagrees:
                 self.distrusted[record.case, record.engine] = self.stamp
         record = replace(record, trajectory_kept=record.trajectory_hash is not None and self._stays(trial, record))
+        self.hashes |= {record.trajectory_hash} if record.trajectory_kept else set()
         if record.again != record.answer:
             self.pool.keep(record, self.stamp)
         return record
@@ -163,8 +166,9 @@ class Steering(Guide):
                 )
         self.tidy()
 
-    def go_on(self, sights: Sequence[Sight]) -> None:
-        """Begin where a night was broken off. Args: sights: what it had saved."""
+    def go_on(self, sights: Sequence[Sight], records: Iterable[Record]) -> None:
+        """Begin where a night was broken off. Args: sights: what it had saved. records: of its journal."""
+        self.hashes |= {record.trajectory_hash for record in records if record.trajectory_kept}
         for sight in sights:
             self.tallies[sight.experiment, sight.case] = _Tally(
                 answers=sight.answers,
@@ -176,9 +180,8 @@ class Steering(Guide):
 
     def tidy(self) -> None:
         """Put the trajectories that are kept into the pool, take the others away. Raises: OSError."""
-        kept = {r.trajectory_hash for r in read_journal(self.folder / "journal.jsonl").values() if r.trajectory_kept}
         for path in sorted((self.folder / "trajectories").glob("[!.]*.npz")):
-            if path.stem in kept:
+            if path.stem in self.hashes:
                 self.pool.keep_trajectory(path)
             else:
                 disk.remove(path)

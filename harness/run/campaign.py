@@ -27,7 +27,7 @@ from harness.run.timing_blocks import clock_group
 from harness.search import first_break, front, needless_effects, refined_ladder
 from harness.search.front import due_for_clock
 from harness.store import disk
-from harness.store.journal import FolderTaken, Journal, StoreError, read_journal
+from harness.store.journal import FolderTaken, Journal, StoreError
 from harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
 from harness.store.seal import sealed_json, sealed_toml
 from harness.store.store import Store, read_plain, write_json, write_tables
@@ -181,7 +181,7 @@ def _searched(
         if wanted
     ]
     while searches:
-        records = read_journal(journal.path)
+        records = dict(journal.records)
         more = [trial for go_on in searches for trial in go_on(extended, records, cases, adapters)]
         more = [trial for trial in more if guide.searches(trial, records)]
         if not more:

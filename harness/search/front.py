@@ -15,6 +15,7 @@ and what is compared are the ratios. They say nothing about differences of a few
 clocked properly afterwards.
 """
 
+import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -197,7 +198,7 @@ def _finest(here: Sequence[Point], case: Case) -> Point | None:
 
 
 def _key(settings: Settings) -> str:
-    return repr(replace(settings, source="").plain())
+    return json.dumps(replace(settings, source="").plain(), sort_keys=True)
 
 
 def _family(point: Point) -> str:

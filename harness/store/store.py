@@ -127,6 +127,13 @@ class Store:
         if not (self.folder / "journal.jsonl").is_file() and not (self.folder / "trials.parquet").is_file():
             raise NoRun(f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run")
 
+    def part(self, only: Collection[tuple[str, str]]) -> "Store":
+        """The same folder with these experiments and cases alone; its journal is not read again."""
+        other = Store(self.folder, only)
+        if (self.folder / "journal.jsonl").is_file():
+            other.__dict__["_written"] = self._written
+        return other
+
     @cached_property
     def _written(self) -> Written:
         return read_written(self.folder / "journal.jsonl")

@@ -109,10 +109,13 @@ def _price(pair: Pair, a: Mapping[str, tuple[Floats, Floats]], b: Mapping[str, t
         and pair.a.engine_version == pair.b.engine_version
         and getattr(pair.a, "sources", "") == getattr(pair.b, "sources", "")
     )
-    unstable = any(
-        bool(row.unstable_timing) if row.unstable_timing == row.unstable_timing else True for row in (pair.a, pair.b)
-    )
+    unstable = any(_unstable(row.unstable_timing) for row in (pair.a, pair.b))
     return _Price(pair=pair, step=step, canary=canary, half=half, steady=steady, unstable=unstable)
+
+
+def _unstable(value: Any) -> bool:
+    """Is a timing marked so, or is nothing said of it? Columns hold NA, NaN or None then."""
+    return bool(value) if isinstance(value, bool | np.bool_) else True
 
 
 def _drawn(values: Floats) -> Floats:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from harness.history.series import NightOf
 from reports.figure import Figure
 from reports.marks import POINT, chart, finished
 from reports.palette import Look
-from reports.text import amount, slug, visible
+from reports.text import amount, plural, slug, visible
 
 __all__ = ["Miniature", "index_chart", "miniature"]
 
@@ -79,8 +80,8 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     beside = "over other engines of the same nights" if panels[0].beside == "other engines" else "over the canary"
     fence = " Grey band: the fence, three spreads of its own from each level." if len(panels) == 1 else ""
     caption = (
-        f"Each mark is a night: the geometric mean of {panels[0].series} price{'s' if panels[0].series != 1 else ''}, {beside}. "
-        f"Lines: levels; upright: a change of level; dashed: another version or machine, across which nothing is compared.{fence}"
+        f"Each mark is a night: the geometric mean of {plural(panels[0].series, 'price')}, {beside}. Lines: levels; upright: a "
+        f"change of level; dashed: another version or machine, across which nothing is compared.{fence}"
     )
     spec = finished(layers, height=210 if len(panels) == 1 else 260)
     return Figure(slug(f"trend-{panels[0].case}-{'-'.join(names)}"), title, caption, spec, columns, cells)
@@ -102,7 +103,7 @@ def _rules(panel: Panel, nights: Sequence[NightOf], days: Sequence[str]) -> list
 
 def _segment_starts(panel: Panel) -> list[tuple[int, int]]:
     there = np.flatnonzero(panel.segments >= 0).tolist()
-    return [(a, b) for a, b in zip(there, there[1:], strict=False) if panel.segments[a] != panel.segments[b]]
+    return [(a, b) for a, b in pairwise(there) if panel.segments[a] != panel.segments[b]]
 
 
 def _day(stamp: str) -> str:
@@ -111,9 +112,9 @@ def _day(stamp: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Miniature:
-    """A panel of a few strokes. Terms: title; colour; dots, levels: of the price; steps: upright lines, each with a class;
-    segments: dashed ones; ticks: nights of other bits, each with its place and height; up: marks of the upright axis; words: what
-    it says to who cannot see it."""
+    """A panel of a few strokes. Terms: engine; colour; dots, levels: of the price; steps: upright lines, each with a class;
+    segments: dashed ones; ticks: nights of other bits, each with its place and height; up: marks of the upright axis; words:
+    what it says to who cannot see it."""
 
     engine: str
     colour: str

@@ -1,8 +1,9 @@
-"""The page Trends: what a history remembers, regressions first, then prices and answers of every case and engine over its nights."""
+"""The page Trends: what a history remembers: regressions first, then prices and answers of every case and engine."""
 
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from shlex import quote
 
@@ -97,23 +98,21 @@ def _families(every: Sequence[Panel]) -> list[_Family]:
     for name, mine in cases.items():
         made = tuple(miniature(panel, chosen[panel.engine].colour) for panel in mine)
         family = name.replace(":", "_").split("_")[0]
-        families.setdefault(family, []).append(
-            _Case(name=name, miniatures=made, changed=any(panel.steps for panel in mine))
-        )
+        families.setdefault(family, []).append(_Case(name=name, miniatures=made, changed=any(panel.steps for panel in mine)))
     order = list(FAMILIES)
     ranked = sorted(families, key=lambda name: (order.index(name) if name in order else len(order), name))
     return [_Family(title=FAMILIES.get(name, name), cases=tuple(families[name])) for name in ranked]
 
 
 def _answers(trends: Trends) -> list[tuple[Series, str, float, float, int]]:
-    """Errors and limits, those first that changed last: each with the night since which it is as it is, its first and last value,
-    and how many nights changed its bits or value."""
+    """Errors and limits, those first that changed last: each with the night since which it is as it is, its first and last
+    value, and how many nights changed its bits or value."""
     rows = []
     for one in trends.series:
         if one.subject.kind == "price":
             continue
         there = [n for n, trial in enumerate(one.trials) if trial]
-        changed = [b for a, b in zip(there, there[1:], strict=False) if _otherwise(one, a, b)]
+        changed = [b for a, b in pairwise(there) if _otherwise(one, a, b)]
         since = trends.nights[changed[-1] if changed else there[0]].stamp
         rows.append((one, since, float(one.values[there[0]]), float(one.values[there[-1]]), len(changed)))
     return sorted(rows, key=lambda row: row[1], reverse=True)
@@ -127,7 +126,7 @@ def _otherwise(one: Series, a: int, b: int) -> bool:
 def _segments(trends: Trends) -> list[tuple[str, str]]:
     """Nights on which a machine or a version became another, in words."""
     made = []
-    for before, now in zip(trends.nights, trends.nights[1:], strict=False):
+    for before, now in pairwise(trends.nights):
         words = []
         if now.machine != before.machine:
             words.append(f"machine {now.machine} ({now.processor})")
@@ -154,5 +153,3 @@ def write_trends(trends: Trends, folder: Path) -> Path:
         write_atomically(folder / figure.path, figure.svg.encode())
     write_atomically(folder / PAGE, page.encode("utf-8", "backslashreplace"))
     return folder / PAGE
-
-

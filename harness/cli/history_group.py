@@ -68,7 +68,8 @@ def _rows(read: "Trends") -> list[dict[str, object]]:
     return [
         {
             "id": one.id, "first_bad_night": one.stamp, "state": one.state,
-            "until": None if one.until is None else read.nights[one.until].stamp, "kind": one.first.kind, "sense": one.first.sense,
+            "until": None if one.until is None else read.nights[one.until].stamp,
+            "kind": one.first.kind, "sense": one.first.sense,
             "case": one.first.case, "engine": one.first.engine, "track": one.first.track, "metric": one.first.metric,
             "ratio": one.first.ratio, "low": one.first.low, "high": one.first.high, "count": len(one.changes), "note": one.note,
             "sentence": one.sentence, "command": one.command,
@@ -104,4 +105,3 @@ def _send(address: str) -> None:
 
     if is_elsewhere(address):
         copy_of(address).send()
-

@@ -1,4 +1,4 @@
-"""What is drawn of a case on an engine: its price as one index over the nights, with levels and steps, and when it answered otherwise."""
+"""What is drawn of a case on an engine: its price as one index over the nights, its levels and steps, and other answers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,10 +18,12 @@ __all__ = ["Panel", "engine_panels", "panels"]
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Panel:
-    """Terms: case: '' for the engine as a whole. index (n,): the price over its first level, NaN where it was not clocked.
-    segments (n,). levels: of the index, one for each stretch between steps and segments. steps: those that it took. beside: what
-    prices were divided by. series: how many prices it is made of. otherwise: nights whose answers have other bits, each with the
-    series that do: (night, how many, of how many).
+    """A panel.
+
+    Terms: case: '' for the engine as a whole. index (n,): the price over its first level, NaN where it was not clocked.
+    segments (n,). levels: of the index, one for each stretch between steps and segments. steps: those that it took. beside:
+    what prices were divided by. series: how many prices it is made of. otherwise: nights whose answers have other bits, each
+    with the series that do: (night, how many, of how many).
     """
 
     case: str

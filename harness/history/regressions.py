@@ -18,8 +18,8 @@ from harness.history.series import NightOf, Readings, Series
 __all__ = ["Dated", "State", "Trends", "read_trends"]
 
 State = Literal["open", "acknowledged", "mended", "another version"]
-"""Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another by
-now, on which nothing is known of it."""
+"""Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another
+by now, on which nothing is known of it."""
 
 _NEAR = 3
 """Nights by which the night of a step may still move as more nights come: what it was acknowledged by may be off by as many."""
@@ -30,8 +30,8 @@ class Dated:
     """A change with its night.
 
     Terms: id: as `plumbline history ack` takes it. night: index of the first one. stamp, folder: of it. changes: those of one
-    kind, case, engine, track, metric and night, the heaviest first. until: index of the night that ended it, None while it lasts.
-    note, when: of who acknowledged it.
+    kind, case, engine, track, metric and night, the heaviest first. until: index of the night that ended it, None while it
+    lasts. note, when: of who acknowledged it.
     """
 
     id: str

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from harness.findings.changes.limits import searched_by
 from harness.findings.changes.matching import by_question, where_of
 from harness.findings.changes.values import Beside
+from harness.findings.clocked_part import clocked_part
 from harness.findings.limits_found import searches
 from harness.history.folder import Night
 from harness.history.yardsticks import yardsticks
@@ -111,7 +112,9 @@ class Readings:
         samples = store.samples
         canaries = {} if samples.empty else samples.groupby("trial")["canary"].median().to_dict()
         self._canary.append(float(np.median(list(canaries.values()))) if canaries else np.nan)
-        headlines = {name: about.get("headline", "") for name, about in store.catalogue.get("cases", {}).items()}
+        steps = {} if samples.empty else samples.groupby("trial")["steps"].first().to_dict()
+        cases = store.catalogue.get("cases", {})
+        headlines = {name: about.get("headline", "") for name, about in cases.items()}
         metrics = {(str(m.trial), str(m.metric)): m for m in store.measurements.itertuples()}
         asked = set(store.asked["trial"])
         for key, row in by_question(store).items():
@@ -119,14 +122,17 @@ class Readings:
                 continue
             if row.cpu_per_unit is not None and row.cpu_per_unit > 0:
                 unit = f"CPU time of a {row.unit}" if isinstance(row.unit, str) else "CPU time"
-                # A timing kept from another machine carries that one's digest.
-                on = (str(row.clocked_on) or machine, str(row.engine_version))
+                # A timing kept from another machine has that one's digest; another part of the motion a price of its own.
+                part = clocked_part(row, int(steps.get(row.trial, 0)), cases.get(row.case, {}))
+                on = (f"{str(row.clocked_on) or machine} {part or ''}", str(row.engine_version))
                 canary = float(canaries.get(row.trial, np.nan))
                 price = _Reading(float(row.cpu_per_unit), on, str(row.trial), "", canary)
                 self._keep(("price", key), price, lambda r=row, u=unit: _subject("price", r, store, u, "s"))
             measured = metrics.get((str(row.trial), str(headlines.get(row.case, ""))))
             if measured is not None:
-                error = _Reading(float(measured.value), ("", str(row.engine_version)), str(row.trial), _text(row.trajectory_hash))
+                error = _Reading(
+                    float(measured.value), ("", str(row.engine_version)), str(row.trial), _text(row.trajectory_hash)
+                )
                 self._keep(
                     ("error", key),
                     error,
@@ -232,4 +238,3 @@ def _subject(kind: Measured, row: Any, store: Store, metric: str, unit: str) -> 
 
 def _text(value: Any) -> str:
     return value if isinstance(value, str) else ""
-

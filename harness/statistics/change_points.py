@@ -3,8 +3,8 @@
 Candidates are the exact optimum of PELT (R. Killick, P. Fearnhead & I. A. Eckley, J. Amer. Statist. Assoc. 107 (2012) 1590) on
 logarithms whose outliers are clipped. Each is then moved to the night about which it most likely lies: the middle of the three
 that hold most of the posterior probability, by squares around the levels, capped. The weakest are dropped, one after the other,
-until what is left is beyond chance: Student's t of the two levels beside it, counted once for each night that it could have been
-(Bonferroni). docs/decisions/0016 says how often that finds what, what could be found at best, and what else was tried.
+until what is left is beyond chance: Student's t of the two levels beside it, counted once for each night that it could have
+been (Bonferroni). docs/decisions/0016 says how often that finds what, what could be found at best, and what else was tried.
 """
 
 import math
@@ -58,8 +58,8 @@ class ChangePoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Level:
-    """What a series lies on between two change points. Terms: first, last: indices of its values. value: their middle. low, high:
-    the fence, three spreads from it; both the value where so few nights have no spread."""
+    """What a series lies on between two change points. Terms: first, last: indices of its values. value: their middle. low,
+    high: the fence, three spreads from it; both the value where so few nights have no spread."""
 
     first: int
     last: int
@@ -68,9 +68,7 @@ class Level:
     high: float
 
 
-def change_points(
-    series: Floats, segments: NDArray[np.int64] | None = None, chance: float = CHANCE
-) -> tuple[ChangePoint, ...]:
+def change_points(series: Floats, segments: NDArray[np.int64] | None = None, chance: float = CHANCE) -> tuple[ChangePoint, ...]:
     """The change points of a series, shape (n,), positive, one value a night, NaN for a night without one; in order.
 
     Args: segments (n,): nights of different numbers (another version, another machine) are never compared; one for all if None.
@@ -82,7 +80,9 @@ def change_points(
     for number in dict.fromkeys(numbers.tolist()):
         nights = np.flatnonzero(usable & (numbers == number))
         for at, step in _of_log(np.log(series[nights]), chance):
-            made.append(ChangePoint(index=int(nights[at]), ratio=float(np.exp(step.size)), p_value=step.p_value, error=step.error))
+            made.append(
+                ChangePoint(index=int(nights[at]), ratio=float(np.exp(step.size)), p_value=step.p_value, error=step.error)
+            )
     return tuple(sorted(made, key=lambda point: point.index))
 
 
@@ -213,8 +213,8 @@ def _spread(y: Floats, ends: Sequence[int]) -> float:
 
 def _moved(y: Floats, ends: Sequence[int], spread: float) -> list[int]:
     """Each change in the middle of the three nights that most likely hold it: exp(-q/2) is how likely a night is of which the
-    squares around the levels beside it, capped, sum to q. The likeliest single night is off by more than one in every eighth step
-    of 5 % at 2 % noise, this one in every fourteenth."""
+    squares around the levels beside it, capped, sum to q. The likeliest single night is off by more than one in every eighth
+    step of 5 % at 2 % noise, this one in every fourteenth."""
     bounds = [0, *ends, len(y)]
     for k in range(1, len(bounds) - 1):
         start, at, end = bounds[k - 1 : k + 2]

@@ -172,8 +172,8 @@ class Bench:
 def calibrate(bench: Bench, seconds: float) -> int:
     """Warm up and find how many steps, casts or calls last `seconds` of CPU time: whole runs of a scene unless too long.
 
-    Of one that is too long it is the first half, quarter, eighth, ...: sliding may cost twice what lying still does, so that a part
-    that followed the clock would be another part, at another price, every time.
+    Of one that is too long it is the first half, quarter, eighth, ...: sliding may cost twice what lying still does, so that a
+    part that followed the clock would be another part, at another price, every time.
     They last less where most of a sample would go by outside the clock, in building short runs anew.
     """
     bench.start()

@@ -45,9 +45,7 @@ def price_steps(series: Sequence[Series]) -> Iterator[PriceStep]:
     for one in prices:
         engines.setdefault(one.subject.engine, {}).setdefault((one.subject.case, one.subject.metric), []).append(one)
     groups = [group for cases in engines.values() for group in cases.values()]
-    tests = (
-        len(prices) + sum(len(group) > 1 for group in groups) + sum(len(cases) >= FEWEST_CASES for cases in engines.values())
-    )
+    together = sum(len(group) > 1 for group in groups) + sum(len(cases) >= FEWEST_CASES for cases in engines.values())
     for cases in engines.values():
         yield from _of_engine(list(cases.values()), CHANCE_OF_ALL / max(len(prices) + together, 1))
 

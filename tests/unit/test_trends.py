@@ -1,7 +1,6 @@
-"""Does a history tell each change once, at its night, with its size, for the group that it is of; and does what was seen stay seen?"""
+"""Does a history tell each change once, at its night, of the group that it is of; and does what was seen stay seen?"""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,9 +111,7 @@ def trends(kept: History) -> Trends:
 
 
 def test_each_regression_is_told_once_first_bad_night_first_with_its_state(trends: Trends) -> None:
-    told = [
-        (one.night, one.first.kind, one.first.case, one.first.engine, one.state, one.until) for one in trends.regressions
-    ]
+    told = [(one.night, one.first.kind, one.first.case, one.first.engine, one.state, one.until) for one in trends.regressions]
     assert told == [
         (5, "error", "joint_pendulum", "bullet", "open", None),
         (5, "error", "joint_pendulum", "bullet", "open", None),

@@ -3,9 +3,9 @@
 Best are the prices of other engines whose answers are the same to the last bit: they pass through the same hours. Where there
 are too few of them, it is the canary, a fixed kernel clocked beside each sample. Even then a process is laid out otherwise in
 memory the next time: how far prices of unchanged trials stray from run to run is read off them, and nothing below four times
-that, or below what marks a timing as unstable, is told of a single trial; nor what is within the interval of its own samples,
-widened to Student's, since three samples say little of how far they stray. Of an engine as a whole less can be told, by the
-median. Where the clock ran over another part of the motion (a run too long for a sample), nothing is compared.
+that, or below what marks a timing as unstable, is told of a single trial; nor what is within the 99 % interval of its own
+samples, widened to Student's, since three samples say little of how far they stray. Of an engine as a whole less can be told,
+by the median. Where the clock ran over another part of the motion (a run too long for a sample), nothing is compared.
 """
 
 import math
@@ -43,13 +43,17 @@ _MEDIAN_ERROR = 1.2533
 
 @dataclass(frozen=True, slots=True)
 class _Price:
-    """A pair that was clocked on both sides. Terms: step: logarithm of the ratio of the medians; canary: likewise; half: of its
-    bootstrap interval, widened to Student's; steady: the same bits, by the same version and sources; unstable: is either so?"""
+    """A pair that was clocked on both sides.
+
+    Terms: step: logarithm of the ratio of the medians; canary: likewise; half, sure: of its bootstrap interval of 95 % and of
+    99 %, widened to Student's; steady: the same bits, by the same version and sources; unstable: is either marked so?
+    """
 
     pair: Pair
     step: float
     canary: float
     half: float
+    sure: float
     steady: bool
     unstable: bool
 
@@ -124,18 +128,19 @@ def _same_part(
 def _price(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> _Price:
     step = math.log(pair.b.cpu_per_unit / pair.a.cpu_per_unit)
     before, after = a.get(pair.a.trial), b.get(pair.b.trial)
-    canary = half = 0.0
+    canary = half = sure = 0.0
     if before is not None and after is not None:
         canary = math.log(float(np.median(after.canary)) / float(np.median(before.canary)))
         low, high = interval_of_drawn(_drawn(after.cost) - _drawn(before.cost))
-        half = _student(min(len(before.cost), len(after.cost))) / Z_95 * (high - low) / 2
+        count = min(len(before.cost), len(after.cost))
+        half, sure = (_student(count, share) / Z_95 * (high - low) / 2 for share in (0.975, 0.995))
     steady = (
         pair.same_bits
         and pair.a.engine_version == pair.b.engine_version
         and getattr(pair.a, "sources", "") == getattr(pair.b, "sources", "")
     )
     unstable = any(_unstable(row.unstable_timing) for row in (pair.a, pair.b))
-    return _Price(pair=pair, step=step, canary=canary, half=half, steady=steady, unstable=unstable)
+    return _Price(pair=pair, step=step, canary=canary, half=half, sure=sure, steady=steady, unstable=unstable)
 
 
 def _unstable(value: Any) -> bool:
@@ -144,11 +149,11 @@ def _unstable(value: Any) -> bool:
 
 
 @cache
-def _student(count: int) -> float:
-    """The 97.5th percentile of Student's t of so many samples."""
+def _student(count: int, share: float) -> float:
+    """The percentile of Student's t of so many samples."""
     from scipy.stats import t as student  # late: a listing must not pay for it
 
-    return float(student.ppf(0.975, max(count - 1, 1)))
+    return float(student.ppf(share, max(count - 1, 1)))
 
 
 def _drawn(values: Floats) -> Floats:
@@ -174,7 +179,7 @@ def _of_one(price: _Price, by: _Yardstick, catalogue: Mapping[str, Any]) -> Chan
     beside = price.canary if by.beside == "canary" else by.step
     step = price.step - beside
     half = max(price.half, Z_95 * math.hypot(by.spread, by.error))
-    if price.unstable or abs(step) <= max(math.log1p(TOLD), CERTAIN * by.spread, half):
+    if price.unstable or abs(step) <= max(math.log1p(TOLD), CERTAIN * by.spread, half, price.sure):
         return None
     b = price.pair.b
     return Change(

@@ -20,7 +20,7 @@ from harness.trajectory import Floats
 
 __all__ = ["CHANCE_OF_ALL", "PriceStep", "price_steps"]
 
-CHANCE_OF_ALL = 0.01
+CHANCE_OF_ALL = 1e-3
 """Of a history: how often chance alone may look like a change in any of its series; each has its share."""
 FEWEST_CASES = 3
 """Whose median is an engine."""

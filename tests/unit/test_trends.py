@@ -58,18 +58,20 @@ def placed(size: float, changed: int) -> int:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_sixty_whole_histories_without_a_change_tell_nothing() -> None:
     assert not [number for number in range(HISTORIES) if steps_of((11, number))]
 
 
 @pytest.mark.slow
-def test_steps_of_a_case_and_of_an_engine_are_told_of_them_at_their_night() -> None:
-    assert placed(0.10, 2) == placed(0.10, 6) == HISTORIES
-    assert placed(0.05, 2) >= 57
-    assert placed(0.05, 6) >= 57
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize(("size", "changed", "least"), [(0.10, 2, 60), (0.10, 6, 60), (0.05, 2, 57), (0.05, 6, 57)])
+def test_steps_of_a_case_and_of_an_engine_are_told_of_them_at_their_night(size: float, changed: int, least: int) -> None:
+    assert placed(size, changed) >= least
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_a_drift_of_ten_percent_over_thirty_nights_is_told() -> None:
     for number in range(HISTORIES):
         drift = 1 + 0.1 * np.clip((np.arange(NIGHTS) - 5 - number % 20) / 30, 0, 1)

@@ -7,15 +7,17 @@ import json
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
+from harness.case.own_titles import OWN
 from harness.findings.where import in_words, other_values
 from harness.store.store import Store
 
 __all__ = ["Pair", "by_question", "matched", "requested", "where_of"]
 
 _ASKED = (
-    "study", "experiment", "case", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
+    "study", "experiment", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
     "remedy", "parts",
 )  # fmt: skip
 _SINCE = {"clocks": "work", "workers": 1}
@@ -66,7 +68,12 @@ def by_question(store: Store) -> dict[Hashable, Any]:
 
 
 def _key(row: Any) -> Hashable:
-    return tuple(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
+    return _scene(str(row.case)), *(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
+
+
+def _scene(case: str) -> str:
+    """What a case is called wherever its file lies: two check-outs of a scene of one's own are the same question."""
+    return OWN + PurePath(case.removeprefix(OWN)).name if case.startswith(OWN) else case
 
 
 def _further(row: Any) -> Hashable:

@@ -14,7 +14,7 @@ from harness.case.own_titles import OWN
 from harness.findings.where import in_words, other_values
 from harness.store.store import Store
 
-__all__ = ["Pair", "by_question", "matched", "requested", "where_of"]
+__all__ = ["Pair", "by_question", "matched", "requested", "scene_of", "where_of"]
 
 _ASKED = (
     "study", "experiment", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
@@ -68,10 +68,10 @@ def by_question(store: Store) -> dict[Hashable, Any]:
 
 
 def _key(row: Any) -> Hashable:
-    return _scene(str(row.case)), *(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
+    return scene_of(str(row.case)), *(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
 
 
-def _scene(case: str) -> str:
+def scene_of(case: str) -> str:
     """What a case is called wherever its file lies: two check-outs of a scene of one's own are the same question."""
     return OWN + PurePath(case.removeprefix(OWN)).name if case.startswith(OWN) else case
 

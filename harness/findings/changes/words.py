@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Iterable, Sequence
 
+from harness.case.own_titles import OWN
 from harness.findings.changes.values import Change, Changes, Value
 
 __all__ = ["command", "command_in", "first_line", "folded", "headline", "sentence"]
@@ -116,6 +117,8 @@ def command_in(row: Change, folder: str) -> str:
     if row.kind == "price":
         case = ["--case", row.case] if row.case else []
         return shlex.join(["plumbline", "run", f"{folder}/study.toml", "--engine", row.engine, *case, "--out", "build/again"])
+    if not row.trial_b and row.kind == "verdict":
+        return shlex.join(["plumbline", "run", row.case.removeprefix(OWN), "--out", "build/again"])
     return shlex.join(["plumbline", "reproduce", folder, row.trial_b]) if row.trial_b else ""
 
 

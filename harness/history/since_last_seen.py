@@ -43,7 +43,7 @@ def news_of(
 ) -> News | None:
     """What changed in a night; None where nothing of it was seen before.
 
-    Args: store, stamp: of the night. blocks: those that it carried out. known: what was acknowledged. earlier: see `first_seen`.
+    Args: store, stamp: of the night. blocks: that it carried out. known: what was acknowledged. earlier: see `first_seen`.
     Raises: StoreError.
     """
     known_blocks = {key for key in blocks if key in seen}

@@ -34,7 +34,7 @@ def test_the_page_of_the_architecture_names_the_layers_of_the_contract() -> None
 @pytest.mark.parametrize("package", ["harness", "engine"])
 def test_the_listing_of_a_root_is_short(package: str) -> None:
     entries = {path.name for path in (ROOT / package).iterdir()} - {"__pycache__"}
-    assert len(entries) <= 20, sorted(entries)
+    assert len(entries) <= 21, sorted(entries)
 
 
 def imported_by(code: str) -> set[str]:

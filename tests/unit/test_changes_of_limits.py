@@ -68,6 +68,7 @@ def test_an_engine_that_agrees_no_more_is_worse_and_where_nothing_is_agreed_it_i
         scale=cast(Any, None),
         granted=0.01,
         sides=(side, replace(side, track="default")),
+        differences=(),
     )
     elsewhere = replace(side, word="converges elsewhere"), replace(side, track="default", word="converges")
     rows = list(changed_words([agreed], [replace(agreed, case="scene:/b/robot.toml", sides=elsewhere)]))

@@ -85,10 +85,10 @@ def clocked(pairs: Sequence[Pair]) -> list[Pair]:
 
 def price_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
     """A row for each trial, and one for each engine, whose price changed beyond doubt."""
-    samples = [_samples(store) for store in (store_a, store_b)]
-    prices = [
-        _price(pair, *samples) for pair in clocked(pairs) if _same_part(pair, *samples, store_b.catalogue.get("cases", {}))
-    ]
+    before, after = _samples(store_a), _samples(store_b)
+    cases = store_b.catalogue.get("cases", {})
+    same = [pair for pair in clocked(pairs) if _same_part(pair, before, after, cases)]
+    prices = [_price(pair, before, after) for pair in same]
     for engine in dict.fromkeys(price.pair.b.engine for price in prices):
         mine = [price for price in prices if price.pair.b.engine == engine]
         by = _yardstick(mine, [price for price in prices if price.pair.b.engine != engine and price.steady])

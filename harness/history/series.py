@@ -1,7 +1,8 @@
 """Series over a history: what each night said of every price, error and limit, in segments of one machine and one version."""
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -127,7 +128,7 @@ class Readings:
                 on = (f"{str(row.clocked_on) or machine} {part or ''}", str(row.engine_version))
                 canary = float(canaries.get(row.trial, np.nan))
                 price = _Reading(float(row.cpu_per_unit), on, str(row.trial), "", canary)
-                self._keep(("price", key), price, lambda r=row, u=unit: _subject("price", r, store, u, "s"))
+                self._keep(("price", key), price, partial(_subject, "price", row, store, unit, "s"))
             measured = metrics.get((str(row.trial), str(headlines.get(row.case, ""))))
             if measured is not None:
                 error = _Reading(
@@ -136,7 +137,7 @@ class Readings:
                 self._keep(
                     ("error", key),
                     error,
-                    lambda r=row, m=measured: _subject("error", r, store, str(m.metric), str(m.unit)),
+                    partial(_subject, "error", row, store, str(measured.metric), str(measured.unit)),
                 )
         self._add_limits(store)
 
@@ -157,7 +158,7 @@ class Readings:
                 unit=search.unit,
             )
             reading = _Reading(float(search.held), ("", version), search.trial_held, "")
-            self._keep(("limit", searched_by(search)), reading, lambda s=subject: s)
+            self._keep(("limit", searched_by(search)), reading, partial(replace, subject))
 
     def _keep(self, key: Hashable, reading: _Reading, subject: Callable[[], Subject]) -> None:
         if key not in self._subjects:

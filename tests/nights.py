@@ -13,6 +13,7 @@ import pytest
 
 from harness.adapter import Adapter
 from harness.findings.summary import write_summary
+from harness.history import steering
 from harness.history.folder import History, Night, created
 from harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
 from harness.history.since_last_seen import News
@@ -27,7 +28,7 @@ from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
 from harness.trial.ensemble import endure
 
-__all__ = ["STUDY", "Fault", "asked", "night", "planted", "rougher", "one_ulp_off"]
+__all__ = ["STUDY", "Fault", "asked", "drawn", "night", "planted", "rougher", "one_ulp_off"]
 
 ENGINES = ("reference", "mujoco")
 STUDY = Study(
@@ -144,6 +145,11 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
         patch.setattr(campaign, "clock_group", clocks)
         patch.setattr(campaign, "sources_of", sources)
         yield computed
+
+
+def drawn(monkeypatch: pytest.MonkeyPatch, share: float) -> None:
+    """Let another share of the known answers be computed again."""
+    monkeypatch.setattr(steering, "AGAIN", share)
 
 
 def asked(study: Study = STUDY, engines: Sequence[str] = ENGINES, **others: Any) -> Asked:

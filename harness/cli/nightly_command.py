@@ -101,7 +101,9 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
             ended = time.monotonic()
             write_summary(done.store)
             news = compared(history, done)
-            if reported:
+            if reported and done.budget.seconds - done.budget.taken() < done.budget.closing / 2:
+                say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
+            elif reported:
                 _publish(done, news)
             account = accounted(history, done, news, time.monotonic() - ended)
             summary = _write_changes(history, done, news, account)

@@ -135,7 +135,19 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
             guide=steering,
         )
     steering.close()
-    return Done(night, asked, seen, steering, budget, night.store())
+    store = night.store()
+    _without_idle_logs(night, set(store.trials["trial"]))
+    return Done(night, asked, seen, steering, budget, store)
+
+
+def _without_idle_logs(night: Night, recorded: set[str]) -> None:
+    """Take away the logs of trials that were under way when time was up: they have no record that would name them."""
+    logs = night.folder / "logs"
+    for path in logs.glob("*.log"):
+        if path.stem not in recorded:
+            disk.remove(path)
+    if logs.is_dir() and not any(logs.iterdir()):
+        logs.rmdir()
 
 
 def compared(history: History, done: Done) -> News | None:

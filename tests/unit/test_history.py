@@ -11,28 +11,20 @@ from pathlib import Path
 import pytest
 
 from harness.findings.changes.words import command, sentence
-from harness.findings.limits_found import searches
 from harness.history import steering
 from harness.history.acknowledged import acknowledge, change_id
 from harness.history.address import copy_of
-from harness.history.blocks import Block, Seen, Sight
-from harness.history.folder import Night, created, opened
-from harness.history.known_searches import BESIDE
+from harness.history.folder import created, opened
 from harness.history.listing import COLUMNS, rows
 from harness.history.lock import locked
-from harness.history.plan import Plan, ranked
 from harness.history.pool import Pool
 from harness.history.retention import prune, pruning
 from harness.history.soundness import problems_of
 from harness.history.steering import AGAIN, computed_again
 from harness.run import campaign
-from harness.scene import Scene
 from harness.store.journal import StoreError, read_journal
-from harness.study.experiment import Experiment, Limit
-from harness.study.study import Study
-from harness.trajectory import State
 from tests.conftest import Command
-from tests.nights import STUDY, Fault, asked, night, one_ulp_off, planted, rougher
+from tests.nights import STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
 from tests.stress.light_run import STUDY as LIGHT
 from tests.stress.light_run import light
 
@@ -53,11 +45,6 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def root(first: Path, tmp_path: Path) -> Path:
     """A copy of it."""
     return Path(shutil.copytree(first, tmp_path / "h"))
-
-
-def drawn(monkeypatch: pytest.MonkeyPatch, share: float) -> None:
-    """Let another share of the known answers be computed again."""
-    monkeypatch.setattr(steering, "AGAIN", share)
 
 
 def test_a_twentieth_of_the_known_answers_is_computed_again_and_the_same_one_for_the_same_seed() -> None:
@@ -276,88 +263,6 @@ def test_the_nights_are_listed(first: Path) -> None:
     assert "mujoco" in row["versions"]
 
 
-LIMIT = Study(
-    name="limit",
-    recordings=False,
-    experiments=(
-        Experiment(
-            name="speeds",
-            cases=("spin_fast",),
-            tracks=("tuned",),
-            timing=False,
-            limit=Limit(scan=3, within=2.0, members=2, parts=(1,)),
-        ),
-    ),
-)
-FRONT = Study(
-    name="front",
-    recordings=False,
-    experiments=(Experiment(name="fronts", cases=("joint_pendulum",), dt=(1 / 60, 1 / 240), sweep=4, samples=3),),
-)
-
-
-def brackets(last: Night) -> set[tuple[float | None, float | None]]:
-    """What the searches of a night found."""
-    return {(search.held, search.broke) for search in searches(last.store())}
-
-
-def test_a_limit_is_tried_at_its_bracket_and_searched_where_that_moved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn(monkeypatch, 0.0)
-    what, root = asked(LIMIT, engines=("mujoco",)), tmp_path / "h"
-    with planted() as computed:
-        first_night, _, _ = night(root, what)
-    (held, broke) = next(iter(brackets(first_night)))
-    assert held is not None
-    assert broke is not None
-    assert len(computed) > 3
-    with planted() as recalled:
-        second, _, _ = night(root, what)
-    assert recalled == []
-    assert brackets(second) == {(held, broke)}
-    with planted(Fault(engine="mujoco")) as tried:
-        third, news, _ = night(root, what)
-    assert brackets(third) == {(held, broke)}
-    assert len(tried) == 3  # the study's own first value, what held, what broke
-    assert news is not None
-    assert not [row for row in news.changes.rows if row.kind == "limit"]
-    with planted(Fault(engine="mujoco", scene=faster)):
-        _, worse, _ = night(root, replace(what, gated=("mujoco",)))
-    assert worse is not None
-    assert "limit" in {row.kind for row in worse.regressions(("mujoco",))}
-
-
-def faster(scene: Scene) -> Scene:
-    """Every body spins twenty times as fast as was asked: what is asked breaks so much earlier."""
-    return replace(scene, bodies=tuple(replace(body, w_WB=tuple(20.0 * speed for speed in body.w_WB)) for body in scene.bodies))
-
-
-def far_off(state: State) -> None:
-    """Where no joint holds a body."""
-    state.p_WB[:] += 10.0
-
-
-def test_a_front_is_clocked_again_without_being_searched_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn(monkeypatch, 0.0)
-    what, root = asked(FRONT, engines=("mujoco",)), tmp_path / "h"
-    with planted() as searched:
-        first_night, _, all_clocked = night(root, what)
-    with planted() as recalled:
-        second, _, account = night(root, what)
-    assert recalled == []
-    assert len(second.store().trials) == len(first_night.store().trials)
-    assert BESIDE <= account["clocked"] <= all_clocked["clocked"]
-    with planted(Fault(engine="mujoco")) as again:
-        third, _, changed = night(root, what)
-    # The four of the study, the front, two beside it; no knob is turned anew.
-    assert 4 < len(again) < len(searched)
-    assert len(again) == len(third.store().trials)
-    assert changed["clocked"] > 0
-    front = third.store().trials
-    with planted(Fault(engine="mujoco", state=far_off)) as anew:
-        night(root, what)
-    assert len(anew) > len(front)
-
-
 FILE = """
 name = "few"
 [[experiments]]
@@ -414,77 +319,3 @@ def test_a_history_of_this_schema_is_read_by_its_successors(
     assert account["answers"] == 2
     assert news is not None
     assert news.changes.matched == 2
-
-
-def block(case: str) -> Block:
-    """A block of one trial that is of that name."""
-    from tests.unit.test_campaign import trials
-
-    return Block("plain", case, (replace(trials()[0], trial=case, case=case),))
-
-
-def seen(case: str, stamp: str, seconds: float, *, changed: bool = False, troubled: bool = False) -> Seen:
-    """A block that took so long to compute, half as long to clock."""
-    sight = Sight(
-        experiment="plain",
-        case=case,
-        digest="another" if changed else block(case).digest,
-        answers=1,
-        computed=1,
-        answer_seconds=seconds,
-        clock_seconds=seconds / 2,
-    )
-    return Seen(night=Night(stamp, Path(stamp)), sight=sight, of_all=seconds, troubled=troubled)
-
-
-NIGHTS = "20261101T010000Z", "20261102T010000Z"
-
-
-def test_what_changed_goes_first_then_trouble_then_what_was_seen_longest_ago() -> None:
-    blocks = [block(case) for case in ("seen late", "new", "troubled", "changed", "seen early")]
-    known = {
-        ("plain", "seen late"): seen("seen late", NIGHTS[1], 1.0),
-        ("plain", "seen early"): seen("seen early", NIGHTS[0], 1.0),
-        ("plain", "troubled"): seen("troubled", NIGHTS[1], 1.0, troubled=True),
-        ("plain", "changed"): seen("changed", NIGHTS[1], 1.0, changed=True),
-    }
-    assert [b.case for b in ranked(blocks, known)] == ["changed", "troubled", "new", "seen early", "seen late"]
-
-
-def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
-    """Each takes what the nights before took: the clock goes by that."""
-    costs = {"a": 40.0, "b": 100.0, "c": 30.0, "d": 1.0}
-    known = {("plain", case): seen(case, NIGHTS[0], seconds, changed=True) for case, seconds in costs.items()}
-    plan, left = Plan([block(case) for case in costs], known, {("plain", case): 1.0 for case in costs}), [120.0]
-    carried: list[str] = []
-    for batch in plan.batches(lambda: left[0]):
-        for one in batch:
-            carried.append(one.case)
-            left[0] -= 1.5 * costs[one.case]
-    assert carried == ["a", "c", "d"]
-    (out,) = (plan.left_out(one, "it is foreseen to take longer than was left") for one in plan.waiting)
-    assert (out.case, out.foreseen, out.last_seen) == ("b", 150.0, NIGHTS[0])
-
-
-def test_trouble_gets_a_third_of_a_budget_at_most() -> None:
-    """Else what is noisy every night would keep out what was never seen."""
-    known = {("plain", case): seen(case, NIGHTS[0], 20.0, troubled=True) for case in "abcd"}
-    known |= {("plain", "e"): seen("e", NIGHTS[0], 20.0)}
-    plan, left = (
-        Plan(ranked([block(case) for case in "abcde"], known), known, {("plain", case): 1.0 for case in "abcde"}),
-        100.0,
-    )
-    carried = [one.case for batch in plan.batches(lambda: left) for one in batch]
-    assert carried == ["a", "e"]
-
-
-def test_what_an_unknown_block_takes_is_learnt_from_the_first_of_its_experiment() -> None:
-    plan, left = Plan([block(case) for case in "abcd"], {}, {("plain", case): 1.0 for case in "abcd"}), [100.0]
-    carried: list[str] = []
-    for batch in plan.batches(lambda: left[0]):
-        for one in batch:
-            carried.append(one.case)
-            plan.taken[one.key] = 45.0
-            left[0] -= 45.0
-    assert carried == ["a", "b"]
-    assert [one.case for one in plan.waiting] == ["c", "d"]

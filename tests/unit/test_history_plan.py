@@ -1,0 +1,81 @@
+"""In which order a night goes through its blocks, and what its budget leaves out."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from harness.history.blocks import Block, Seen, Sight
+from harness.history.folder import Night
+from harness.history.plan import Plan, ranked
+from tests.unit.test_campaign import trials
+
+
+def block(case: str) -> Block:
+    """A block of one trial that is of that name."""
+    return Block("plain", case, (replace(trials()[0], trial=case, case=case),))
+
+
+def seen(case: str, stamp: str, seconds: float, *, changed: bool = False, troubled: bool = False) -> Seen:
+    """A block that took so long to compute, half as long to clock."""
+    sight = Sight(
+        experiment="plain",
+        case=case,
+        digest="another" if changed else block(case).digest,
+        answers=1,
+        computed=1,
+        answer_seconds=seconds,
+        clock_seconds=seconds / 2,
+    )
+    return Seen(night=Night(stamp, Path(stamp)), sight=sight, of_all=seconds, troubled=troubled)
+
+
+NIGHTS = "20261101T010000Z", "20261102T010000Z"
+
+
+def test_what_changed_goes_first_then_trouble_then_what_was_seen_longest_ago() -> None:
+    blocks = [block(case) for case in ("seen late", "new", "troubled", "changed", "seen early")]
+    known = {
+        ("plain", "seen late"): seen("seen late", NIGHTS[1], 1.0),
+        ("plain", "seen early"): seen("seen early", NIGHTS[0], 1.0),
+        ("plain", "troubled"): seen("troubled", NIGHTS[1], 1.0, troubled=True),
+        ("plain", "changed"): seen("changed", NIGHTS[1], 1.0, changed=True),
+    }
+    assert [b.case for b in ranked(blocks, known)] == ["changed", "troubled", "new", "seen early", "seen late"]
+
+
+def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
+    """Each takes what the nights before took: the clock goes by that."""
+    costs = {"a": 40.0, "b": 100.0, "c": 30.0, "d": 1.0}
+    known = {("plain", case): seen(case, NIGHTS[0], seconds, changed=True) for case, seconds in costs.items()}
+    plan, left = Plan([block(case) for case in costs], known, {("plain", case): 1.0 for case in costs}), [120.0]
+    carried: list[str] = []
+    for batch in plan.batches(lambda: left[0]):
+        for one in batch:
+            carried.append(one.case)
+            left[0] -= 1.5 * costs[one.case]
+    assert carried == ["a", "c", "d"]
+    (out,) = (plan.left_out(one, "it is foreseen to take longer than was left") for one in plan.waiting)
+    assert (out.case, out.foreseen, out.last_seen) == ("b", 150.0, NIGHTS[0])
+
+
+def test_trouble_gets_a_third_of_a_budget_at_most() -> None:
+    """Else what is noisy every night would keep out what was never seen."""
+    known = {("plain", case): seen(case, NIGHTS[0], 20.0, troubled=True) for case in "abcd"}
+    known |= {("plain", "e"): seen("e", NIGHTS[0], 20.0)}
+    plan, left = (
+        Plan(ranked([block(case) for case in "abcde"], known), known, {("plain", case): 1.0 for case in "abcde"}),
+        100.0,
+    )
+    carried = [one.case for batch in plan.batches(lambda: left) for one in batch]
+    assert carried == ["a", "e"]
+
+
+def test_what_an_unknown_block_takes_is_learnt_from_the_first_of_its_experiment() -> None:
+    plan, left = Plan([block(case) for case in "abcd"], {}, {("plain", case): 1.0 for case in "abcd"}), [100.0]
+    carried: list[str] = []
+    for batch in plan.batches(lambda: left[0]):
+        for one in batch:
+            carried.append(one.case)
+            plan.taken[one.key] = 45.0
+            left[0] -= 45.0
+    assert carried == ["a", "b"]
+    assert [one.case for one in plan.waiting] == ["c", "d"]

@@ -1,5 +1,7 @@
 """A ball that falls and spins through a linear drag: does damping take what its coefficient says, and no other share?"""
 
+import math
+
 import numpy as np
 
 from harness.case import Case, Check
@@ -73,7 +75,7 @@ def _change(velocity: Vector3, linear_damping: float) -> float:
 
 def _velocity(dt: float, velocity: Vector3 = VELOCITY, linear_damping: float = LINEAR) -> float:
     """g dt of the terminal velocity and a rate off by c^2 dt/2 at its worst instant, c t = 1; twice for higher orders."""
-    return 2 * (-EARTH_GRAVITY[2] * dt + _change(velocity, linear_damping) * linear_damping * dt / (2 * np.e)) + SINGLE
+    return 2 * (-EARTH_GRAVITY[2] * dt + _change(velocity, linear_damping) * linear_damping * dt / (2 * math.e)) + SINGLE
 
 
 def _position(dt: float, velocity: Vector3 = VELOCITY, linear_damping: float = LINEAR) -> float:
@@ -83,7 +85,7 @@ def _position(dt: float, velocity: Vector3 = VELOCITY, linear_damping: float = L
 
 def _spin(dt: float, spin: Vector3 = SPIN, angular_damping: float = ANGULAR) -> float:
     """A rate off by c^2 dt/2 at its worst instant, c t = 1; twice for higher orders."""
-    return 2 * float(np.linalg.norm(spin)) * angular_damping * dt / (2 * np.e) + SINGLE
+    return 2 * float(np.linalg.norm(spin)) * angular_damping * dt / (2 * math.e) + SINGLE
 
 
 CASE = Case(

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from harness.findings.changes import Changes
+    from harness.history.regressions import Trends
 
-__all__ = ["build", "open_viewer", "parity_page", "recording_of", "serve", "what_changed", "write_recordings"]
+__all__ = ["build", "open_viewer", "parity_page", "recording_of", "serve", "trends_page", "what_changed", "write_recordings"]
 
 
 def build(folder: Path) -> Path:
@@ -73,3 +74,10 @@ def what_changed(changes: "Changes", folder: Path, gated: Collection[str] = ()) 
     from reports.what_changed import write_what_changed
 
     return write_what_changed(changes, folder, gated)
+
+
+def trends_page(trends: "Trends", folder: Path) -> Path:
+    """Write the page Trends of a history into a folder; returns its path."""
+    from reports.trends import write_trends
+
+    return write_trends(trends, folder)

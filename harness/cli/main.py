@@ -7,7 +7,7 @@ from harness.cli.diff_command import diff
 from harness.cli.figure_command import figure
 from harness.cli.findings_command import findings
 from harness.cli.guard import Guarded
-from harness.cli.history_command import history
+from harness.cli.history_group import history
 from harness.cli.installed import cases, check, engines
 from harness.cli.nightly_command import nightly
 from harness.cli.parity_command import parity

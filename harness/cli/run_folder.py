@@ -76,13 +76,21 @@ def show(folder: Path, table: str, form: str) -> None:
 @run_folder
 @click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
 def report(folder: Path, show_it: bool) -> None:
-    """Rebuild the HTML report of DIR from its store."""
+    """Rebuild the HTML report of DIR from its store; of a history, the page of its trends."""
     from reports import build
 
-    index = build(opened(folder).folder)
+    index = _trends(folder) if (folder / "history.json").is_file() else build(opened(folder).folder)
     say(str(index))
     if show_it:
         click.launch(str(index))
+
+
+def _trends(folder: Path) -> Path:
+    from harness.history.folder import opened as opened_history
+    from harness.history.regressions import read_trends
+    from reports import trends_page
+
+    return trends_page(read_trends(opened_history(folder)), folder / "report")
 
 
 @click.command()

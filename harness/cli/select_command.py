@@ -51,6 +51,7 @@ def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[
 @click.option("--platform", default="", metavar="NAME", help="linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.")
 @click.option("--preset", default="", metavar="NAME|FILE", help="Weights, cases and reasons for a purpose.")
 @click.option("--with-reference", is_flag=True, help="Rank our own engine, the ruler, too.")
+@click.option("--evidence", is_flag=True, help="What the answer leans on, run by run, in place of the answer.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 def select(
     folder: Path,
@@ -63,6 +64,7 @@ def select(
     platform: str,
     preset: str,
     with_reference: bool,
+    evidence: bool,
     as_json: bool,
 ) -> None:
     """Which engine? By the run in DIR, for what is needed, and how surely."""
@@ -84,10 +86,22 @@ def select(
         with_reference=with_reference,
     )
     answer = choose(store, wish)
-    if as_json:
+    if evidence:
+        _print_evidence(answer, as_json)
+    elif as_json:
         print_json(_rows(answer))
     else:
         _print(store, answer, preset)
+
+
+def _print_evidence(answer: "Answer", as_json: bool) -> None:
+    from harness.findings.selection import listing
+
+    rows = listing.rows(answer)
+    if as_json:
+        print_json(rows)
+    else:
+        print_table("evidence", listing.BRIEF, [listing.brief(row) for row in rows])
 
 
 def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:

@@ -196,7 +196,7 @@ def _searched(
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     extended, number = list(trials), 0
     if beside := guide.beside(trials, journal.records):
-        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, guide)
+        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, cluster, guide)
         extended += beside
     searches = [
         go_on

@@ -172,6 +172,8 @@ class Bench:
 def calibrate(bench: Bench, seconds: float) -> int:
     """Warm up and find how many steps, casts or calls last `seconds` of CPU time: whole runs of a scene unless too long.
 
+    Of one that is too long it is the first half, quarter, eighth, ...: sliding may cost twice what lying still does, so that a
+    part that followed the clock would be another part, at another price, every time.
     They last less where most of a sample would go by outside the clock, in building short runs anew.
     """
     bench.start()
@@ -189,7 +191,7 @@ def calibrate(bench: Bench, seconds: float) -> int:
         spent += bench.clock(count)[0]
         done += count
     if done < bench.whole:
-        return done
+        return max(1, bench.whole >> math.ceil(math.log2(bench.whole / done)))
     runs = min(math.ceil(seconds / max(spent, 1e-7)), int(PATIENCE * seconds / max(spent + bench.starting, 1e-7)))
     return bench.whole * max(1, runs)
 

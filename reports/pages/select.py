@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from harness.findings.selection import CRITERIA
+from harness.findings.selection import CRITERIA, listing
 from harness.findings.selection.words import headline, turn_sentences
-from harness.findings.tables import selection as table
 from reports.page import Page
 from reports.selection import answer, evidence_rows, live
 from reports.sheet import sheet
@@ -43,7 +42,7 @@ def render(store: "Store") -> Mapping[str, str]:
         full=sum(row.datum.value >= 1 for row in rows),
         live=live(store),
     )
-    return {"select.html": page, "evidence.csv": sheet(table.COLUMNS, table.rows(store))}
+    return {"select.html": page, "evidence.csv": sheet(listing.COLUMNS, listing.rows(found))}
 
 
 PAGE = Page(name="select", title="Select", order=5, render=render, concerns=concerns)

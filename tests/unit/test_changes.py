@@ -181,6 +181,7 @@ def test_the_files_say_the_same_to_build_servers_and_trackers(tmp_path: Path) ->
     tests = suite.findall("testcase")
     asked = stores[1].trials.groupby(["case", "engine"]).ngroups
     assert (root.tag, suite.tag, len(tests), int(suite.attrib["tests"])) == ("testsuites", "testsuite", asked, asked)
+    assert root.attrib.keys() == {"name", "tests", "failures", "errors", "time"}  # what junit-10.xsd of Jenkins allows there
     assert len({(test.attrib["classname"], test.attrib["name"]) for test in tests}) == asked
     assert [test.attrib["name"] for test in tests if test.find("failure") is not None] == ["friction_stop"]
     assert int(suite.attrib["failures"]) == 1

@@ -1,10 +1,14 @@
-"""Limits that moved and determinism that was lost: which way, and that a bracket which may hold the same limit is no change."""
+"""Limits that moved, determinism that was lost, scenes of one's own that are agreed on no more: which way each change goes."""
 
 from dataclasses import replace
+from typing import Any, cast
 
 import pytest
 
+from harness.findings.agreement import Agreement as Agreed
+from harness.findings.agreement import Side
 from harness.findings.changes.limits import moved_limits
+from harness.findings.changes.own_verdicts import changed_words
 from harness.findings.changes.repetitions import lost_and_won
 from harness.findings.limits_found import Search, Signs
 from harness.findings.tables.determinism import Agreement
@@ -53,3 +57,23 @@ def test_a_repetition_that_gives_other_bits_now_is_lost_and_a_nudge_is_none() ->
     assert (row.sense, row.regression, row.detail) == ("worse", True, "from step 3 on")
     assert [row.sense for row in lost_and_won({"cell": differs}, {"cell": same})] == ["better"]
     assert not list(lost_and_won({"cell": same}, {"cell": replace(differs, must=False)}))
+
+
+def test_an_engine_that_agrees_no_more_is_worse_and_where_nothing_is_agreed_it_is_no_fault() -> None:
+    side = Side(engine="dart", track="tuned", ours=False, word="agrees", why="", limit=cast(Any, None))
+    agreed = Agreed(
+        case="scene:/a/robot.toml",
+        where="",
+        duration=1.0,
+        scale=cast(Any, None),
+        granted=0.01,
+        sides=(side, replace(side, track="default")),
+        differences=(),
+    )
+    elsewhere = replace(side, word="converges elsewhere"), replace(side, track="default", word="converges")
+    rows = list(changed_words([agreed], [replace(agreed, case="scene:/b/robot.toml", sides=elsewhere)]))
+    assert [(row.track, row.sense, row.before, row.after) for row in rows] == [
+        ("tuned", "worse", "agrees", "converges elsewhere"),
+        ("default", "neither", "agrees", "converges"),
+    ]
+    assert not list(changed_words([agreed], [agreed]))

@@ -13,6 +13,7 @@ from harness.findings.changes.circumstances import (
 )
 from harness.findings.changes.limits import limit_changes
 from harness.findings.changes.matching import matched
+from harness.findings.changes.own_verdicts import own_verdict_changes
 from harness.findings.changes.prices import clocked, price_changes
 from harness.findings.changes.repetitions import repetition_changes
 from harness.findings.changes.values import Change, Changes, Side
@@ -34,6 +35,7 @@ def compare(store_a: Store, store_b: Store) -> Changes:
         *price_changes(store_a, store_b, pairs),
         *_where_kept(lambda: limit_changes(store_a, store_b), "limits", unread),
         *_where_kept(lambda: repetition_changes(store_a, store_b), "determinism", unread),
+        *_where_kept(lambda: own_verdict_changes(store_a, store_b), "verdicts on scenes of one's own", unread),
         *warning_changes(store_a, store_b, pairs),
         *version_changes(store_a, store_b),
         *setting_changes(pairs),

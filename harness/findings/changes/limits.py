@@ -6,7 +6,7 @@ from harness.findings.changes.values import Change, Sense
 from harness.findings.limits_found import Search, searches
 from harness.store.store import Store
 
-__all__ = ["limit_changes", "moved_limits"]
+__all__ = ["limit_changes", "moved_limits", "searched_by"]
 
 _ANSWERED = ("limit", "beyond the extreme", "not even the easiest")
 
@@ -18,14 +18,15 @@ def limit_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
 
 def moved_limits(searched: Iterable[Search], searched_again: Iterable[Search]) -> Iterator[Change]:
     """The same of searches; those for remedies are left out."""
-    before = {_key(search): search for search in searched if not search.remedied}
+    before = {searched_by(search): search for search in searched if not search.remedied}
     for after in [search for search in searched_again if not search.remedied]:
-        earlier = before.get(_key(after))
+        earlier = before.get(searched_by(after))
         if earlier is not None and (earlier.held, earlier.broke, earlier.verdict) != (after.held, after.broke, after.verdict):
             yield _change(earlier, after)
 
 
-def _key(search: Search) -> tuple[object, ...]:
+def searched_by(search: Search) -> tuple[object, ...]:
+    """What two searches have in common that look for the same limit."""
     return search.experiment, search.case, search.where, search.engine, search.track, search.parts, search.axis
 
 

@@ -7,15 +7,17 @@ import json
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
+from harness.case.own_titles import OWN
 from harness.findings.where import in_words, other_values
 from harness.store.store import Store
 
-__all__ = ["Pair", "matched", "requested", "where_of"]
+__all__ = ["Pair", "by_question", "matched", "requested", "scene_of", "where_of"]
 
 _ASKED = (
-    "study", "experiment", "case", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
+    "study", "experiment", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
     "remedy", "parts",
 )  # fmt: skip
 _SINCE = {"clocks": "work", "workers": 1}
@@ -54,8 +56,24 @@ def matched(store_a: Store, store_b: Store) -> tuple[Pair, ...]:
     return tuple(Pair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
 
 
+def by_question(store: Store) -> dict[Hashable, Any]:
+    """The rows of the table `trials` by what they ask; those that share it (two versions side by side) by their order too."""
+    asked: Counter[Hashable] = Counter()
+    rows: dict[Hashable, Any] = {}
+    for row in store.trials.itertuples():
+        key = _key(row)
+        rows[key, asked[key]] = row
+        asked[key] += 1
+    return rows
+
+
 def _key(row: Any) -> Hashable:
-    return tuple(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
+    return scene_of(str(row.case)), *(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
+
+
+def scene_of(case: str) -> str:
+    """What a case is called wherever its file lies: two check-outs of a scene of one's own are the same question."""
+    return OWN + PurePath(case.removeprefix(OWN)).name if case.startswith(OWN) else case
 
 
 def _further(row: Any) -> Hashable:

@@ -3,19 +3,22 @@
 Best are the prices of other engines whose answers are the same to the last bit: they pass through the same hours. Where there
 are too few of them, it is the canary, a fixed kernel clocked beside each sample. Even then a process is laid out otherwise in
 memory the next time: how far prices of unchanged trials stray from run to run is read off them, and nothing below four times
-that, or below what marks a timing as unstable, is told of a single trial. Of an engine as a whole less can be told, by the
-median.
+that, or below what marks a timing as unstable, is told of a single trial; nor what is within the 99 % interval of its own
+samples, widened to Student's, since three samples say little of how far they stray. Of an engine as a whole less can be told,
+by the median. Where the clock ran over another part of the motion (a run too long for a sample), nothing is compared.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from harness.findings.changes.matching import Pair, where_of
 from harness.findings.changes.values import Beside, Change
+from harness.findings.clocked_part import clocked_part
 from harness.statistics.bootstrap import interval_of_drawn
 from harness.store.store import Store
 from harness.trajectory import Floats
@@ -40,13 +43,17 @@ _MEDIAN_ERROR = 1.2533
 
 @dataclass(frozen=True, slots=True)
 class _Price:
-    """A pair that was clocked on both sides. Terms: step: logarithm of the ratio of the medians; canary: likewise; half: of its
-    bootstrap interval; steady: the same bits, by the same version and sources; unstable: is either marked so?"""
+    """A pair that was clocked on both sides.
+
+    Terms: step: logarithm of the ratio of the medians; canary: likewise; half, sure: of its bootstrap interval of 95 % and of
+    99 %, widened to Student's; steady: the same bits, by the same version and sources; unstable: is either marked so?
+    """
 
     pair: Pair
     step: float
     canary: float
     half: float
+    sure: float
     steady: bool
     unstable: bool
 
@@ -62,6 +69,15 @@ class _Yardstick:
     spread: float
 
 
+@dataclass(frozen=True, slots=True)
+class _Samples:
+    """Of one trial. Terms: cost [s] of a unit, canary [s], each (k,). steps: of each sample."""
+
+    cost: Floats
+    canary: Floats
+    steps: int
+
+
 def clocked(pairs: Sequence[Pair]) -> list[Pair]:
     """The pairs with a price on both sides."""
     return [pair for pair in pairs if all(_positive(row.cpu_per_unit) for row in (pair.a, pair.b))]
@@ -69,8 +85,10 @@ def clocked(pairs: Sequence[Pair]) -> list[Pair]:
 
 def price_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
     """A row for each trial, and one for each engine, whose price changed beyond doubt."""
-    samples = [_samples(store) for store in (store_a, store_b)]
-    prices = [_price(pair, *samples) for pair in clocked(pairs)]
+    before, after = _samples(store_a), _samples(store_b)
+    cases = store_b.catalogue.get("cases", {})
+    same = [pair for pair in clocked(pairs) if _same_part(pair, before, after, cases)]
+    prices = [_price(pair, before, after) for pair in same]
     for engine in dict.fromkeys(price.pair.b.engine for price in prices):
         mine = [price for price in prices if price.pair.b.engine == engine]
         by = _yardstick(mine, [price for price in prices if price.pair.b.engine != engine and price.steady])
@@ -84,38 +102,58 @@ def _positive(value: Any) -> bool:
     return value is not None and value == value and value > 0
 
 
-def _samples(store: Store) -> dict[str, tuple[Floats, Floats]]:
-    """Seconds of a unit, and of the canary, of all samples by trial."""
+def _samples(store: Store) -> dict[str, _Samples]:
+    """All samples by trial."""
     table = store.samples
     if table.empty:
         return {}
     table = table.assign(cost=table["cpu"] / (table["steps"] * table.get("units", 1)))
     return {
-        str(trial): (samples["cost"].to_numpy(float), samples["canary"].to_numpy(float))
-        for trial, samples in table.groupby("trial")
+        str(trial): _Samples(rows["cost"].to_numpy(float), rows["canary"].to_numpy(float), int(rows["steps"].iloc[0]))
+        for trial, rows in table.groupby("trial")
     }
 
 
-def _price(pair: Pair, a: Mapping[str, tuple[Floats, Floats]], b: Mapping[str, tuple[Floats, Floats]]) -> _Price:
+def _same_part(
+    pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples], cases: Mapping[str, Mapping[str, Any]]
+) -> bool:
+    """Did both clocks run over the same part of the motion?"""
+    before, after = a.get(pair.a.trial), b.get(pair.b.trial)
+    if before is None or after is None:
+        return True
+    case = cases.get(pair.b.case, {})
+    return clocked_part(pair.a, before.steps, case) == clocked_part(pair.b, after.steps, case)
+
+
+def _price(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> _Price:
     step = math.log(pair.b.cpu_per_unit / pair.a.cpu_per_unit)
     before, after = a.get(pair.a.trial), b.get(pair.b.trial)
-    canary = half = 0.0
+    canary = half = sure = 0.0
     if before is not None and after is not None:
-        canary = math.log(float(np.median(after[1])) / float(np.median(before[1])))
-        low, high = interval_of_drawn(_drawn(after[0]) - _drawn(before[0]))
-        half = (high - low) / 2
+        canary = math.log(float(np.median(after.canary)) / float(np.median(before.canary)))
+        low, high = interval_of_drawn(_drawn(after.cost) - _drawn(before.cost))
+        count = min(len(before.cost), len(after.cost))
+        half, sure = (_student(count, share) / Z_95 * (high - low) / 2 for share in (0.975, 0.995))
     steady = (
         pair.same_bits
         and pair.a.engine_version == pair.b.engine_version
         and getattr(pair.a, "sources", "") == getattr(pair.b, "sources", "")
     )
     unstable = any(_unstable(row.unstable_timing) for row in (pair.a, pair.b))
-    return _Price(pair=pair, step=step, canary=canary, half=half, steady=steady, unstable=unstable)
+    return _Price(pair=pair, step=step, canary=canary, half=half, sure=sure, steady=steady, unstable=unstable)
 
 
 def _unstable(value: Any) -> bool:
     """Is a timing marked so, or is nothing said of it? Columns hold NA, NaN or None then."""
     return bool(value) if isinstance(value, bool | np.bool_) else True
+
+
+@cache
+def _student(count: int, share: float) -> float:
+    """The percentile of Student's t of so many samples."""
+    from scipy.stats import t as student  # late: a listing must not pay for it
+
+    return float(student.ppf(share, max(count - 1, 1)))
 
 
 def _drawn(values: Floats) -> Floats:
@@ -141,7 +179,7 @@ def _of_one(price: _Price, by: _Yardstick, catalogue: Mapping[str, Any]) -> Chan
     beside = price.canary if by.beside == "canary" else by.step
     step = price.step - beside
     half = max(price.half, Z_95 * math.hypot(by.spread, by.error))
-    if price.unstable or abs(step) <= max(math.log1p(TOLD), CERTAIN * by.spread, half):
+    if price.unstable or abs(step) <= max(math.log1p(TOLD), CERTAIN * by.spread, half, price.sure):
         return None
     b = price.pair.b
     return Change(

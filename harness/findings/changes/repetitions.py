@@ -7,14 +7,14 @@ from harness.findings.changes.values import Change
 from harness.findings.tables.determinism import Agreement, agreements
 from harness.store.store import Store
 
-__all__ = ["lost_and_won", "repetition_changes"]
+__all__ = ["agreements_by_cell", "lost_and_won", "repetition_changes"]
 
 _SAME, _DIFFERS = "bit-identical", "differs"
 
 
 def repetition_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
     """A row for each. Raises: StoreError, where a trajectory is not kept any more."""
-    return lost_and_won(*(_by_cell(store) for store in (store_a, store_b)))
+    return lost_and_won(*(agreements_by_cell(store) for store in (store_a, store_b)))
 
 
 def lost_and_won(before: Mapping[Any, Agreement], after: Mapping[Any, Agreement]) -> Iterator[Change]:
@@ -37,7 +37,8 @@ def lost_and_won(before: Mapping[Any, Agreement], after: Mapping[Any, Agreement]
             )
 
 
-def _by_cell(store: Store) -> dict[tuple[Any, ...], Agreement]:
+def agreements_by_cell(store: Store) -> dict[tuple[Any, ...], Agreement]:
+    """What repetitions gave, by what was repeated and how. Raises: StoreError."""
     parameters = dict(zip(store.trials["trial"], store.trials["parameters"], strict=True))
     return {
         (agreement.case, parameters.get(agreement.trial), agreement.engine, agreement.track, agreement.way): agreement

@@ -3,10 +3,11 @@
 import shlex
 from collections.abc import Iterable, Sequence
 
+from harness.case.own_titles import OWN
 from harness.findings.changes.values import Change, Changes, Value
 from harness.study.engine_versions import asked
 
-__all__ = ["command", "first_line", "folded", "headline", "sentence"]
+__all__ = ["command", "command_in", "first_line", "folded", "headline", "sentence"]
 
 _ORIGINS = {
     "adapter": "the adapter's source",
@@ -109,12 +110,18 @@ def sentence(row: Change) -> str:
 
 def command(row: Change, changes: Changes) -> str:
     """What shows a change again; '' for what is a fact about the runs."""
-    folder = changes.b.folder
+    return command_in(row, changes.b.folder)
+
+
+def command_in(row: Change, folder: str) -> str:
+    """The same, from the run folder that the change was first seen in."""
     if row.kind == "price":
         case = ["--case", row.case] if row.case else []
         return shlex.join(
             ["plumbline", "run", f"{folder}/study.toml", "--engine", asked(row.engine), *case, "--out", "build/again"]
         )
+    if not row.trial_b and row.kind == "verdict":
+        return shlex.join(["plumbline", "run", row.case.removeprefix(OWN), "--out", "build/again"])
     return shlex.join(["plumbline", "reproduce", folder, row.trial_b]) if row.trial_b else ""
 
 

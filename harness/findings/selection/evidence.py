@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Any
 
 from harness.findings.limits_found import searches
 from harness.findings.prices import PER_SECOND, Price, Prices
@@ -97,7 +98,7 @@ def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, 
         own = store.catalogue.get("cases", {}).get(case, {}).get("dt") or float(group["dt"].median())
         nearest = (group["dt"] / own).map(math.log).abs()
         row = group.loc[nearest.idxmin()].to_dict()
-        about = {"trial": str(row["trial"]), "track": str(track), "dt": float(row["dt"])}
+        about: dict[str, Any] = {"trial": str(row["trial"]), "track": str(track), "dt": float(row["dt"])}
         if row["status"] not in _ANSWERED:
             data[case, engine, track] = Datum(value=0.0, low=0.0, high=0.0, says=f"{row['status']}: {row['reason']}", **about)
             continue
@@ -108,7 +109,7 @@ def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, 
         if row["case"] in cases and (row["case"], row["engine"], row["track"]) in data:
             value = _AGREED.get(str(row["verdict"]), 0.0)
             trial = row["trials"][-1] if row["trials"] else ""
-            about = {"trial": trial, "track": str(row["track"]), "says": str(row["verdict"])}
+            about: dict[str, Any] = {"trial": trial, "track": str(row["track"]), "says": str(row["verdict"])}
             data[row["case"], row["engine"], row["track"]] = Datum(value=value, low=value, high=value, **about)
     return data
 
@@ -134,8 +135,8 @@ def _limits(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str], D
         held = search.holds[-1] if search.holds else None
         low, high = (held.reach, max(held.further, held.reach)) if held else (0.0, 0.0)
         says = f"{search.axis} held to {search.held:.3g} {search.unit}" if search.held is not None else search.verdict
-        about = {"trial": search.trial_held or search.trial_broke, "track": search.track, "dt": search.dt}
-        datum = Datum(value=low, low=low, high=high, says=says, **about)  # type: ignore[arg-type]
+        about: dict[str, Any] = {"trial": search.trial_held or search.trial_broke, "track": search.track, "dt": search.dt}
+        datum = Datum(value=low, low=low, high=high, says=says, **about)
         known = data.get((search.case, search.engine))
         if known is None or datum.value > known.value:
             data[search.case, search.engine] = datum
@@ -241,16 +242,16 @@ def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, s
         if cheapest is None:
             continue
         for engine, price in here.items():
-            about = {"trial": price.trial, "track": price.track, "dt": price.dt}
+            about: dict[str, Any] = {"trial": price.trial, "track": price.track, "dt": price.dt}
             if price.cost is None:
                 best = f", best {price.best_error:.2g}" if price.best_error is not None else ""
-                data["price", case, engine] = Datum(value=0, low=0, high=0, says=f"{price.verdict}{best}", **about)  # type: ignore[arg-type]
+                data["price", case, engine] = Datum(value=0, low=0, high=0, says=f"{price.verdict}{best}", **about)
                 continue
             low, high = (price.low or price.cost), (price.high or price.cost)
             says = f"{price.cost:.3g} CPU s a simulated second"
             values = {"value": price.cost / cheapest, "low": high / cheapest, "high": low / cheapest}
             useful = {name: _useful(times) for name, times in values.items()}
-            data["price", case, engine] = Datum(says=says, **useful, **about)  # type: ignore[arg-type]
+            data["price", case, engine] = Datum(says=says, **useful, **about)
     return data
 
 

@@ -91,7 +91,8 @@ def _scores(value: Floats, has: Floats, weights_of_cases: Floats, weights: Float
     total = shares.sum(axis=-1)
     means = np.einsum("...kc,...kce->...ke", shares, value) / np.maximum(total, _EQUAL)[..., None]
     counts = weights * (total > 0)
-    return np.einsum("...k,...ke->...e", counts, means) / np.maximum(counts.sum(axis=-1), _EQUAL)[..., None]
+    mean: Floats = np.einsum("...k,...ke->...e", counts, means) / np.maximum(counts.sum(axis=-1), _EQUAL)[..., None]
+    return mean
 
 
 def scores(evidence: Evidence, wish: Wish) -> dict[str, float]:

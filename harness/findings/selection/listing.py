@@ -1,10 +1,9 @@
-"""The evidence that a selection leans on, at equal weights: each engine in each case by each criterion, with its run."""
+"""The evidence that an answer leans on: each engine in each case by each criterion, with its run."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.findings.selection import Wish, choose
-from harness.store.store import Store
+from harness.findings.selection.choose import Answer
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows"]
 
@@ -13,9 +12,8 @@ COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track
 BRIEF = ("criterion", "case", "engine", "of 1", "because", "settings", "step", "trial")
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS, of all engines but our own."""
-    table = choose(store, Wish(), draws=1).evidence.table
+def rows(answer: Answer) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
     return [
         {
             "criterion": criterion,
@@ -29,7 +27,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
             "dt": datum.dt,
             "trial": datum.trial,
         }
-        for (criterion, case, engine), datum in sorted(table.items())
+        for (criterion, case, engine), datum in sorted(answer.evidence.table.items())
     ]
 
 

@@ -1,0 +1,42 @@
+"""The page Trends in a browser: silent, the first bad night first, groups that unfold, no sideways scrolling on a phone."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.history.regressions import read_trends
+from reports import trends_page
+from tests.browser.test_report import browser, visit  # noqa: F401 -- the fixtures
+from tests.synthetic_history import write_history
+from tests.unit.test_trends import planted
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("trends")
+    return trends_page(read_trends(write_history(folder / "h", 28, planted)), folder / "out")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_opens_in_silence_says_the_first_bad_night_first_and_unfolds(page: Path, visit: Any, scheme: str) -> None:  # noqa: F811
+    seen = visit(page, color_scheme=scheme)
+    assert seen.said == []
+    assert [url for url in seen.asked if not url.startswith(("file:", "data:"))] == []
+    nights = seen.page.locator("#worse li > time:first-child").evaluate_all("times => times.map(one => one.dateTime)")
+    assert nights == sorted(nights)
+    assert "plumbline reproduce" in seen.page.locator("#worse code").first.inner_text()
+    assert seen.page.locator("#charts svg").count() > 0
+    assert not seen.page.locator(".trend").first.is_visible()
+    seen.page.locator("details.family summary").first.click()
+    assert seen.page.locator(".trend").first.is_visible()
+
+
+def test_a_phone_needs_no_sideways_scrolling_and_the_page_is_short(page: Path, visit: Any) -> None:  # noqa: F811
+    seen = visit(page)
+    seen.page.set_viewport_size({"width": 390, "height": 844})
+    seen.page.wait_for_timeout(300)
+    assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert seen.page.evaluate("document.documentElement.scrollHeight") < 9000

@@ -109,7 +109,7 @@ def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, 
         if row["case"] in cases and (row["case"], row["engine"], row["track"]) in data:
             value = _AGREED.get(str(row["verdict"]), 0.0)
             trial = row["trials"][-1] if row["trials"] else ""
-            about: dict[str, Any] = {"trial": trial, "track": str(row["track"]), "says": str(row["verdict"])}
+            about = {"trial": trial, "track": str(row["track"]), "says": str(row["verdict"])}
             data[row["case"], row["engine"], row["track"]] = Datum(value=value, low=value, high=value, **about)
     return data
 
@@ -250,7 +250,7 @@ def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, s
             low, high = (price.low or price.cost), (price.high or price.cost)
             says = f"{price.cost:.3g} CPU s a simulated second"
             values = {"value": price.cost / cheapest, "low": high / cheapest, "high": low / cheapest}
-            useful = {name: _useful(times) for name, times in values.items()}
+            useful: dict[str, Any] = {name: _useful(times) for name, times in values.items()}
             data["price", case, engine] = Datum(says=says, **useful, **about)
     return data
 

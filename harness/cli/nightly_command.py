@@ -89,6 +89,8 @@ def _asked(
 def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
     """Carry it out and close it. Returns: is a gated engine worse?"""
     from harness.findings.summary import write_summary
+    from harness.findings.vendor.shelf import shelf
+    from harness.history.known_findings import asked_again, turned
     from harness.history.night import accounted, carry_out_night, close, compared, night_to_do
     from harness.history.words import in_short, left_out_in_short
     from harness.study.experiment import StudyError
@@ -105,8 +107,11 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
                 say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
             elif reported:
                 _publish(done, news)
-            account = accounted(history, done, news, time.monotonic() - ended)
-            summary = _write_changes(history, done, news, account)
+            about = shelf()
+            rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
+            changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
+            account = accounted(history, done, news, time.monotonic() - ended) | {"findings": rows}
+            summary = _write_changes(history, done, news, account, [turn.sentence for turn in changed])
             close(night, account)
     except StudyError as error:
         if not (night.folder / "journal.jsonl").exists():
@@ -119,6 +124,8 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     say(in_short(account))
     if line := left_out_in_short(account["left_out"]):
         say(line)
+    for turn in changed:
+        say(turn.sentence)
     barred = () if news is None else news.regressions(asked.gated)
     worse = [row for row in account["told"] if row["regression"]]
     for row in worse:
@@ -154,7 +161,9 @@ def _publish(done: "Done", news: "News | None") -> None:
     build(done.night.folder)
 
 
-def _write_changes(history: "History", done: "Done", news: "News | None", account: dict[str, Any]) -> Path:
+def _write_changes(
+    history: "History", done: "Done", news: "News | None", account: dict[str, Any], findings: Sequence[str]
+) -> Path:
     """What changed, for people, build servers and other trackers. Returns: summary.md."""
     from harness.findings.changes.files import changes_files
     from harness.history.acknowledged import acknowledged
@@ -170,7 +179,7 @@ def _write_changes(history: "History", done: "Done", news: "News | None", accoun
         write_what_changed(news.changes, folder, done.asked.gated)
     standing = open_since([night.plan for night in history.whole_nights() if night != done.night], acknowledged(history))
     path = folder / "summary.md"
-    write_atomically(path, summary(news, account, standing).encode())
+    write_atomically(path, summary(news, account, standing, findings).encode())
     return path
 
 

@@ -79,9 +79,15 @@ def open_since(plans: Iterable[Mapping[str, Any]], known: Collection[str]) -> li
     return [row for row in standing.values() if row["id"] not in known]
 
 
-def summary(news: News | None, plan: Mapping[str, Any], standing: Sequence[Mapping[str, Any]]) -> str:
-    """In Markdown: what changed, what is still worse, and what the night did; fits a comment."""
-    tail = ["", "## The night", "", markdown_cell(in_short(plan)) + "."]
+def summary(
+    news: News | None, plan: Mapping[str, Any], standing: Sequence[Mapping[str, Any]], findings: Sequence[str] = ()
+) -> str:
+    """In Markdown: what changed, what is still worse, and what the night did; fits a comment.
+
+    Args: findings: about engines, that are gone or back, in sentences.
+    """
+    tail = ["", "## Findings about engines", "", *(f"* {markdown_cell(each)}" for each in findings)] if findings else []
+    tail += ["", "## The night", "", markdown_cell(in_short(plan)) + "."]
     if line := left_out_in_short(plan["left_out"]):
         tail += ["", markdown_cell(line[0].upper() + line[1:]) + "."]
     if news is not None and news.acknowledged:

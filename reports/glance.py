@@ -22,6 +22,8 @@ __all__ = ["EXACT", "Glance", "glances", "shared_cases"]
 
 EXACT = 1e-6
 """Share of a case's scale below which an error counts as this share: a ratio of two rounding errors says nothing."""
+LEVEL = 1.01
+"""Errors within one part in a hundred of each other are level: the first digits of a figure, which is all that is shown."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,15 +31,18 @@ class Glance:
     """One engine on one track.
 
     Terms:
-        counts: status to trials. relative_cost [1]: geometric mean over the shared cases of its CPU time over that of the
-        cheapest engine that is not ours; relative_error [1]: likewise for the headline error, not below `EXACT`. shared: the
-        number of those cases. best: cases in which its headline error is the smallest of the engines that are not ours; None
-        for ours. None where it cannot be computed.
+        counts: status to trials. held: cases that passed at their own step; asked: those that were run there.
+        relative_cost [1]: geometric mean over the shared cases of its CPU time over that of the cheapest engine that is not
+        ours; relative_error [1]: likewise for the headline error, not below `EXACT`. shared: the number of those cases.
+        best: cases in which its headline error is the smallest of the engines that are not ours, or within `LEVEL` of it;
+        None for ours. None where it cannot be computed.
     """
 
     engine: str
     track: str
     counts: Mapping[str, int]
+    held: int
+    asked: int
     relative_cost: float | None
     relative_error: float | None
     shared: int
@@ -88,19 +93,23 @@ def glances(store: "Store") -> list[Glance]:
         notable = errors.div(scales.reindex(errors.index), axis=0).clip(lower=EXACT)
         even, priced = (shared_cases(frame, regular(frame, engines(store))) for frame in (notable, costs))
         by_error, by_cost = ratios(even, yardsticks), ratios(priced, yardsticks)
-        deployed = errors.drop(columns=[name for name in yardsticks if name in errors.columns]).dropna(how="all")
-        winners = deployed.idxmin(axis=1) if not deployed.empty else pd.Series(dtype=object)
+        deployed = notable.drop(columns=[name for name in yardsticks if name in notable.columns]).dropna(how="all")
+        level = deployed.le(LEVEL * deployed.min(axis=1), axis=0) if not deployed.empty else deployed
+        passed = on_track["status"].eq("passed").groupby([on_track["engine"], on_track["case"]], sort=False).all()
         for engine in engines(store):
             if (engine, track) in counts:
+                mine = passed[passed.index.get_level_values("engine") == engine]
                 entries.append(
                     Glance(
                         engine=engine,
                         track=track,
                         counts=counts[engine, track],
+                        held=int(mine.sum()),
+                        asked=len(mine),
                         relative_cost=by_cost.get(engine),
                         relative_error=by_error.get(engine),
                         shared=len(priced) if engine in by_cost else 0,
-                        best=None if engine in yardsticks else int((winners == engine).sum()),
+                        best=None if engine in yardsticks else int(level[engine].sum()) if engine in level.columns else 0,
                     )
                 )
     return sorted(entries, key=lambda glance: list(engines(store)).index(glance.engine))

@@ -109,27 +109,27 @@ def size(store: "Store") -> str:
 
 
 def leaders(store: "Store", seen: list[Glance]) -> list[str]:
-    """Who passes most of the engines that people can deploy, on each track; our own stands beside them, unranked."""
+    """Who passes most cases of the engines that people can deploy, on each track; our own stands beside them, unranked."""
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
     for track in reversed(named_tracks(store)):
         answered = [glance for glance in seen if glance.track == track and glance.counts["passed"] + glance.counts["failed"]]
-        judged = [glance for glance in answered if glance.engine not in yardsticks(store)]
+        judged = [glance for glance in answered if glance.engine not in yardsticks(store) and glance.asked]
         if len(judged) < 2:
             continue
         beside = "".join(
-            f"; the yardstick, {titles[glance.engine]}, {glance.counts['passed']}/{glance.trials}"
+            f"; the yardstick, {titles[glance.engine]}, {glance.held}/{glance.asked}"
             for glance in answered
             if glance.engine in yardsticks(store)
         )
-        share = {glance.engine: glance.counts["passed"] / glance.trials for glance in judged}
+        share = {glance.engine: glance.held / glance.asked for glance in judged}
         order = sorted(judged, key=lambda glance: -share[glance.engine])
         first = [glance for glance in order if share[glance.engine] == share[order[0].engine]]
         names = join_words(titles[glance.engine] for glance in first)
-        rest = "; ".join(f"{titles[glance.engine]} {glance.counts['passed']}/{glance.trials}" for glance in order[len(first) :])
+        rest = "; ".join(f"{titles[glance.engine]} {glance.held}/{glance.asked}" for glance in order[len(first) :])
         written.append(
-            f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most: "
-            f"{first[0].counts['passed']} of {plural(first[0].trials, 'trial')}{' each' if len(first) > 1 else ''}"
+            f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most cases at their own step: "
+            f"{first[0].held} of {first[0].asked}{' each' if len(first) > 1 else ''}"
             f"{f' ({rest})' if rest else ''}{beside}."
         )
     return written

@@ -150,9 +150,16 @@ def test_an_error_of_exactly_zero_wins_its_case_and_breaks_no_mean() -> None:
     assert seen["mujoco"].relative_error == pytest.approx(1e6)  # 1 of the scale over a millionth
 
 
+def test_errors_that_are_level_win_their_case_for_each() -> None:
+    trials = [row("a", engine, "tuned", 0.01, trial=engine) for engine in ("dart", "mujoco", "bullet")]
+    errors = {"dart": 0.5, "mujoco": 0.504, "bullet": 0.51}
+    seen = {one.engine: one.best for one in glances(Rows(trials, errors, {"a": CASE}))}
+    assert seen == {"dart": 1, "mujoco": 1, "bullet": 0}
+
+
 def test_the_summary_says_what_the_tables_say() -> None:
     told = sentences(small())
-    assert told[0] == "On the tuned track Mu passes most: 2 of 2 trials (Da 1/2); the yardstick, Ref, 2/2."
+    assert told[0] == "On the tuned track Mu passes most cases at their own step: 2 of 2 (Da 1/2); the yardstick, Ref, 2/2."
     plain = told[1].replace("\N{MULTIPLICATION SIGN}", " times")
     assert "in CPU time Mu 1 times, Da 2 times (the yardstick, Ref 4 times); in error Da 1 times, Mu 2 times" in plain
     assert plain.endswith("(the yardstick, Ref 0.5 times).")

@@ -217,3 +217,21 @@ def test_the_policy_itself_stops_a_script_that_slips_in(plain: Path, tmp_path: P
     seen = visit(page)
     assert seen.page.evaluate("window.attacked") is None
     assert any("Content Security Policy" in text for text in seen.said)
+
+
+def test_a_reader_weighs_engines_by_keyboard_and_leaves_some_out(plain: Path, visit: Any) -> None:
+    seen = visit(plain / "select.html")
+    page = seen.page
+    before = page.inner_text("#headline")
+    assert "of 10000 draws" in before
+    price = page.get_by_label("price", exact=False).first
+    price.focus()
+    price.press("End")
+    assert price.input_value() == "5"
+    page.wait_for_function("before => document.getElementById('headline').textContent !== before", arg=before)
+    assert "of 2000 draws" in page.inner_text("#headline")
+    page.get_by_label("times real time, at least").fill("100000")
+    page.wait_for_function("() => document.getElementById('headline').textContent === 'No engine is left.'")
+    assert "times real time in" in page.inner_text("#left-out")
+    assert page.locator("#places tbody tr:visible").count() == 0
+    assert seen.said == []

@@ -1,4 +1,4 @@
-"""What the tests of pages share: one browser of the whole session, and visits to pages that keep all that a page said."""
+"""What the tests of pages share: one browser, and visits to pages that keep all that a page said."""
 
 import os
 import shutil
@@ -26,9 +26,9 @@ CHROMIUM = next(
 )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def playwright() -> Iterator[Any]:
-    """What starts browsers; a process can have one of it."""
+    """What starts browsers; a process can have one of it, and no other event loop beside it: it goes when these tests are over."""
     sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: no browser is driven")
     if CHROMIUM is None:
         pytest.skip("no Chromium on this machine (apt-get install chromium, or PLUMBLINE_CHROMIUM=path)")
@@ -36,7 +36,7 @@ def playwright() -> Iterator[Any]:
         yield started
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser(playwright: Any) -> Iterator[Any]:
     """A browser for pages from disk; each visit has a context of its own."""
     chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)

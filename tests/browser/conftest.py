@@ -28,7 +28,7 @@ CHROMIUM = next(
 
 @pytest.fixture(scope="package")
 def playwright() -> Iterator[Any]:
-    """What starts browsers; a process can have one of it, and no other event loop beside it: it goes when these tests are over."""
+    """What starts browsers; no other event loop can run beside it in a process, so that it goes when these tests are over."""
     sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: no browser is driven")
     if CHROMIUM is None:
         pytest.skip("no Chromium on this machine (apt-get install chromium, or PLUMBLINE_CHROMIUM=path)")

@@ -7,7 +7,6 @@ import pytest
 
 from harness.history.regressions import read_trends
 from reports import trends_page
-from tests.browser.test_report import browser, visit  # noqa: F401 -- the fixtures
 from tests.synthetic_history import write_history
 from tests.unit.test_trends import planted
 
@@ -21,7 +20,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_opens_in_silence_says_the_first_bad_night_first_and_unfolds(page: Path, visit: Any, scheme: str) -> None:  # noqa: F811
+def test_it_opens_in_silence_says_the_first_bad_night_first_and_unfolds(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []
     assert [url for url in seen.asked if not url.startswith(("file:", "data:"))] == []
@@ -34,7 +33,7 @@ def test_it_opens_in_silence_says_the_first_bad_night_first_and_unfolds(page: Pa
     assert seen.page.locator(".trend").first.is_visible()
 
 
-def test_a_phone_needs_no_sideways_scrolling_and_the_page_is_short(page: Path, visit: Any) -> None:  # noqa: F811
+def test_a_phone_needs_no_sideways_scrolling_and_the_page_is_short(page: Path, visit: Any) -> None:
     seen = visit(page)
     seen.page.set_viewport_size({"width": 390, "height": 844})
     seen.page.wait_for_timeout(300)

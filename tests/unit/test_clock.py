@@ -175,7 +175,7 @@ def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
         place = clockwork.Place(None, first, gate)  # type: ignore[arg-type]
         threads.append(threading.Thread(target=clockwork._child, args=(theirs, [TRIAL], place, Path())))
         threads[-1].start()
-        children.append(Clocked(None, SERVER, UNWATCHED, Inbox(ours)))  # type: ignore[arg-type]
+        children.append(Clocked(SimpleNamespace(pid=None), SERVER, UNWATCHED, Inbox(ours)))  # type: ignore[arg-type]
     yield children
     for child, thread in zip(children, threads, strict=True):
         with contextlib.suppress(BrokenPipeError):

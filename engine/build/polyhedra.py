@@ -52,18 +52,25 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     facets, planes = hull.simplices, hull.equations
     kept = np.unique(facets)
     corners = points[kept]
-    open_facets = list(np.argsort(-_areas(points, facets), kind="stable"))
+    at = np.searchsorted(kept, facets)
+    left = np.ones(len(facets), bool)
     normals: list[NDArray[np.float64]] = []
     loops: list[tuple[int, ...]] = []
-    while open_facets:
-        first = open_facets[0]
+    rings_of: dict[int, list[frozenset[int]]] = {}
+    for first in np.argsort(-_areas(points, facets), kind="stable").tolist():
+        if not left[first]:
+            continue
         n, offset = planes[first, :3], planes[first, 3]
         on = np.abs(corners @ n + offset) <= FLAT * size
-        mine = [k for k in open_facets if k == first or on[np.searchsorted(kept, facets[k])].all()]
-        open_facets = [k for k in open_facets if k not in set(mine)]
-        ring = np.unique(np.searchsorted(kept, facets[mine]))
-        if any(set(ring.tolist()) <= set(loop) for loop in loops):
+        mine = left & on[at].all(axis=1)
+        mine[first] = True
+        left[mine] = False
+        ring = np.unique(at[mine])
+        members = frozenset(ring.tolist())
+        if any(members <= ring_before for ring_before in rings_of.get(int(ring[0]), ())):
             continue
+        for corner in members:
+            rings_of.setdefault(corner, []).append(members)
         middle = corners[ring].mean(axis=0)
         u = corners[ring[0]] - middle
         v = np.cross(n, u)

@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["select"]
 
-FEW = 8
-"""Cases below which a bootstrap over them says little: of seven the most that one can weigh is a seventh."""
-
 
 def _listed(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(word.strip() for text in given for word in text.split(",") if word.strip())
@@ -178,8 +175,6 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
 
 def _print_gaps(answer: "Answer") -> None:
     """What there is no evidence of, so that nobody takes silence for a good mark."""
-    if len(answer.evidence.cases) < FEW:
-        say(f"All of this leans on {len(answer.evidence.cases)} cases: too few for the shares to mean much.")
     without = [name for name in _criteria() if answer.rank is not None and name not in answer.rank.counted]
     if without:
         say(f"Nothing in this run says anything of {', '.join(without)}.")

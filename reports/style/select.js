@@ -5,7 +5,7 @@
   const source = document.getElementById("evidence");
   if (!source) return;
   const { criteria, families, cases, engines, cells, costs, presets } = JSON.parse(source.textContent);
-  const DRAWS = 2000, CONCENTRATION = 30, APART = 0.99, EQUAL = 1e-12;
+  const DRAWS = 2000, CONCENTRATION = 30, APART = 0.99, EQUAL = 1e-12, FEW = 8;
   const K = criteria.length, C = cases.length, E = engines.length;
   const at = (k, c, e) => (k * C + c) * E + e;
   const value = new Float64Array(K * C * E), low = value.slice(), high = value.slice(), has = new Uint8Array(K * C);
@@ -127,6 +127,8 @@
     else if (places.length === 1) words.textContent = `${engines[places[0].engine].title}, the only engine left.`;
     else if (level.length === 1) words.textContent = `${engines[level[0].engine].title} first, in ${percent(level[0].first)} of ${DRAWS} draws.`;
     else words.textContent = `Level: no order holds in 99 % of ${DRAWS} draws (first: ${shares}).`;
+    const counted = cases.filter((_, c) => weightOfCase(c) > 0).length;
+    if (places.length && counted < FEW) words.textContent += ` It leans on ${counted} of the cases alone: too few for a share to mean much.`;
     const body = document.querySelector("#places tbody"), rows = new Map([...body.rows].map((row) => [row.dataset.engine, row]));
     for (const row of rows.values()) row.hidden = true;
     for (const place of places) {

@@ -95,6 +95,13 @@ def test_an_engine_that_ran_in_few_of_the_cases_is_left_out_and_spoils_nothing(t
     assert [(drop.engine, drop.value) for drop in found.dropped] == [("bullet", "20 %")]
 
 
+def test_few_cases_are_said_beside_the_share_that_they_give(tmp_path: Path) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"mujoco": GOOD, "dart": EQUAL}, 0)
+    few = choose(Store(folder), Wish(cases={"joint": 1.0}), draws=100)
+    assert headline(few, str).endswith("It leans on 2 cases alone: too few for a share to mean much.")
+    assert "leans" not in headline(choose(Store(folder), Wish(), draws=100), str)
+
+
 def test_what_would_turn_the_answer_is_told(tmp_path: Path) -> None:
     """One is exact and dear, the other off and cheap: either leads once its side counts double."""
     found = answer(tmp_path, {"mujoco": Made(0.5, 0.09), "dart": Made(6.0, 0.01)}, 0, Wish(max_error=0.1))

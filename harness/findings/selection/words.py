@@ -17,8 +17,19 @@ def _listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
+FEW = 8
+"""Cases below which a bootstrap over them says little: of seven the most that one can weigh is a seventh."""
+
+
 def headline(answer: Answer, titled: Titled) -> str:
-    """Who is first, how surely, and who shares the place. Args: titled: an engine's name to its title."""
+    """Who is first, how surely, who shares the place, and on how few cases. Args: titled: an engine's name to its title."""
+    first, count = _first(answer, titled), len(answer.evidence.cases)
+    if answer.rank is None or count >= FEW:
+        return first
+    return f"{first} It leans on {count} {'case' if count == 1 else 'cases'} alone: too few for a share to mean much."
+
+
+def _first(answer: Answer, titled: Titled) -> str:
     if answer.rank is None:
         return "No engine is left that there is evidence of." if answer.dropped else "There is no evidence of these cases."
     groups = [list(group) for _, group in groupby(answer.rank.places, key=lambda place: place.number)]

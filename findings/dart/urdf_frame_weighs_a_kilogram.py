@@ -4,12 +4,12 @@
 #
 # [tool.finding]
 # engine = "dart"
-# kind = "bug"
+# kind = "trap"
 # title = "A URDF link without <inertial> gets 1 kg and 1 kg m2"
 # seen = ["6.20.0"]
-# documented = "The format says that such a link has zero mass and zero inertia."
+# documented = "A link without one is given DartLoaderOptions.mDefaultInertia, 1 kg and 1 kg m2 unless it is set. The format says that such a link has zero mass and zero inertia."
 # sources = ["URDF, link element: inertial (optional: defaults to a zero mass and zero inertia if not specified)"]
-# mend = "fixed frames merged into their parent in the file, or a small mass given to them"
+# mend = "DartLoaderOptions.mDefaultInertia set to next to nothing, or fixed frames merged into their parent in the file"
 # cases = []
 # ///
 """A link of 2 kg and 0.1 kg m2, its centre 0.5 m from a hinge, with a bare frame fixed to it 1 m from the hinge: 0.6 kg m2 are due about the hinge."""

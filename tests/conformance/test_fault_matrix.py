@@ -7,7 +7,7 @@ import pytest
 from harness.conformance import CONTROLS, Control
 from harness.conformance.faults.plant import Rewritten, plant
 from harness.study import plugins
-from tests.conformance.fault_matrix import NAMED, applied, broken_checks, caught, known, sound_failures, steps
+from tests.conformance.fault_matrix import FILE, NAMED, applied, broken_checks, caught, known, sound_failures, steps
 
 CONTROL = {control.name: control for control in CONTROLS}
 QUICK = (
@@ -33,6 +33,12 @@ QUICK = (
     ("noise_from_one_seed", "sensor_lidar_noise"),
 )
 """Two cases for each of the ten faults, the cheapest that notice at their own step."""
+
+
+def test_the_page_counts_and_names_every_planted_fault() -> None:
+    text = FILE.read_text(encoding="utf-8")
+    assert f"in one way, {len(CONTROLS)} ways in all" in text
+    assert not [name for name in CONTROL if f"| `{name}` |" not in text]
 
 
 def _look(control: Control, case: str) -> None:

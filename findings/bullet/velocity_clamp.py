@@ -12,17 +12,21 @@
 # mend = "changeDynamics(body, -1, maxJointVelocity=1e6), or createMultiBody(..., useMaximalCoordinates=1), which has no such bound"
 # cases = ["tunnel_sphere_wall", "spin_fast"]
 # ///
-"""A ball alone in space, without damping, is sent off at 300 m/s."""
+"""A ball alone in space, without damping, is sent off at 300 m/s, and another is spun at 300 rad/s."""
 
 import pybullet as p
 
 p.connect(p.DIRECT)
-ball = p.createMultiBody(baseMass=1.0)
-p.changeDynamics(ball, -1, linearDamping=0.0, angularDamping=0.0)
-p.resetBaseVelocity(ball, [300.0, 0, 0])
+p.setTimeStep(1e-4)
+thrown, spun = p.createMultiBody(baseMass=1.0), p.createMultiBody(baseMass=1.0, basePosition=[0, 9, 0])
+for ball in (thrown, spun):
+    p.changeDynamics(ball, -1, localInertiaDiagonal=[0.1] * 3)
+    p.changeDynamics(ball, -1, linearDamping=0.0, angularDamping=0.0)
+p.resetBaseVelocity(thrown, [300.0, 0, 0])
+p.resetBaseVelocity(spun, [0, 0, 0], [0, 0, 300.0])
 for _ in range(2):
     p.stepSimulation()
-speed = p.getBaseVelocity(ball)[0][0]
-print(
-    f"{'gone' if abs(speed - 300) < 1e-6 else 'still there'}: {speed:g} m/s two steps after it was sent off at 300 m/s, with no force on it"
-)
+speed, spin = p.getBaseVelocity(thrown)[0][0], p.getBaseVelocity(spun)[1][2]
+kept = abs(speed - 300) < 1e-6 and abs(spin - 300) < 1e-6
+figure = f"{speed:g} m/s two steps after it was sent off at 300 m/s, {spin:g} rad/s of 300, with no force or torque on either"
+print(f"{'gone' if kept else 'still there'}: {figure}")

@@ -5,7 +5,7 @@
 # [tool.finding]
 # engine = "dart"
 # kind = "trap"
-# title = "By default friction is bounded along two axes apart: a push at 45 degrees stops 29 % early"
+# title = "By default friction is bounded along two axes apart: a push at 45 degrees stops 30 % early"
 # seen = ["6.20.0"]
 # documented = "The default solver is a boxed LCP (Dantzig), whose box bounds each direction of friction by itself; the conic solvers NSGS and FBF are offered beside it."
 # sources = ["dartpy.constraint: DantzigBoxedLcpSolver, NsgsFrictionSolver, FbfFrictionSolver"]

@@ -5,7 +5,7 @@
 # [tool.finding]
 # engine = "mujoco"
 # kind = "trap"
-# title = "By default the cone of friction is a pyramid: a push at 45 degrees goes 41 % too far"
+# title = "By default the cone of friction is a pyramid: a push at 45 degrees goes 42 % too far"
 # seen = ["4.0.0"]
 # documented = "option/cone is pyramidal by default; the elliptic one is offered as the better model of the physical reality."
 # sources = ["MuJoCo, XML Reference: option, cone", "MuJoCo, Computation: friction cones"]

@@ -25,7 +25,7 @@ APART = 0.99
 """In this share of the draws an engine has to be ahead of another for their order to be stated. Of two equal engines either may
 come out ahead by chance, so that one pair in fifty of equals is given an order."""
 CONCENTRATION = 30.0
-"""Of the Dirichlet distribution, all weights together: of six equal weights each is off by a third, sqrt(5/31) times itself."""
+"""Of the Dirichlet distribution, all weights together: of six equal weights each is off by two fifths, sqrt(5/31) of itself."""
 _EQUAL = 1e-12
 
 

@@ -95,7 +95,8 @@ def summary(
     for row in standing[:_FIRST]:
         if row is standing[0]:
             tail += ["", f"## Still worse since an earlier night ({len(standing)})", ""]
-        tail.append(f"* {row['first_seen']}: {markdown_cell(row['sentence'])} `plumbline history ack {row['id']} --note WHY --history DIR`")
+        seen = f"plumbline history ack {row['id']} --note WHY --history DIR"
+        tail.append(f"* {row['first_seen']}: {markdown_cell(row['sentence'])} `{seen}`")
     if news is None:
         head = "# What changed\n\nNothing of this night was seen before: there is nothing to compare it with.\n"
     else:

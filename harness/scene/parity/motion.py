@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene.importers.poses import Array, Pose, screw
+from harness.scene.importers.poses import Array, Pose
 from harness.scene.parity.facts import FIXED, RobotFacts
 
 __all__ = ["Configuration", "Dynamics", "RTOL", "after", "dynamics", "motion_size", "passive"]
@@ -45,58 +45,152 @@ def first_rates(robot: RobotFacts) -> list[int]:
     return [0, *np.cumsum([_SIZE[joint.kind] for joint in robot.joints]).tolist()]
 
 
-def dynamics(robot: RobotFacts, at: Configuration, gravity: Array) -> Dynamics:
-    """Inertia and bias forces at a configuration with rates."""
-    starts = first_rates(robot)
-    n = starts[-1]
-    M, bias = np.zeros((n, n)), np.zeros(n)
-    still = (Pose(np.eye(3), np.zeros(3)), np.zeros((6, n)), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
-    states = {FIXED: still}
-    for k, joint in enumerate(robot.joints):
-        X, J, w, v, dw, dv = states[joint.parent]
-        here, J = slice(starts[k], starts[k + 1]), J.copy()
-        rate = at.rates[here]
-        if joint.kind in ("revolute", "prismatic"):
-            slides = joint.kind == "prismatic"
-            axis = X.R @ joint.axis
-            S_w, S_v = (
-                (np.zeros((3, 1)), axis[:, None]) if slides else (axis[:, None], np.cross(X.of(joint.anchor), axis)[:, None])
-            )
-            step = screw(
-                joint.axis / np.linalg.norm(joint.axis), joint.anchor, 0.0 if slides else at.q[k], at.q[k] if slides else 0.0
-            )
-        else:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tree:
+    """A robot's numbers in rows, one a joint (N) or a massive group (B), and which rates (n) move which of them.
+
+    Terms: starts: first rate of each joint, and n. owns, moves (N, n): the rates of the joint itself, and with those before it.
+    before (N, N): 1 for a joint and all before it. axes, anchors, unit (N, 3); hinges, slides (N,): 1 where it is one.
+    bodies (B,): rows of the joints that move the groups. mass (B,), centre (B, 3), inertia (B, 3, 3).
+    """
+
+    starts: list[int]
+    parents: list[int]
+    owns: Array
+    moves: Array
+    before: Array
+    axes: Array
+    unit: Array
+    anchors: Array
+    hinges: Array
+    slides: Array
+    bodies: list[int]
+    mass: Array
+    centre: Array
+    inertia: Array
+
+
+def _tree(robot: RobotFacts) -> _Tree:
+    starts, count = first_rates(robot), len(robot.joints)
+    rows = {joint.name: k for k, joint in enumerate(robot.joints)}
+    parents = [-1 if joint.parent == FIXED else rows[joint.parent] for joint in robot.joints]
+    before, owns = np.eye(count), np.zeros((count, starts[-1]))
+    for k, parent in enumerate(parents):
+        owns[k, starts[k] : starts[k + 1]] = 1.0
+        if parent >= 0:
+            before[k] += before[parent]
+    axes = np.array([joint.axis for joint in robot.joints]).reshape(count, 3)
+    hinges = np.array([float(joint.kind == "revolute") for joint in robot.joints])
+    slides = np.array([float(joint.kind == "prismatic") for joint in robot.joints])
+    solids = [robot.masses[joint.name] for joint in robot.joints if joint.name in robot.masses]
+    solids = [solid for solid in solids if solid.mass > 0]
+    lengths = np.linalg.norm(axes, axis=1, keepdims=True)
+    return _Tree(
+        starts=starts,
+        parents=parents,
+        owns=owns,
+        moves=before @ owns,
+        before=before,
+        axes=axes,
+        unit=axes / np.where(lengths > 0, lengths, 1.0),
+        anchors=np.array([joint.anchor for joint in robot.joints]).reshape(count, 3),
+        hinges=hinges,
+        slides=slides,
+        bodies=[rows[solid.joint] for solid in solids],
+        mass=np.array([solid.mass for solid in solids]),
+        centre=np.array([solid.centre for solid in solids]).reshape(-1, 3),
+        inertia=np.array([solid.inertia for solid in solids]).reshape(-1, 3, 3),
+    )
+
+
+def _hat(v: Array) -> Array:
+    """The matrices of cross products with the rows of v; (..., 3) -> (..., 3, 3)."""
+    return np.asarray(v @ _LEVI_CIVITA.reshape(3, 9)).reshape(*v.shape[:-1], 3, 3)
+
+
+_LEVI_CIVITA = np.array(
+    [[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0]]],
+    dtype=np.float64,
+)
+
+
+def _crossed(a: Array, b: Array) -> Array:
+    """Cross products row by row."""
+    return np.asarray((_hat(a) @ b[..., None])[..., 0])
+
+
+def _lines(robot: RobotFacts, tree: _Tree, at: Configuration) -> tuple[Array, Array, Array]:
+    """R (N, 3, 3) and p (N, 3) of each joint's displacement in W, and the twists S (6, n) of its rates about W's origin."""
+    angle, K = at.q * tree.hinges, _hat(tree.unit)
+    steps = np.eye(3) + np.sin(angle)[:, None, None] * K + (1 - np.cos(angle))[:, None, None] * (K @ K)
+    shifts = tree.anchors - (steps @ tree.anchors[..., None])[..., 0] + (at.q * tree.slides)[:, None] * tree.unit
+    R, p = np.empty((len(steps), 3, 3)), np.empty((len(steps), 3))
+    S = np.zeros((6, tree.starts[-1]))
+    for k, (joint, parent) in enumerate(zip(robot.joints, tree.parents, strict=True)):
+        R_WP, p_WP = (R[parent], p[parent]) if parent >= 0 else (_UNTURNED, _NOWHERE)
+        step, shift = steps[k], shifts[k]
+        if joint.kind in ("ball", "free"):
             turned = at.turned.get(k)
-            step = Pose(np.eye(3), np.zeros(3)) if turned is None else turned
-            origin = X.of(step.of(joint.anchor))
-            S_w, S_v = X.R, np.cross(origin, X.R.T).T
+            if turned is not None:
+                step, shift = turned.R, turned.p
+            here = tree.starts[k]
+            S[:3, here : here + 3] = R_WP
+            S[3:, here : here + 3] = _hat(R_WP @ (step @ tree.anchors[k] + shift) + p_WP) @ R_WP
             if joint.kind == "free":
-                S_w, S_v = np.hstack([S_w, np.zeros((3, 3))]), np.hstack([S_v, X.R])
-        own_w, own_v = S_w @ rate, S_v @ rate
-        dw, dv = dw + np.cross(w, own_w), dv + np.cross(w, own_v) + np.cross(v, own_w)
-        if joint.kind == "free":
-            dv = dv + np.cross(X.R @ rate[3:], own_w)  # its own origin moves on, and with it the point that it turns about
-        w, v, X = w + own_w, v + own_v, X @ step
-        J[:3, here], J[3:, here] = S_w, S_v
-        states[joint.name] = (X, J, w, v, dw, dv)
-        solid = robot.masses.get(joint.name)
-        if solid is None or solid.mass <= 0:
-            continue
-        centre, inertia = X.of(solid.centre), X.R @ solid.inertia @ X.R.T
-        J_v = J[3:] + np.cross(J[:3].T, centre).T
-        acceleration = dv + np.cross(dw, centre) + np.cross(w, v + np.cross(w, centre)) - gravity
-        M += solid.mass * J_v.T @ J_v + J[:3].T @ inertia @ J[:3]
-        bias += solid.mass * J_v.T @ acceleration + J[:3].T @ (inertia @ dw + np.cross(w, inertia @ w))
+                S[3:, here + 3 : here + 6] = R_WP
+        else:
+            axis = R_WP @ tree.axes[k]
+            if joint.kind == "prismatic":
+                S[3:, tree.starts[k]] = axis
+            else:
+                S[:3, tree.starts[k]] = axis
+                S[3:, tree.starts[k]] = _hat(R_WP @ tree.anchors[k] + p_WP) @ axis
+        R[k] = R_WP @ step
+        p[k] = R_WP @ shift + p_WP
+    return R, p, S
+
+
+_UNTURNED, _NOWHERE = np.eye(3), np.zeros(3)
+
+
+def dynamics(robot: RobotFacts, at: Configuration, gravity: Array, tree: _Tree | None = None) -> Dynamics:
+    """Inertia and bias forces at a configuration with rates. Args: tree: the robot's, where it is worked out already."""
+    tree = tree or _tree(robot)
+    R, p, S = _lines(robot, tree, at)
+    own = (tree.owns * at.rates) @ S.T
+    V = tree.before @ own
+    before, own_w = V - own, own[:, :3]
+    c = np.hstack([_crossed(before[:, :3], own_w), _crossed(before[:, :3], own[:, 3:]) + _crossed(before[:, 3:], own_w)])
+    for k, joint in enumerate(robot.joints):
+        if joint.kind == "free":  # its own origin moves on, and with it the point that it turns about
+            moving = S[3:, tree.starts[k] + 3 : tree.starts[k] + 6] @ at.rates[tree.starts[k] + 3 : tree.starts[k] + 6]
+            c[k, 3:] += np.cross(moving, own_w[k])
+    V, A, R = V[tree.bodies], (tree.before @ c)[tree.bodies], R[tree.bodies]
+    w, mass = V[:, :3], tree.mass[:, None]
+    centre = (R @ tree.centre[..., None])[..., 0] + p[tree.bodies]
+    inertia = R @ tree.inertia @ R.transpose(0, 2, 1)
+    force = mass * (A[:, 3:] + _crossed(A[:, :3], centre) + _crossed(w, V[:, 3:] + _crossed(w, centre)) - gravity)
+    spin = (inertia @ w[..., None])[..., 0]
+    moment = (inertia @ A[:, :3, None])[..., 0] + _crossed(w, spin) + _crossed(centre, force)
+    arm, spatial = _hat(centre), np.empty((len(tree.bodies), 6, 6))
+    spatial[:, :3, :3] = inertia - mass[..., None] * (arm @ arm)
+    spatial[:, :3, 3:] = mass[..., None] * arm
+    spatial[:, 3:, :3] = -spatial[:, :3, 3:]
+    spatial[:, 3:, 3:] = mass[..., None] * np.eye(3)
+    moves = tree.moves[tree.bodies]
+    J = moves[:, None, :] * S
+    M = (J.transpose(0, 2, 1) @ (spatial @ J)).sum(axis=0)
+    bias = (S.T * (moves.T @ np.hstack([moment, force]))).sum(axis=1)
     return Dynamics(M, bias)
 
 
-def passive(robot: RobotFacts, at: Configuration, gravity: Array) -> tuple[Array, Array]:
+def passive(robot: RobotFacts, at: Configuration, gravity: Array, tree: _Tree | None = None) -> tuple[Array, Array]:
     """Mass matrix with armature, and the forces that decelerate: bias, dampers and springs; M qdd = -forces."""
-    terms, starts = dynamics(robot, at, gravity), first_rates(robot)
+    terms, starts = dynamics(robot, at, gravity, tree), first_rates(robot) if tree is None else tree.starts
     M, forces = terms.M, terms.bias.copy()
     for k, joint in enumerate(robot.joints):
-        here = np.arange(starts[k], starts[k + 1])
-        M[here, here] += joint.armature
+        here = slice(starts[k], starts[k + 1])
+        M.flat[starts[k] * (len(M) + 1) : starts[k + 1] * (len(M) + 1) : len(M) + 1] += joint.armature
         forces[here] += joint.damping * at.rates[here]
         if joint.kind in ("revolute", "prismatic"):
             forces[here] += joint.stiffness * (at.q[k] - joint.rest)
@@ -112,7 +206,7 @@ def after(robot: RobotFacts, start: Configuration, gravity: Array, duration: flo
     from scipy.integrate import solve_ivp
 
     turning = [k for k, joint in enumerate(robot.joints) if joint.kind in ("ball", "free")]
-    count, calls = len(robot.joints), 0
+    count, calls, tree = len(robot.joints), 0, _tree(robot)
 
     def unpacked(y: Array) -> Configuration:
         turned = {}
@@ -128,13 +222,13 @@ def after(robot: RobotFacts, start: Configuration, gravity: Array, duration: flo
         if calls > MOST or not np.isfinite(y).all():
             raise _Stiff
         at = unpacked(y)
-        M, forces = passive(robot, at, gravity)
-        starts, dq, more = first_rates(robot), np.zeros(count), []
+        M, forces = passive(robot, at, gravity, tree)
+        dq, more = np.zeros(count), []
         for k, joint in enumerate(robot.joints):
-            rate = at.rates[starts[k] : starts[k + 1]]
+            rate = at.rates[tree.starts[k] : tree.starts[k + 1]]
             if k in at.turned:
                 w, v = rate[:3], rate[3:] if joint.kind == "free" else np.zeros(3)
-                more += [np.cross(w, at.turned[k].R.T).T.ravel(), v]
+                more += [(_hat(w) @ at.turned[k].R).ravel(), v]
             else:
                 dq[k] = rate[0]
         return np.concatenate([dq, *more, np.linalg.solve(M, -forces)])

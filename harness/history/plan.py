@@ -1,5 +1,6 @@
 """In which order a night goes through its blocks, and which of them its budget leaves out."""
 
+import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from statistics import mean
@@ -11,8 +12,9 @@ __all__ = ["Left", "LeftOut", "Plan", "Why", "ranked"]
 
 Left: TypeAlias = Callable[[], float]
 """Seconds that are left, infinite without a budget."""
-TROUBLED_SHARE = 1 / 3
-"""Of a budget, for what is only noisy or was worse lately: else what has never been seen would never be."""
+TROUBLED_SHARE, KNOWN_SHARE = 1 / 3, 2 / 3
+"""Of a budget: for what is only noisy or was worse lately, so that the rest is seen too; and for all that was ever seen, while
+something never was: a night that sees nothing twice notices nothing, one that sees nothing new never comes to the end."""
 LARGEST, LONGEST = 12, 120.0
 """Blocks of a batch, and seconds that they are foreseen to take: a batch is clocked before the next one is answered."""
 
@@ -37,12 +39,12 @@ class LeftOut:
 
 
 def ranked(blocks: Collection[Block], seen: Mapping[Key, Seen]) -> list[Block]:
-    """Most valuable first: what changed, what was worse or noisy lately, then what was seen the longest time ago or never."""
+    """Most valuable first: what changed, what was worse or noisy lately, what was seen the longest time ago, what never was."""
 
     def rank(block: Block) -> tuple[int, str]:
         known = seen.get(block.key)
         if known is None:
-            return 2, ""
+            return 3, ""
         if known.sight.digest != block.digest:
             return 0, known.night.stamp
         return (1 if known.troubled else 2), known.night.stamp
@@ -73,23 +75,33 @@ class Plan:
         return mean(alike) if alike else None
 
     def batches(self, left: Left) -> Iterator[list[Block]]:
-        """Blocks that fit into what is left, batch by batch; what does not stays behind in `waiting`."""
-        for_troubled = TROUBLED_SHARE * left()
+        """Blocks that fit into what is left, batch by batch; what does not stays behind in `waiting`.
+
+        Where the shares leave time over in the end, what they held back follows.
+        """
+        news = any(block.key not in self.seen for block in self.waiting)
+        troubled, known = TROUBLED_SHARE * left(), KNOWN_SHARE * left() if news else math.inf
+        for shares in ({"troubled": troubled, "known": known}, {}):
+            yield from self._within(left, shares)
+
+    def _within(self, left: Left, shares: dict[str, float]) -> Iterator[list[Block]]:
+        """The batches of one way through. Args: shares [s]: what blocks of a kind may take together."""
         skipped: list[Block] = []
         while self.waiting:
             batch, seconds, unknown = list[Block](), 0.0, set[str]()
             while self.waiting and len(batch) < LARGEST and seconds < LONGEST:
                 block = self.waiting[0]
-                foreseen, troubled = self.foreseen(block), self._troubled(block)
+                foreseen, counted = self.foreseen(block), [kind for kind in self._kinds(block) if kind in shares]
                 if (foreseen is None and block.experiment in unknown) or (batch and (foreseen is None) != bool(unknown)):
                     break  # what one block of an experiment takes is learnt before others are begun, and keeps none waiting
                 self.waiting.pop(0)
-                if seconds + (foreseen or 0.0) >= left() or (troubled and (foreseen or 0.0) > for_troubled):
+                if seconds + (foreseen or 0.0) >= left() or any((foreseen or 0.0) > shares[kind] for kind in counted):
                     skipped.append(block)
                     continue
                 if foreseen is None:
                     unknown.add(block.experiment)
-                for_troubled -= (foreseen or 0.0) if troubled else 0.0
+                for kind in counted:
+                    shares[kind] -= foreseen or 0.0
                 batch.append(block)
                 seconds += foreseen or 0.0
             if not batch:
@@ -109,6 +121,9 @@ class Plan:
             foreseen=self.foreseen(block),
         )
 
-    def _troubled(self, block: Block) -> bool:
+    def _kinds(self, block: Block) -> list[str]:
+        """Which shares of the budget it counts for; what changed counts for none."""
         known = self.seen.get(block.key)
-        return known is not None and known.troubled and known.sight.digest == block.digest
+        if known is None or known.sight.digest != block.digest:
+            return []
+        return ["known", "troubled"] if known.troubled else ["known"]

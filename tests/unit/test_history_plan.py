@@ -39,7 +39,7 @@ def test_what_changed_goes_first_then_trouble_then_what_was_seen_longest_ago() -
         ("plain", "troubled"): seen("troubled", NIGHTS[1], 1.0, troubled=True),
         ("plain", "changed"): seen("changed", NIGHTS[1], 1.0, changed=True),
     }
-    assert [b.case for b in ranked(blocks, known)] == ["changed", "troubled", "new", "seen early", "seen late"]
+    assert [b.case for b in ranked(blocks, known)] == ["changed", "troubled", "seen early", "seen late", "new"]
 
 
 def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
@@ -57,16 +57,32 @@ def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
     assert (out.case, out.foreseen, out.last_seen) == ("b", 150.0, NIGHTS[0])
 
 
-def test_trouble_gets_a_third_of_a_budget_at_most() -> None:
-    """Else what is noisy every night would keep out what was never seen."""
+def _carried(plan: Plan, budget: float, takes: float) -> list[str]:
+    """The cases in their order, each of which takes so long. Args: budget, takes [s]."""
+    left, carried = [budget], list[str]()
+    for batch in plan.batches(lambda: left[0]):
+        for one in batch:
+            carried.append(one.case)
+            plan.taken[one.key] = takes
+            left[0] -= takes
+    return carried
+
+
+def test_trouble_gets_a_third_of_a_budget_until_the_rest_is_done() -> None:
+    """Else what is noisy every night would keep out all that is not."""
     known = {("plain", case): seen(case, NIGHTS[0], 20.0, troubled=True) for case in "abcd"}
     known |= {("plain", "e"): seen("e", NIGHTS[0], 20.0)}
-    plan, left = (
-        Plan(ranked([block(case) for case in "abcde"], known), known, {("plain", case): 1.0 for case in "abcde"}),
-        100.0,
-    )
-    carried = [one.case for batch in plan.batches(lambda: left) for one in batch]
-    assert carried == ["a", "e"]
+    plan = Plan(ranked([block(case) for case in "abcde"], known), known, {("plain", case): 1.0 for case in "abcde"})
+    assert _carried(plan, 100.0, 30.0) == ["a", "e", "b"]
+
+
+def test_while_something_was_never_seen_a_third_of_the_budget_is_its() -> None:
+    """A night has something to compare with what earlier ones saw, and comes to the end of its study all the same."""
+    known = {("plain", case): seen(case, NIGHTS[0], 20.0) for case in "abcd"}
+    due = {("plain", case): 1.0 for case in "abcdefg"}
+    assert _carried(Plan(ranked([block(case) for case in "efgabcd"], known), known, due), 100.0, 30.0) == ["a", "b", "e"]
+    assert _carried(Plan(ranked([block(case) for case in "abcde"], known), known, due), 200.0, 30.0) == [*"abcde"]
+    assert _carried(Plan(ranked([block(case) for case in "abcd"], known), known, due), 100.0, 30.0) == [*"abc"]
 
 
 def test_what_an_unknown_block_takes_is_learnt_from_the_first_of_its_experiment() -> None:

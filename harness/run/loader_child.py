@@ -22,8 +22,10 @@ def main(name: str, file: str, out: str, way: str, root: Root, *packages: str) -
     request = Request(way=way, root=root, packages=folders)
     try:
         answer = stored(plugins.adapter(name).load_robot(Path(file), request))
-    except (Unavailable, Unsupported) as error:
-        answer = {"why": str(error)}
+    except Unsupported as error:
+        answer = {"what": error.what, "why": error.why}
+    except Unavailable as error:
+        answer = {"what": "the engine", "why": str(error)}
     Path(out).write_text(json.dumps(answer), encoding="utf-8")
 
 

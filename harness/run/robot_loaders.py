@@ -32,5 +32,5 @@ def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
             raise Unsupported("the file", f"the loader died with code {done.returncode}: {message}")
         answer = json.loads(out.read_text(encoding="utf-8"))
     if "why" in answer:
-        raise Unsupported("the file", one_line(answer["why"], 400))
+        raise Unsupported(answer["what"], one_line(answer["why"], 400))
     return restored(answer)

@@ -9,7 +9,7 @@ from harness.findings.changes import Change
 from harness.history.acknowledged import Acknowledgement
 from harness.history.folder import Night
 from harness.history.identity import Named
-from harness.history.price_steps import price_steps
+from harness.history.price_steps import CHANCE_OF_ALL, price_steps
 from harness.history.regressions import Dated, date, named_by, same_slope
 from harness.history.series import Readings
 from harness.store.store import Store
@@ -56,7 +56,8 @@ def over_nights(
         late = late[max(0, len(late) - int(max(left, 0.0) * SHARE / seconds)) :]
     readings = _prices(late)
     readings.add(tonight, store)
-    steps = tuple(price_steps(readings.series()))
+    # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
+    steps = tuple(price_steps(readings.series(), CHANCE_OF_ALL / len(readings.nights)))
     plans = [night.plan for night in late]
     told = [*named_by(plans), *(Named.of(row, tonight.stamp) for row in own)]
     dated = date(readings.nights, [(step.night, step.change) for step in steps], known, told, same_slope(steps))

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.conformance import CHECKS
+from harness.conformance import CHECKS, gate
 from harness.conformance.apart import outcomes_in
 from harness.conformance.smoke import SMOKE
 from harness.run.campaign import carry_out
@@ -198,7 +198,7 @@ def test_the_whole_kit_is_put_to_a_version_on_its_own_interpreter(
     outcomes = outcomes_in(made, packed.name, ("tuned",))
     assert [outcome.check for outcome in outcomes] == [check.name for check in CHECKS]
     assert {outcome.engine for outcome in outcomes} == {packed.name}
-    assert {outcome.status for outcome in outcomes} == {"passed", "known", "not_applicable"}
+    assert gate(outcomes)
     done = printed("check", f"mujoco={packed.wheel}", "--track", "tuned")
     assert done.returncode == 0
     assert f"MuJoCo {packed.version}: {len(CHECKS)} checks" in done.stdout

@@ -7,7 +7,7 @@ import click
 from harness.cli.guard import say
 from harness.cli.listing import print_json, print_table
 from harness.cli.options import json_rows
-from harness.cli.seconds import Seconds
+from harness.cli.seconds import DAY, Age
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,25 +16,11 @@ if TYPE_CHECKING:
 
 __all__ = ["at_hand", "history"]
 
-DAY = 86400.0
-
-
-class _Age(Seconds):
-    """Seconds, minutes, hours, or days by their letter."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The time [s]. Raises: click.BadParameter."""
-        text = str(value).strip()
-        days = text.removesuffix("d")
-        if days != text and days.replace(".", "", 1).isdigit() and len(days) < 10:
-            text = str(float(days) * DAY)
-        return super().convert(text, param, ctx)
-
 
 @click.command()
 @click.argument("address", metavar="DIR")
 @click.option("--prune", is_flag=True, help="Take old nights away, and what of the pool no other night names.")
-@click.option("--older", type=_Age(0.0, 1e11), metavar="T", help="Nights that began longer ago, like 90d.")
+@click.option("--older", type=Age(0.0, 1e11), metavar="T", help="Nights that began longer ago, like 90d.")
 @click.option("--keep-nights", type=click.IntRange(min=1), metavar="N", help="All nights but the last N.")
 @click.option("--dry-run", is_flag=True, help="Say what would go, and leave it.")
 @json_rows

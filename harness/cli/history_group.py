@@ -84,18 +84,23 @@ def _rows(read: "Trends") -> list[dict[str, object]]:
 @click.option("--history", "address", required=True, metavar="DIR", help="The history that the change is of.")
 def ack(name: str, note: str, address: str) -> None:
     """Write down that the change ID was seen: it is not told again."""
+    from dataclasses import replace
+
     from harness.history.acknowledged import acknowledge
+    from harness.history.identity import Named
     from harness.history.regressions import read_trends
 
     with at_hand(address) as kept:
-        known = {one.id: one.sentence for one in read_trends(kept).dated}
-        known |= {str(row["id"]): str(row["sentence"]) for night in kept.nights() for row in night.plan.get("told", ())}
+        known = {one.id: (one.sentence, replace(Named.of(one.first, one.stamp), id=one.id)) for one in read_trends(kept).dated}
+        rows = [row for night in kept.nights() for row in night.plan.get("told", ())]
+        known |= {str(row["id"]): (str(row["sentence"]), Named.told(row)) for row in rows}
         matching = sorted(full for full in known if full.startswith(name))
         if len(matching) != 1:
             what = "no change of this history" if not matching else f"{len(matching)} changes begin so"
             raise click.BadParameter(f"{name!r}: {what}; `plumbline history trends` lists them", param_hint="ID")
-        entry = acknowledge(kept, matching[0], note)
-        say(f"{entry.id} acknowledged: {known[entry.id]}")
+        text, change = known[matching[0]]
+        acknowledge(kept, change, note)
+        say(f"{change.id} acknowledged: {text}")
     _send(address)
 
 

@@ -7,6 +7,7 @@ import click
 from harness.cli.guard import GATE, say, stop
 from harness.cli.listing import print_json, print_table
 from harness.cli.options import json_rows
+from harness.cli.seconds import DAY, Age
 
 __all__ = ["cases", "check", "engines", "left_out"]
 
@@ -15,10 +16,19 @@ _ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed":
 
 
 @click.command()
+@click.option("--prune", is_flag=True, help="Take away environments of versions that were made under another lock.")
+@click.option("--older", type=Age(0.0, 1e11), default="30d", show_default=True, metavar="T", help="Unasked for so long.")
+@click.option("--dry-run", is_flag=True, help="Say what would go, and leave it.")
 @json_rows
-def engines(as_json: bool) -> None:
-    """List what is installed: version, features, and why something is unavailable."""
+def engines(prune: bool, older: float, dry_run: bool, as_json: bool) -> None:
+    """List what is installed: version, features, and why something is unavailable; or prune environments of versions."""
     from harness.study import plugins
+
+    if dry_run and not prune:
+        raise click.UsageError("--dry-run is for --prune")
+    if prune:
+        _prune(older, dry_run)
+        return
     from harness.study.catalogue import describe_engine
 
     rows = [describe_engine(adapter) for adapter in plugins.adapters().values()]
@@ -29,6 +39,16 @@ def engines(as_json: bool) -> None:
         (r["name"], r["title"], r["version"] or f"unavailable: {r['unavailable']}", ", ".join(r["features"])) for r in rows
     ]
     print_table("Engines", ("name", "engine", "version", "features"), shown)
+
+
+def _prune(older: float, dry_run: bool) -> None:
+    from harness.run.old_environments import old_environments, remove
+
+    old = [each for each in old_environments(older) if dry_run or remove(each)]
+    for each in old:
+        say(f"{'would go' if dry_run else 'went'}: {each.folder.name}, unasked for {each.unasked / DAY:.0f} days")
+    freed = "would be freed; without --dry-run they go" if dry_run else "freed"
+    say(f"{len(old)} environments: {sum(each.bytes for each in old) / 2**20:.1f} MB {freed}")
 
 
 def left_out(*kinds: str) -> list[str]:
@@ -64,27 +84,37 @@ def cases(as_json: bool) -> None:
 @click.option("--verbose", is_flag=True, help="Each check on each track, with what passed and what is not claimed.")
 @json_rows
 def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) -> None:
-    """Put one adapter, built in or third-party, through the conformance kit."""
+    """Put one adapter, built in or third-party, through the conformance kit; also ENGINE==VERSION or ENGINE=FILE.whl."""
     from dataclasses import asdict
 
+    from harness.cli.chosen_engines import chosen_engines
     from harness.conformance import gate, run_conformance
+    from harness.conformance.apart import outcomes_in
     from harness.study import plugins
+    from harness.study.environments import environment_of
 
-    adapter = plugins.adapter(engine)
-    version, reason = plugins.version_of(adapter)
-    if reason is not None:
-        stop(GATE, f"{engine}: unavailable: {reason}")
-    outcomes = run_conformance(adapter, tracks=tracks or ("default", "tuned"))
+    ((name, adapter),) = chosen_engines((engine,)).items()
+    environment = environment_of(name) if name != engine else None
+    chosen = tracks or ("default", "tuned")
+    if environment is not None and environment.executable:
+        # Also where the smoke checks say no: the kit names all that does.
+        version = environment.version
+        title, outcomes = adapter.title, outcomes_in(environment, name, chosen)
+    else:
+        version, reason = plugins.version_of(adapter)
+        if reason is not None:
+            stop(GATE, f"{engine}: unavailable: {reason}")
+        title, outcomes = f"{adapter.title} {version}", run_conformance(adapter, tracks=chosen)
     if as_json:
         print_json([asdict(outcome) for outcome in outcomes])
     else:
         shown = [o for o in outcomes if verbose or _ORDER[o.status] < _ORDER["not_applicable"]]
         rows = [(o.track, o.check, o.status, o.message) for o in sorted(shown, key=lambda o: _ORDER[o.status])]
         if rows:
-            print_table(f"{adapter.title} {version}", ("track", "check", "status", "finding"), rows)
+            print_table(title, ("track", "check", "status", "finding"), rows)
         counts = {status: sum(o.status == status for o in outcomes) for status in dict.fromkeys(o.status for o in outcomes)}
         checks = len({o.check for o in outcomes})
         told = ", ".join(f"{n} {status}" for status, n in counts.items())
-        say(f"{adapter.title} {version}: {checks} checks: {told}{'' if verbose else '; --verbose shows each'}")
+        say(f"{title}: {checks} checks: {told}{'' if verbose else '; --verbose shows each'}")
     if not gate(outcomes):
         sys.exit(GATE)

@@ -88,6 +88,7 @@ def _asked(
 
 def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
     """Carry it out and close it. Returns: is a gated engine worse?"""
+    from harness.findings.changes.words import headline
     from harness.findings.summary import write_summary
     from harness.findings.vendor.shelf import shelf
     from harness.history.known_findings import asked_again, turned
@@ -126,6 +127,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
         say(line)
     for turn in changed:
         say(turn.sentence)
+    say("nothing of it was seen before" if news is None else headline(news.changes))
     barred = () if news is None else news.regressions(asked.gated)
     worse = [row for row in account["told"] if row["regression"]]
     for row in worse:
@@ -177,7 +179,8 @@ def _write_changes(
         for name, content in changes_files(news.changes, done.store, done.asked.gated).items():
             write_atomically(folder / name, content)
         write_what_changed(news.changes, folder, done.asked.gated)
-    standing = open_since([night.plan for night in history.whole_nights() if night != done.night], acknowledged(history))
+    plans = [night.plan for night in history.whole_nights() if night != done.night]
+    standing = open_since(plans, acknowledged(history), () if news is None else news.ended)
     path = folder / "summary.md"
     write_atomically(path, summary(news, account, standing, findings).encode())
     return path

@@ -7,7 +7,10 @@ import click
 
 from harness.intake.safe_text import quoted
 
-__all__ = ["Seconds"]
+__all__ = ["DAY", "Age", "Seconds"]
+
+DAY = 86400.0
+"""Seconds."""
 
 _UNITS = {"ms": 1e-3, "s": 1.0, "m": 60.0, "h": 3600.0}
 
@@ -35,3 +38,15 @@ class Seconds(click.ParamType[float]):
                 ctx,
             )
         return number
+
+
+class Age(Seconds):
+    """Seconds, minutes, hours, or days by their letter."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The time [s]. Raises: click.BadParameter."""
+        text = str(value).strip()
+        days = text.removesuffix("d")
+        if days != text and days.replace(".", "", 1).isdigit() and len(days) < 10:
+            text = str(float(days) * DAY)
+        return super().convert(text, param, ctx)

@@ -1,34 +1,31 @@
 """Changes that somebody has seen: what is acknowledged is not told again."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 
-from harness.findings.changes import Change
 from harness.history.folder import SCHEMA, History
+from harness.history.identity import Named
 from harness.store import disk
 from harness.store.journal import DamagedFile
-from harness.store.record import digest
 
-__all__ = ["Acknowledgement", "acknowledge", "acknowledged", "change_id"]
+__all__ = ["Acknowledgement", "acknowledge", "acknowledged", "silenced"]
+
+_WHAT = ("kind", "case", "engine", "sense", "since")
+"""What a line says of the change beside its id; lines from before there were more say the id alone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Acknowledgement:
-    """Terms: id: of the change, as `change_id` gives it. note: what somebody said of it. when: ISO 8601."""
+    """Terms: what: the change. note: what somebody said of it. when: ISO 8601."""
 
-    id: str
+    what: Named
     note: str
     when: str
 
 
-def change_id(change: Change, first_seen: str) -> str:
-    """What a change is called from its first night on. Args: first_seen: the stamp of that night."""
-    return digest([change.kind, change.case, change.engine, change.track, change.metric, first_seen])
-
-
-def acknowledged(history: History) -> Mapping[str, Acknowledgement]:
+def acknowledged(history: History) -> dict[str, Acknowledgement]:
     """All that was acknowledged, by id, the last note of each. Raises: DamagedFile, OSError."""
     path = history.acknowledgements
     if not path.is_file():
@@ -39,20 +36,27 @@ def acknowledged(history: History) -> Mapping[str, Acknowledgement]:
             continue
         try:
             row = json.loads(line)
-            entry = Acknowledgement(id=str(row["id"]), note=str(row["note"]), when=str(row["when"]))
+            what = Named(id=str(row["id"]), **{name: str(row.get(name, "")) for name in _WHAT})
+            entry = Acknowledgement(what=what, note=str(row["note"]), when=str(row["when"]))
         except (ValueError, KeyError, TypeError) as error:
             cure = "mend or delete the line"
             raise DamagedFile(path, f"line {number}: {error!r}, expected id, note and when", cure) from error
-        known[entry.id] = entry
+        known[entry.what.id] = entry
     return known
 
 
-def acknowledge(history: History, change: str, note: str) -> Acknowledgement:
-    """Write down that a change was seen. Args: change: its id. Raises: OSError."""
-    entry = Acknowledgement(id=change, note=note, when=datetime.now(UTC).isoformat(timespec="seconds"))
+def silenced(change: Named, known: dict[str, Acknowledgement], stamps: Sequence[str]) -> Acknowledgement | None:
+    """Who acknowledged a change, if anybody: by its name, or with an engine as a whole. Args: stamps: of all nights."""
+    return next((entry for entry in reversed(known.values()) if entry.what.silences(change, stamps)), None)
+
+
+def acknowledge(history: History, change: Named, note: str) -> Acknowledgement:
+    """Write down that a change was seen. Raises: OSError."""
+    entry = Acknowledgement(what=change, note=note, when=datetime.now(UTC).isoformat(timespec="seconds"))
+    line = {"schema": SCHEMA, **asdict(change), "note": note, "when": entry.when}
     file = disk.Appended(history.acknowledgements)
     try:
-        file.append((json.dumps({"schema": SCHEMA, **asdict(entry)}) + "\n").encode())
+        file.append((json.dumps(line) + "\n").encode())
     finally:
         file.close()
     return entry

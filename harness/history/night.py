@@ -9,11 +9,13 @@ from typing import Any
 
 from harness.adapter import Adapter
 from harness.case import Case
+from harness.findings.changes import Change
 from harness.history.acknowledged import acknowledged
 from harness.history.blocks import LATELY, Key, Seen, Sight, last_seen
 from harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from harness.history.known_searches import KnownSearches
 from harness.history.last_answers import LastAnswers
+from harness.history.over_nights import OverNights, over_nights
 from harness.history.pool import Pool
 from harness.history.since_last_seen import News, first_seen, news_of
 from harness.history.spending import Budget, bytes_of, memory_peaks
@@ -152,7 +154,12 @@ def _without_idle_logs(night: Night, recorded: set[str]) -> None:
 
 def compared(history: History, done: Done) -> News | None:
     """What changed since each block was last seen; None where nothing of the night was seen before. Raises: StoreError."""
-    return news_of(done.store, done.night.stamp, done.seen, done.blocks, acknowledged(history), _first_told(history))
+    known, before = acknowledged(history), [night for night in history.whole_nights() if night != done.night]
+
+    def over(rows: Sequence[Change]) -> OverNights:
+        return over_nights(before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
+
+    return news_of(done.store, done.night.stamp, done.seen, done.blocks, known, _first_told(history), over)
 
 
 def accounted(history: History, done: Done, news: News | None, closing: float) -> dict[str, Any]:
@@ -167,7 +174,11 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     changed = (
         []
         if news is None
-        else [told(row, news.changes, first_seen(row, first, night.stamp)) for row in rows if row.sense in ("worse", "better")]
+        else [
+            told(row, news.changes, news.since.get(row) or first_seen(row, first, night.stamp))
+            for row in rows
+            if row.sense in ("worse", "better")
+        ]
     )
     return {name: value for name, value in night.plan.items() if name != "blocks"} | {
         "complete": True,

@@ -38,8 +38,8 @@ class PriceStep:
     members: tuple[Series, ...]
 
 
-def price_steps(series: Sequence[Series]) -> Iterator[PriceStep]:
-    """Every step of the prices among the series, engine by engine."""
+def price_steps(series: Sequence[Series], chance: float = CHANCE_OF_ALL) -> Iterator[PriceStep]:
+    """Every step of the prices among the series, engine by engine. Args: chance: of a history, see `CHANCE_OF_ALL`."""
     prices = [one for one in series if one.subject.kind == "price"]
     engines: dict[str, dict[tuple[str, str], list[Series]]] = {}
     for one in prices:
@@ -47,7 +47,7 @@ def price_steps(series: Sequence[Series]) -> Iterator[PriceStep]:
     groups = [group for cases in engines.values() for group in cases.values()]
     together = sum(len(group) > 1 for group in groups) + sum(len(cases) >= FEWEST_CASES for cases in engines.values())
     for cases in engines.values():
-        yield from _of_engine(list(cases.values()), CHANCE_OF_ALL / max(len(prices) + together, 1))
+        yield from _of_engine(list(cases.values()), chance / max(len(prices) + together, 1))
 
 
 def _of_engine(groups: Sequence[Sequence[Series]], chance: float) -> Iterator[PriceStep]:

@@ -1,28 +1,34 @@
 """What changed over a history, told once: each change with its first night, who acknowledged it, and whether it lasts."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
 
 from harness.findings.changes import Change
 from harness.findings.changes.weights import heaviest_first
 from harness.findings.changes.words import command_in, sentence
-from harness.history.acknowledged import Acknowledgement, acknowledged, change_id
+from harness.history.acknowledged import Acknowledgement, acknowledged, silenced
 from harness.history.exact_changes import ExactChanges
 from harness.history.folder import History
+from harness.history.identity import NEAR, Named, change_id
 from harness.history.price_steps import PriceStep, price_steps
 from harness.history.series import NightOf, Readings, Series
+from harness.history.yardsticks import over_segments
+from harness.statistics.change_points import levelled
+from harness.statistics.drift import one_drift
 
-__all__ = ["Dated", "State", "Trends", "read_trends"]
+__all__ = ["Dated", "State", "Trends", "date", "named_by", "read_trends", "same_slope"]
 
 State = Literal["open", "acknowledged", "mended", "another version"]
 """Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another
 by now, on which nothing is known of it."""
 
-_NEAR = 3
-"""Nights by which the night of a step may still move as more nights come: what it was acknowledged by may be off by as many."""
+SameSlope: TypeAlias = Callable[[Change, int, int], bool]
+"""Of a step in a price and the indices of two nights: is what lies between them one slope?"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +47,7 @@ class Dated:
     changes: tuple[Change, ...]
     state: State
     until: int | None = None
+    told: bool = False
     note: str = ""
     when: str = ""
 
@@ -94,32 +101,77 @@ def read_trends(history: History) -> Trends:
     series = readings.series()
     steps = tuple(price_steps(series))
     nights = tuple(readings.nights)
-    dated = date(nights, [*exact.changes, *((step.night, step.change) for step in steps)], acknowledged(history))
+    every = [*exact.changes, *((step.night, step.change) for step in steps)]
+    plans = [night.plan for night in history.whole_nights()]
+    dated = date(nights, every, acknowledged(history), named_by(plans), same_slope(steps))
     return Trends(root=str(history.root), nights=nights, series=series, steps=steps, dated=dated)
 
 
+def named_by(plans: Iterable[Any]) -> list[Named]:
+    """The changes that nights have told, as they called them. Args: plans: of the nights."""
+    return [Named.told(row) for plan in plans for row in plan.get("told", ())]
+
+
+def same_slope(steps: Sequence[PriceStep]) -> SameSlope:
+    """By the prices of a step's own members, between the steps the other way beside it."""
+    members = {step.change: step.members for step in steps}
+
+    def same(change: Change, first: int, second: int) -> bool:
+        group = members[change]
+        segments = np.max([one.segments for one in group], axis=0)
+        values = levelled(np.array([over_segments(one.free, one.segments) for one in group]))
+        back = [
+            step.night
+            for step in steps
+            if (step.change.engine, step.change.case) == (change.engine, change.case) and step.change.sense != change.sense
+        ]
+        nights = np.arange(len(values))
+        begin = max([night for night in back if night <= first], default=0)
+        end = min([night for night in back if night > second], default=len(values))
+        if segments[first] != segments[second] or any(first < night <= second for night in back):
+            return False
+        values[(segments != segments[second]) | (nights < begin) | (nights >= end)] = np.nan
+        return one_drift(values, first, second)
+
+    return same
+
+
 def date(
-    nights: Sequence[NightOf], changes: Iterable[tuple[int, Change]], known: Mapping[str, Acknowledgement]
+    nights: Sequence[NightOf],
+    changes: Iterable[tuple[int, Change]],
+    known: dict[str, Acknowledgement],
+    named: Collection[Named] = (),
+    slope: SameSlope = lambda _change, _first, _second: False,
 ) -> tuple[Dated, ...]:
-    """Changes, each with the index of its night, as dated ones: alike ones of one night are one, the earliest first."""
+    """Changes, each with the index of its night, as dated ones: alike ones of one night are one, the earliest first.
+
+    Args: known: what was acknowledged. named: what nights have told, under whose names it goes on. slope: see `SameSlope`.
+    """
     every = list(changes)
     grouped: dict[tuple[int, str], list[Change]] = {}
     for night, change in every:
         if change.sense in ("worse", "better"):
             grouped.setdefault((night, change_id(change, nights[night].stamp)), []).append(change)
+    stamps = [night.stamp for night in nights]
     made = []
     for (night, name), group in grouped.items():
         until, state = _end(night, group, every, nights)
-        entry = _acknowledged(night, group[0], nights, known)
+        same = [other for other in named if _same(other, night, name, group[0], stamps, slope)]
+        seen = [entry.what for entry in known.values() if _same(entry.what, night, name, group[0], stamps, slope)]
+        own = next((other.id for other in [*same, *seen] if other.case == group[0].case or other.id == name), name)
+        called = Named.of(group[0], nights[night].stamp)
+        entry = next((known[other.id] for other in [*seen, *same] if other.id in known), None)
+        entry = entry or silenced(called, known, stamps)
         made.append(
             Dated(
-                id=name,
+                id=own,
                 night=night,
                 stamp=nights[night].stamp,
                 folder=nights[night].folder,
                 changes=heaviest_first(group),
                 state="acknowledged" if state == "open" and entry is not None else state,
                 until=until,
+                told=bool(same),
                 note="" if entry is None else entry.note,
                 when="" if entry is None else entry.when,
             )
@@ -127,13 +179,14 @@ def date(
     return tuple(sorted(made, key=lambda one: (one.night, -one.first.weight, one.id)))
 
 
-def _acknowledged(
-    night: int, change: Change, nights: Sequence[NightOf], known: Mapping[str, Acknowledgement]
-) -> Acknowledgement | None:
-    """By its own id, or, of a step in a price, by that of a night nearby."""
-    near = range(max(0, night - _NEAR), min(len(nights), night + _NEAR + 1)) if change.kind == "price" else ()
-    ids = (change_id(change, nights[k].stamp) for k in (night, *near))
-    return next((known[name] for name in ids if name in known), None)
+def _same(other: Named, night: int, name: str, change: Change, stamps: Sequence[str], slope: SameSlope) -> bool:
+    """Is it the change of this name, or one of a price that contains it, of a night nearby or on one slope with it?"""
+    if other.id == name:
+        return True
+    if not other.contains(change) or other.since not in stamps:
+        return False
+    index = stamps.index(other.since)
+    return abs(index - night) <= NEAR or slope(change, min(index, night), max(index, night))
 
 
 def _end(

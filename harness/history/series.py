@@ -87,8 +87,9 @@ class _Reading:
 
 @dataclass(slots=True)
 class Readings:
-    """What the nights said so far; each is added once, the earliest first."""
+    """What the nights said so far; each is added once, the earliest first. Terms: kinds: of series that are wanted."""
 
+    kinds: frozenset[Measured] = frozenset({"price", "error", "limit"})
     nights: list[NightOf] = field(default_factory=list)
     _by: dict[Hashable, dict[int, _Reading]] = field(default_factory=dict)
     _subjects: dict[Hashable, Subject] = field(default_factory=dict)
@@ -116,7 +117,8 @@ class Readings:
         steps = {} if samples.empty else samples.groupby("trial")["steps"].first().to_dict()
         cases = store.catalogue.get("cases", {})
         headlines = {name: about.get("headline", "") for name, about in cases.items()}
-        metrics = {(str(m.trial), str(m.metric)): m for m in store.measurements.itertuples()}
+        read = store.measurements.itertuples() if "error" in self.kinds else ()
+        metrics = {(str(m.trial), str(m.metric)): m for m in read}
         asked = set(store.asked["trial"])
         for key, row in by_question(store).items():
             if row.trial not in asked:
@@ -139,7 +141,8 @@ class Readings:
                     error,
                     partial(_subject, "error", row, store, str(measured.metric), str(measured.unit)),
                 )
-        self._add_limits(store)
+        if "limit" in self.kinds:
+            self._add_limits(store)
 
     def _add_limits(self, store: Store) -> None:
         for search in searches(store):

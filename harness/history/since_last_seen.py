@@ -1,13 +1,15 @@
 """What changed tonight: every block against the last night that did all of it, and other answers to the same digest."""
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from harness.findings.changes import Change, Changes, compare
 from harness.findings.changes.matching import where_of
 from harness.findings.changes.weights import heaviest_first
-from harness.history.acknowledged import Acknowledgement, change_id
+from harness.history.acknowledged import Acknowledgement, silenced
 from harness.history.blocks import Key, Seen
+from harness.history.identity import Named, change_id
+from harness.history.over_nights import OverNights
 from harness.store.store import Store
 
 __all__ = ["News", "first_seen", "news_of"]
@@ -15,10 +17,16 @@ __all__ = ["News", "first_seen", "news_of"]
 
 @dataclass(frozen=True, slots=True)
 class News:
-    """What changed. Terms: changes: what nobody has acknowledged; acknowledged: the others; ids: of both, in the same order."""
+    """What changed.
+
+    Terms: changes: what nobody has acknowledged; acknowledged: the others. since: the nights from which on it is so, where
+    that is not tonight. ended: ids of earlier changes that are over.
+    """
 
     changes: Changes
     acknowledged: tuple[Change, ...]
+    since: Mapping[Change, str] = field(default_factory=dict)
+    ended: frozenset[str] = frozenset()
 
     def regressions(self, gated: Collection[str]) -> tuple[Change, ...]:
         """What of these engines is worse."""
@@ -38,12 +46,14 @@ def news_of(
     stamp: str,
     seen: Mapping[Key, Seen],
     blocks: Collection[Key],
-    known: Mapping[str, Acknowledgement],
+    known: dict[str, Acknowledgement],
     earlier: Mapping[str, str],
+    over: Callable[[Sequence[Change]], OverNights] = lambda _rows: OverNights(),
 ) -> News | None:
     """What changed in a night; None where nothing of it was seen before.
 
     Args: store, stamp: of the night. blocks: that it carried out. known: what was acknowledged. earlier: see `first_seen`.
+    over: of what the night tells by itself, what all nights tell beside it.
     Raises: StoreError.
     """
     known_blocks = {key for key in blocks if key in seen}
@@ -60,17 +70,20 @@ def news_of(
         dict.fromkeys([*(row for part in parts for row in part.rows if not _left_aside(row, others)), *others.values()])
     )
     recalled = store.part(known_blocks - fresh).trials
-    told = tuple(row for row in every if change_id(row, first_seen(row, earlier, stamp)) not in known)
+    stamps = sorted({*(sight.night.stamp for sight in seen.values()), stamp})
+    told = tuple(row for row in every if silenced(Named.of(row, first_seen(row, earlier, stamp)), known, stamps) is None)
+    nights_told = over(every)
+    since = {heaviest_first([row])[0]: began for row, began in zip(nights_told.rows, nights_told.since, strict=True)}
     changes = replace(
         parts[0],
         b=replace(parts[0].b, trials=len(store.trials)),
-        rows=told,
+        rows=heaviest_first([*told, *since]),
         matched=sum(part.matched for part in parts) + len(recalled),
         same=sum(part.same for part in parts) + int(recalled["trajectory_hash"].notna().sum()),
         clocked=sum(part.clocked for part in parts),
         unread=tuple(dict.fromkeys(text for part in parts for text in part.unread)),
     )
-    return News(changes, tuple(row for row in every if row not in told))
+    return News(changes, tuple(row for row in every if row not in told), since, nights_told.ended)
 
 
 def _with_news(store: Store) -> set[Key]:

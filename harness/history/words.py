@@ -1,13 +1,14 @@
 """What a night has to say, in sentences: made last, for people and comments, and never read back."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from harness.findings.changes import Change, Changes
 from harness.findings.changes.comment import comment
 from harness.findings.changes.words import command, sentence
-from harness.history.acknowledged import change_id
+from harness.history.acknowledged import Acknowledgement, silenced
+from harness.history.identity import Named, change_id
 from harness.history.since_last_seen import News
 from harness.intake.safe_text import markdown_cell
 
@@ -64,10 +65,12 @@ def in_short(plan: Mapping[str, Any]) -> str:
     )
 
 
-def open_since(plans: Iterable[Mapping[str, Any]], known: Collection[str]) -> list[Mapping[str, Any]]:
+def open_since(
+    plans: Sequence[Mapping[str, Any]], known: dict[str, Acknowledgement], over: Collection[str] = ()
+) -> list[Mapping[str, Any]]:
     """Regressions that nobody acknowledged and that no later night took back, the earliest first.
 
-    Args: plans: of the nights before, the earliest first.
+    Args: plans: of the nights before, the earliest first. over: ids of changes that the nights together say have ended.
     """
     standing: dict[str, Mapping[str, Any]] = {}
     for plan in plans:
@@ -76,7 +79,8 @@ def open_since(plans: Iterable[Mapping[str, Any]], known: Collection[str]) -> li
                 standing.setdefault(row["lasting"], row)
             elif row["sense"] == "better":
                 standing.pop(row["lasting"], None)
-    return [row for row in standing.values() if row["id"] not in known]
+    stamps = [str(plan["stamp"]) for plan in plans]
+    return [row for row in standing.values() if row["id"] not in over and silenced(Named.told(row), known, stamps) is None]
 
 
 def summary(

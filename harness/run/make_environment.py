@@ -51,6 +51,7 @@ def ensure(version: EngineVersion, distribution: str) -> Environment:
     folder = folder_of(version.name)
     folder.parent.mkdir(parents=True, exist_ok=True)
     with (folder.parent / f"{folder.name}.lock").open("w") as lock:
+        os.utime(lock.name)  # when it was last asked for, see `harness.run.old_environments`
         # Another run may be making it: whoever waited finds it made.
         fcntl.flock(lock, fcntl.LOCK_EX)
         known = environment_of(version.name)

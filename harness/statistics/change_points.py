@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CHANCE", "FEWEST", "ChangePoint", "Level", "change_points", "common_mode", "levelled", "levels"]
+__all__ = ["CHANCE", "FEWEST", "ChangePoint", "Level", "change_points", "common_mode", "levelled", "levels", "without_outliers"]
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -134,7 +134,7 @@ def levelled(series: Floats) -> Floats:
     for row, values in zip(logs, series, strict=True):
         nights = np.flatnonzero(np.isfinite(values) & (values > 0))
         if len(nights) > 1:
-            row[nights] = _clipped(np.log(values[nights]))[0]
+            row[nights] = without_outliers(np.log(values[nights]))[0]
             row -= np.median(row[nights])
     there = np.isfinite(logs).any(axis=0)
     mean = np.full(series.shape[1], np.nan)
@@ -171,12 +171,12 @@ def _of_log(y: Floats, chance: float) -> list[tuple[int, _Step]]:
 def _candidates(y: Floats) -> list[int]:
     from ruptures import KernelCPD  # late: a listing must not pay for it
 
-    clipped, spread = _clipped(y)
+    clipped, spread = without_outliers(y)
     changes: list[int] = KernelCPD(kernel="linear", min_size=FEWEST).fit(clipped[:, None] / spread).predict(pen=PENALTY)[:-1]
     return changes
 
 
-def _clipped(y: Floats) -> tuple[Floats, float]:
+def without_outliers(y: Floats) -> tuple[Floats, float]:
     """Logarithms (n,) without outliers, and their spread from night to night."""
     steps = np.diff(y)
     spread = max(float(np.median(np.abs(steps - np.median(steps)))) / _NORMAL_MAD / 2**0.5, TINY)

@@ -21,7 +21,17 @@ from harness.store import disk
 from harness.study.engine_versions import version_asked
 from harness.study.sources import libraries
 
-__all__ = ["Environment", "elsewhere", "environment_of", "folder_of", "inside", "installed_folders", "keep", "project_folders"]
+__all__ = [
+    "Environment",
+    "elsewhere",
+    "environment_of",
+    "folder_of",
+    "inside",
+    "installed_folders",
+    "keep",
+    "project_folders",
+    "root",
+]
 
 _FILE = "environment.json"
 
@@ -42,7 +52,8 @@ class Environment:
     sources: str = ""
 
 
-def _root() -> Path:
+def root() -> Path:
+    """The folder of all environments."""
     return Path(os.environ.get("PLUMBLINE_ENVIRONMENTS") or Path(platformdirs.user_cache_dir("plumbline")) / "environments")
 
 
@@ -69,12 +80,12 @@ def _beneath() -> str:
 def folder_of(name: str) -> Path:
     """The folder of an engine of this name, whether it is there or not."""
     digest = hashlib.sha256(f"{name}\n{_beneath()}".encode()).hexdigest()[:16]
-    return _root() / f"{name.replace(' ', '-')}-{digest}"
+    return root() / f"{name.replace(' ', '-')}-{digest}"
 
 
 def inside() -> bool:
     """Does this process run on the interpreter of such an environment? Then its engine is the one that is imported."""
-    return Path(sys.prefix).parent == _root()
+    return Path(sys.prefix).parent == root()
 
 
 def keep(name: str, environment: Environment) -> None:

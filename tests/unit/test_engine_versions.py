@@ -2,7 +2,9 @@
 
 import base64
 import hashlib
+import os
 import sys
+import time
 import zipfile
 from collections.abc import Iterator
 from importlib.metadata import distribution
@@ -10,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.conformance import CHECKS
+from harness.conformance import CHECKS, gate
+from harness.conformance.apart import outcomes_in
 from harness.conformance.smoke import SMOKE
 from harness.run.campaign import carry_out
 from harness.run.fork_servers import context, start_apart
@@ -18,9 +21,10 @@ from harness.run.make_environment import ensure
 from harness.store.store import Store
 from harness.study import plugins
 from harness.study.engine_versions import EngineVersion, VersionError, asked, engine_of, named_by, version_wanted
-from harness.study.environments import Environment, elsewhere
+from harness.study.environments import Environment, elsewhere, folder_of
 from harness.study.experiment import Experiment
 from harness.study.study import Study
+from tests.conftest import Command
 
 
 def test_a_version_is_asked_for_by_two_equals_signs_and_named_by_a_blank() -> None:
@@ -185,3 +189,44 @@ def test_a_version_that_is_nowhere_is_unavailable_in_the_words_of_the_installer(
     environment = ensure(EngineVersion("mujoco", "0.0.1"), "mujoco")
     assert "mujoco==0.0.1" in environment.reason
     assert environment.executable == ""
+
+
+@pytest.mark.slow
+def test_the_whole_kit_is_put_to_a_version_on_its_own_interpreter(
+    packed: EngineVersion, made: Environment, scratch: Path, printed: Command
+) -> None:
+    outcomes = outcomes_in(made, packed.name, ("tuned",))
+    assert [outcome.check for outcome in outcomes] == [check.name for check in CHECKS]
+    assert {outcome.engine for outcome in outcomes} == {packed.name}
+    assert gate(outcomes)
+    done = printed("check", f"mujoco={packed.wheel}", "--track", "tuned")
+    assert done.returncode == 0
+    assert f"MuJoCo {packed.version}: {len(CHECKS)} checks" in done.stdout
+
+
+def test_a_check_that_ends_the_process_has_failed_and_those_after_it_are_not_asked(tmp_path: Path) -> None:
+    interpreter = tmp_path / "python"
+    interpreter.write_text("#!/bin/sh\nkill -SEGV $$\n")
+    interpreter.chmod(0o755)
+    (died,) = outcomes_in(Environment(str(interpreter)), "mujoco 0.0.1", ("tuned",))
+    assert (died.check, died.status) == (CHECKS[0].name, "failed")
+    assert "died: SIGSEGV" in died.message
+
+
+def test_environments_of_another_lock_go_after_a_while_and_those_of_this_one_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, printed: Command
+) -> None:
+    monkeypatch.setenv("PLUMBLINE_ENVIRONMENTS", str(tmp_path))
+    ours = folder_of("mujoco 3.3.0")
+    old, late = tmp_path / "mujoco-3.3.0-0123456789abcdef", tmp_path / "my-engine-1.0-0123456789abcdef"
+    for folder, days in ((ours, 90), (old, 90), (late, 10)):
+        folder.mkdir()
+        lock = folder.with_name(f"{folder.name}.lock")
+        lock.touch()
+        asked_for = time.time() - 86400 * days
+        os.utime(lock, (asked_for, asked_for))
+    done = printed("engines", "--prune", "--dry-run")
+    assert done.stdout.splitlines()[0] == f"would go: {old.name}, unasked for 90 days"
+    assert old.is_dir()
+    assert f"went: {old.name}" in printed("engines", "--prune").stdout
+    assert sorted(path for path in tmp_path.iterdir() if path.is_dir()) == sorted([ours, late])

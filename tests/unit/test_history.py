@@ -6,27 +6,34 @@ import shutil
 import signal
 from collections.abc import Iterator
 from dataclasses import replace
+from datetime import timedelta
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from harness.findings.changes.words import command, sentence
 from harness.history import steering
-from harness.history.acknowledged import acknowledge, change_id
+from harness.history.acknowledged import acknowledge
 from harness.history.address import copy_of
-from harness.history.folder import created, opened
+from harness.history.folder import created, opened, stamp_of
+from harness.history.identity import Named, change_id
 from harness.history.listing import COLUMNS, rows
 from harness.history.lock import locked
 from harness.history.pool import Pool
+from harness.history.regressions import read_trends
 from harness.history.retention import prune, pruning
 from harness.history.soundness import problems_of
 from harness.history.steering import AGAIN, computed_again
 from harness.run import campaign
-from harness.store.journal import StoreError, read_journal
+from harness.store.journal import Journal, StoreError, read_journal
+from harness.store.store import write_json
 from tests.conftest import Command
 from tests.nights import STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
 from tests.stress.light_run import STUDY as LIGHT
 from tests.stress.light_run import light
+from tests.synthetic_history import priced
 
 CELLS = 20
 """Answers of the study of few cells: two cases once and three steps, each on two engines and two tracks."""
@@ -132,7 +139,7 @@ def test_what_is_acknowledged_is_not_told_again(root: Path, monkeypatch: pytest.
     with planted(fault):
         _, _, account = night(root)
     for row in account["told"]:
-        acknowledge(opened(root), row["id"], "a new C library")
+        acknowledge(opened(root), Named.told(row), "a new C library")
     with planted():
         _, news, _ = night(root)
     assert news is not None
@@ -302,6 +309,61 @@ def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_s
     # It is told once, by the night that saw it first; from then on it stands below, until somebody acknowledges it.
     assert settled.returncode == 0
     assert "Still worse since an earlier night" in (opened(root).nights()[-1].folder / "changes" / "summary.md").read_text()
+
+
+def drifting(root: Path, study: Path, nights: int) -> None:
+    """In place of the one night of a history: so many, a day apart, whose prices of the reference engine become a tenth dearer
+    over thirty of them, with 2 % noise; everything else is as it was."""
+    first, rng = opened(root).nights()[0], np.random.default_rng(21)
+    records = read_journal(first.folder / "journal.jsonl").values()
+    for age in range(nights):
+        folder = opened(root).night(stamp_of(first.began - timedelta(days=nights - age))).folder
+        shutil.copytree(first.folder, folder, ignore=shutil.ignore_patterns("*.parquet", "journal.jsonl"))
+        write_json(folder / "night.json", {**first.plan, "stamp": folder.name})
+        journal = Journal(folder)
+        for record in records:
+            drift = 1 + 0.1 * min(max((age - 2) / 30, 0.0), 1.0) if record.engine == "reference" else 1.0
+            journal.append(priced(record, 1e-5 * drift * float(np.exp(rng.normal(0, 0.02))), 1e-3))
+        journal.close()
+    shutil.rmtree(first.folder)
+
+
+@pytest.mark.slow
+def test_a_drift_that_no_single_night_shows_is_told_once_ends_with_one_and_is_silenced_everywhere_by_one_word(
+    tmp_path: Path, printed: Command
+) -> None:
+    study, root = tmp_path / "few.toml", tmp_path / "h"
+    study.write_text(FILE)
+    words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--engine", "reference", "--no-report"]
+    with planted():
+        assert printed(*words).returncode == 0
+    drifting(root, study, 33)
+
+    def tonight() -> tuple[int, dict[str, Any], str]:
+        with planted(Fault(engine="reference", price=1.1, known=False)):
+            code = printed(*words, "--gate", "reference").returncode
+        last = opened(root).nights()[-1]
+        return code, dict(last.plan), (last.folder / "changes" / "summary.md").read_text()
+
+    code, plan, text = tonight()
+    assert code == 1
+    told = [row for row in plan["told"] if row["regression"]]
+    assert {(row["kind"], row["engine"], row["case"]) for row in told} == {
+        ("price", "reference", case) for case in ("flight_projectile", "friction_stop")
+    }
+    assert all("over all nights, on this level since" in row["sentence"] for row in told)
+    assert all("plumbline run" in row["command"] for row in told)
+    assert f"Gate (reference): {len(told)} regressions." in text
+    assert {one.id for one in read_trends(opened(root)).standing()} == {row["id"] for row in told}
+    code, plan, text = tonight()
+    assert (code, plan["told"]) == (0, [])
+    assert "Still worse since an earlier night (2)" in text
+    for row in told:
+        assert printed("history", "ack", row["id"], "--note", "known", "--history", root).returncode == 0
+    code, plan, text = tonight()
+    assert (code, plan["told"]) == (0, [])
+    assert "Still worse" not in text
+    assert read_trends(opened(root)).standing() == ()
 
 
 def test_a_history_of_this_schema_is_read_by_its_successors(

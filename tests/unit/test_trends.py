@@ -7,10 +7,13 @@ import pytest
 from click.testing import CliRunner
 
 from harness.cli.main import main
+from harness.findings.changes import Change
+from harness.history.acknowledged import Acknowledgement
 from harness.history.folder import History
+from harness.history.identity import Named
 from harness.history.price_steps import PriceStep, price_steps
-from harness.history.regressions import Trends, read_trends
-from harness.history.series import Series, Subject
+from harness.history.regressions import Trends, date, read_trends
+from harness.history.series import NightOf, Series, Subject
 from harness.history.yardsticks import yardsticks
 from harness.store.record import Record, digest
 from harness.trajectory import Floats
@@ -130,6 +133,29 @@ def test_another_version_opens_a_segment_and_is_no_change_of_price(trends: Trend
     mine = [one for one in trends.series if one.subject.engine == "reference" and one.subject.kind == "price"]
     assert all(len(set(one.segments)) == 2 for one in mine)
     assert not [one for one in trends.dated if one.first.engine == "reference"]
+
+
+def test_a_price_has_the_name_under_which_a_night_told_it_and_one_word_silences_it() -> None:
+    nights = [
+        NightOf(stamp=f"202609{day:02}T000000Z", folder="", machine="m", processor="", versions={"a": "1"})
+        for day in range(1, 20)
+    ]
+    stepped = Change(kind="price", sense="worse", case="x", engine="a", metric="CPU time", ratio=1.2, count=2)
+    one_track = replace(stepped, track="tuned", dt=0.01, metric="CPU time of a step", count=1)
+    whole = replace(stepped, case="")
+    told = Named.of(one_track, nights[9].stamp)
+    (seen,) = date(nights, [(8, stepped)], {}, [told])
+    assert (seen.id, seen.told, seen.state) == (told.id, True, "open")
+    for named, changes, state in (
+        (told, (stepped,), "acknowledged"),
+        (Named.of(whole, nights[9].stamp), (stepped, whole), "acknowledged"),
+        (told, (whole,), "open"),
+        (replace(told, sense="better"), (replace(stepped, case="y"),), "open"),
+    ):
+        entry = Acknowledgement(what=named, note="known", when="")
+        assert {row.state for row in date(nights, [(8, change) for change in changes], {named.id: entry}, [told])} == {state}
+    (apart,) = date(nights, [(14, stepped)], {told.id: Acknowledgement(what=told, note="known", when="")}, [told])
+    assert (apart.told, apart.state) == (False, "open")
 
 
 def test_what_was_acknowledged_keeps_its_note_and_stands_no_more(kept: History, trends: Trends) -> None:

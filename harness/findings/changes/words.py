@@ -83,7 +83,8 @@ def sentence(row: Change) -> str:
         way = "dearer" if row.sense == "worse" else "cheaper"
         whole = f"as a whole, over {_many(row.count, 'price')}, " if not row.case else ""
         bar = "" if row.low is None or row.high is None else f" ({row.low:.3g} to {row.high:.3g})"
-        return f"{subject}: {whole}{way}: {row.ratio:.3g} times the {row.metric}{bar}, {_BESIDE.get(row.beside, 'as clocked')}."
+        beside = "; ".join(filter(None, (_BESIDE.get(row.beside, "as clocked"), row.detail)))
+        return f"{subject}: {whole}{way}: {row.ratio:.3g} times the {row.metric}{bar}, {beside}."
     if row.kind == "limit":
         way = {"worse": "breaks earlier", "better": "holds longer", "within tolerance": "may be as before"}.get(
             row.sense, "changed"

@@ -1,0 +1,64 @@
+"""What a change is called: by every night that tells it, over all nights, and where somebody acknowledges it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from harness.findings.changes import Change
+from harness.store.record import digest
+
+__all__ = ["NEAR", "Named", "change_id"]
+
+NEAR = 3
+"""Nights by which the night of a step in a price may still move as more nights come."""
+
+
+def change_id(change: Change, first_seen: str) -> str:
+    """What a change is called from its first night on. Args: first_seen: the stamp of that night.
+
+    That of a price is one of a case on an engine, or of the engine as a whole: its tracks and time steps move together, and a
+    night tells some of them before it is known whether all of them did.
+    """
+    setting = ("", "") if change.kind == "price" else (change.track, change.metric)
+    return digest([change.kind, change.case, change.engine, *setting, first_seen])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Named:
+    """A change that has its name already.
+
+    Terms: id: as `change_id` gives it. kind, case, engine, sense: of the change. since: the stamp of the night that it has
+    been called by.
+    """
+
+    id: str
+    kind: str = ""
+    case: str = ""
+    engine: str = ""
+    sense: str = ""
+    since: str = ""
+
+    @classmethod
+    def of(cls, change: Change, since: str) -> "Named":
+        """A change by its first night."""
+        name = change_id(change, since)
+        return cls(id=name, kind=change.kind, case=change.case, engine=change.engine, sense=change.sense, since=since)
+
+    @classmethod
+    def told(cls, row: Mapping[str, Any]) -> "Named":
+        """As `night.json` keeps it."""
+        return cls(
+            id=row["id"], kind=row["kind"], case=row["case"], engine=row["engine"], sense=row["sense"], since=row["first_seen"]
+        )
+
+    def contains(self, other: "Named | Change") -> bool:
+        """Is it of the same prices the same way, or of an engine as a whole, whose cases went with it? The night apart."""
+        same = (self.kind, self.engine, self.sense) == (other.kind, other.engine, other.sense)
+        return self.kind == "price" and same and self.case in ("", other.case)
+
+    def silences(self, other: "Named", stamps: Sequence[str]) -> bool:
+        """Is the other one acknowledged with this one? Args: stamps: of all nights, the earliest first."""
+        if self.id == other.id:
+            return True
+        known = self.since in stamps and other.since in stamps
+        return known and self.contains(other) and abs(stamps.index(self.since) - stamps.index(other.since)) <= NEAR

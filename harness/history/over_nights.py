@@ -1,0 +1,88 @@
+"""What prices have come to over the nights up to tonight, where no single night shows it: told by the first that sees it."""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from harness.findings.changes import Change
+from harness.history.acknowledged import Acknowledgement
+from harness.history.folder import Night
+from harness.history.identity import Named
+from harness.history.price_steps import CHANCE_OF_ALL, price_steps
+from harness.history.regressions import Dated, date, named_by, same_slope
+from harness.history.series import Readings
+from harness.store.store import Store
+
+__all__ = ["OverNights", "over_nights"]
+
+MOST = 90
+"""Nights that are read: prices of a season ago are of another machine or version by now."""
+FEWEST = 16
+"""Nights, tonight among them: the spread of fewer is too uncertain for a test that is repeated every night. Of 28 histories
+without a change, looked at in each of their nights from the eighth on, one told a step, in its twelfth."""
+SHARE = 0.5
+"""Of what is left of a budget, at most, for reading earlier nights."""
+
+
+@dataclass(frozen=True, slots=True)
+class OverNights:
+    """Terms: rows: what is told tonight; since: of each, the stamp of the night from which on it is so. ended: ids of changes
+    that a later night took back, or whose engine is another by now."""
+
+    rows: tuple[Change, ...] = ()
+    since: tuple[str, ...] = ()
+    ended: frozenset[str] = frozenset()
+
+
+def over_nights(
+    before: Sequence[Night],
+    tonight: Night,
+    store: Store,
+    known: dict[str, Acknowledgement],
+    own: Sequence[Change],
+    left: float,
+) -> OverNights:
+    """Regressions of prices that last, that nobody acknowledged and that no night has told.
+
+    Args: before: whole nights, the earliest first. store: of tonight. known: what was acknowledged. own: what tonight tells by
+    itself. left [s]: of the budget; the earliest nights are left unread where reading would take more than half of it.
+    Raises: StoreError.
+    """
+    late = list(before[-MOST:])
+    if len(late) + 1 < FEWEST:
+        return OverNights()
+    begun = time.monotonic()
+    _prices(late[-1:])
+    seconds = max(time.monotonic() - begun, 1e-3)
+    if math.isfinite(left):
+        late = late[max(0, len(late) - int(max(left, 0.0) * SHARE / seconds)) :]
+    readings = _prices(late)
+    readings.add(tonight, store)
+    # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
+    steps = tuple(price_steps(readings.series(), CHANCE_OF_ALL / len(readings.nights)))
+    plans = [night.plan for night in late]
+    told = [*named_by(plans), *(Named.of(row, tonight.stamp) for row in own)]
+    changes, slope = [(step.night, step.change) for step in steps], same_slope(steps)
+    fresh: list[Dated] = []
+    while True:
+        # What is told of one is told of what goes on with it: a drift has several steps, and one name.
+        names = [*told, *(Named.of(one.first, one.stamp) for one in fresh)]
+        dated = date(readings.nights, changes, known, names, slope)
+        untold = next((one for one in dated if one.first.regression and one.state == "open" and not one.told), None)
+        if untold is None:
+            break
+        fresh.append(untold)
+    ended = frozenset(one.id for one in dated if one.state in ("mended", "another version"))
+    return OverNights(tuple(map(_row, fresh)), tuple(one.stamp for one in fresh), ended)
+
+
+def _prices(nights: Sequence[Night]) -> Readings:
+    readings = Readings(kinds=frozenset({"price"}))
+    for night in nights:
+        readings.add(night, night.store())
+    return readings
+
+
+def _row(one: Dated) -> Change:
+    return replace(one.first, detail=f"over all nights, on this level since {one.stamp}")

@@ -21,7 +21,8 @@ class Built:
         kinematic bodies with (w_WB, v_WB), by body. coordinates: DART's joints that have one, by name. hung: the place of the
         body that hangs on each joint of a skeleton, by name. damped: (body, linear, angular damping [1/s]) that act as forces.
         shapes: for rays. springs: those between points of two bodies. loops: (place of the body, point in B [m]) of what a
-        constraint holds together. cone: the solver of the exact friction cone. effects: what the scene calls for, worked out once.
+        constraint holds together. cone: the solver of the exact friction cone. effects: what the scene calls
+        for.
     """
 
     scene: Scene

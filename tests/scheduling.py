@@ -47,7 +47,7 @@ DEAREST = (
     "tests/unit/test_trend.py",
     "tests/property/test_scene_files.py",
 )
-"""By what a process, and the browser that it drives, spend on each; the others, of a few seconds each, follow by the number of their tests."""
+"""By what a process and the browser that it drives spend on each; the others follow by the number of their tests."""
 
 SHARED = {
     "tests/conformance/test_negative_controls.py": "tests/conformance/test_conformance.py",

@@ -4,8 +4,6 @@ import json
 import re
 from collections.abc import Iterable
 
-import altair as alt
-
 __all__ = ["checked"]
 
 SPEC = re.compile(r'<script type="application/json" class="spec">(.*?)</script>', re.DOTALL)
@@ -17,6 +15,8 @@ def checked(pages: Iterable[str]) -> int:
     Raises:
         jsonschema.ValidationError: where one is not.
     """
+    import altair as alt  # late: two files of all that are collected use it
+
     specs = [json.loads(text) for page in pages for text in SPEC.findall(page)]
     for spec in specs:
         del spec["config"]["legend"]["layout"]  # Vega's own: Vega-Lite hands it on, and its schema does not know it

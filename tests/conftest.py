@@ -104,10 +104,16 @@ def _pictures_drawn_once() -> Iterator[None]:
         yield
 
 
+def pytest_collection() -> None:
+    """What is imported and collected stays to the end: there is no garbage to search for meanwhile."""
+    gc.disable()
+
+
 def pytest_collection_finish() -> None:
     """Take what was imported and collected out of the search for garbage: it stays to the end, and each search walks it."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 SECONDS = defaultdict[str, float](float)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from rerun.chunk import RrdReader
 
 from harness.scene import (
     Body,
@@ -126,6 +125,8 @@ class Read:
     """A recording read back: rows of each path by component."""
 
     def __init__(self, path: Path) -> None:
+        from rerun.chunk import RrdReader  # late: few of the files that are collected read a recording
+
         self.store = RrdReader(path).store()
         self.chunks: dict[str, list[pa.RecordBatch]] = {}
         for chunk in RrdReader(path).stream():

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 __all__ = ["CLOCK", "DEAREST", "SHARED", "file_of", "order", "unit_of"]
 
 DEAREST = (
-    "tests/conformance/test_tracks.py",
-    "tests/conformance/test_conformance.py",
     "tests/browser/test_report.py",
+    "tests/conformance/test_conformance.py",
     "tests/conformance/test_limits_run.py",
     "tests/unit/test_known_prices.py",
+    "tests/conformance/test_tracks.py",
     "tests/browser/test_serve.py",
     "tests/stress/test_planted.py",
     "tests/architecture/test_recipes.py",
@@ -47,7 +47,7 @@ DEAREST = (
     "tests/unit/test_trend.py",
     "tests/property/test_scene_files.py",
 )
-"""By what a process spends on each; the others, of a few seconds each, follow by the number of their tests."""
+"""By what a process and the browser that it drives spend on each; the others follow by the number of their tests."""
 
 SHARED = {
     "tests/conformance/test_negative_controls.py": "tests/conformance/test_conformance.py",

@@ -65,8 +65,7 @@ def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tupl
 
 def _damp(built: Built, edge: Edge, joint: Any, alone: bool) -> None:
     """Damp a body by its joint where that is the scene's law exactly, else by forces of each step."""
-    effects = built.scene.effects
-    body = built.scene.bodies[edge.body]
+    effects, body = built.effects, built.scene.bodies[edge.body]
     c = body.linear_damping if Effect.LINEAR_DAMPING in effects else 0.0
     d = body.angular_damping if Effect.ANGULAR_DAMPING in effects else 0.0
     if not body.movable or (c == 0 and d == 0):

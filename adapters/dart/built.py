@@ -6,7 +6,7 @@ from typing import Any
 from adapters.dart.drives import Motor
 from harness.adapter import Notice, Settings
 from harness.adapter.distance_springs import DistanceSprings
-from harness.scene import Scene
+from harness.scene import Effect, Scene
 from harness.trajectory import Floats
 
 __all__ = ["Built"]
@@ -21,7 +21,8 @@ class Built:
         kinematic bodies with (w_WB, v_WB), by body. coordinates: DART's joints that have one, by name. hung: the place of the
         body that hangs on each joint of a skeleton, by name. damped: (body, linear, angular damping [1/s]) that act as forces.
         shapes: for rays. springs: those between points of two bodies. loops: (place of the body, point in B [m]) of what a
-        constraint holds together. cone: the solver of the exact friction cone.
+        constraint holds together. cone: the solver of the exact friction cone. effects: what the scene calls
+        for.
     """
 
     scene: Scene
@@ -43,6 +44,10 @@ class Built:
     loops: list[tuple[tuple[int, Floats], ...]] = field(default_factory=list)
     cone: Any = None
     notices: list[Notice] = field(default_factory=list)
+    effects: Effect = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.effects = self.scene.effects
 
     @property
     def substeps(self) -> int:

@@ -37,7 +37,7 @@ def add_shapes(built: Built, place: int, coefficients: Mapping[Kind, tuple[float
             down.set_rotation(np.vstack((tangents(normal), normal)).T)
             down.set_translation(-SLAB * normal)
             shape_node.setRelativeTransform(X_BS.multiply(down))
-        if Effect.CONTACT in built.scene.effects:
+        if Effect.CONTACT in built.effects:
             shape_node.createCollisionAspect()
             shape_node.createDynamicsAspect()
             friction, restitution = coefficients[body.material, body.movable]

@@ -30,21 +30,22 @@ class BrokenContract(Exception):
 
 def sane(values: Floats) -> bool:
     """Are all numbers finite and none beyond `LARGEST`?"""
-    return bool(np.all(np.abs(values) <= LARGEST))
+    return bool((np.abs(values) <= LARGEST).all())
 
 
 def _array(where: str, value: Any, shape: tuple[int, ...], kind: str) -> None:
     """Raises: BrokenContract, where it is no array of that shape and kind ('f' or 'i', as of `numpy.dtype.kind`)."""
-    expected = f"an array {shape} of {'floats' if kind == 'f' else 'integers'}"
-    if not isinstance(value, np.ndarray):
-        raise BrokenContract(f"{where}: got {type(value).__name__}, expected {expected}")
-    if value.shape != shape or value.dtype.kind != kind:
-        raise BrokenContract(f"{where}: got {value.dtype} {value.shape}, expected {expected}")
+    if isinstance(value, np.ndarray) and value.shape == shape and value.dtype.kind == kind:
+        return
+    got = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
+    raise BrokenContract(f"{where}: got {got}, expected an array {shape} of {'floats' if kind == 'f' else 'integers'}")
 
 
 def _numbers(where: str, value: Any, shape: tuple[int, ...], unbounded: bool = False) -> None:
     """Numbers; where they are unbounded, infinity says that there is nothing. Raises: BrokenContract, Diverged."""
     _array(where, value, shape, "f")
+    if value.size == 0:
+        return
     held = value[value != np.inf] if unbounded else value
     if not sane(held):
         raise Diverged(f"{where}: got {held[~(np.abs(held) <= LARGEST)][0]}")
@@ -141,9 +142,11 @@ class Answering:
             _numbers(f"contacts().{name}", getattr(contacts, name), (count,) if name == "gap" else (count, 3))
         for name in ("body_A", "body_B"):
             _places(f"contacts().{name}", getattr(contacts, name), (count,), 0, self._bodies)
+        if count == 0:
+            return contacts
         if not (contacts.body_A < contacts.body_B).all():
             raise BrokenContract("contacts(): got a pair with A >= B, expected A < B")
-        if count and not np.abs(np.linalg.norm(contacts.normal_W, axis=1) - 1).max() <= _UNIT:
+        if not np.abs(np.linalg.norm(contacts.normal_W, axis=1) - 1).max() <= _UNIT:
             raise BrokenContract("contacts().normal_W: got a normal whose length is not 1")
         return contacts
 

@@ -71,7 +71,8 @@ class Contacts:
     @classmethod
     def none(cls) -> Self:
         """No contact at all."""
-        return cls.of([], [], [], [], [], [])
+        nobody, nowhere = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        return cls(nobody, nobody.copy(), nowhere, nowhere.copy(), np.zeros(0), nowhere.copy())
 
     @classmethod
     def of(

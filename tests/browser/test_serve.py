@@ -79,8 +79,15 @@ IN_THE_BACKGROUND = ("bash", "-c", 'trap "" INT; exec "$@"', "bash")
 """As a shell without job control starts what is to run in the background: it ignores an interrupt."""
 
 
-@pytest.mark.parametrize("first", [(), IN_THE_BACKGROUND], ids=["in front", "in the background"])
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+STOPS = [
+    pytest.param(IN_THE_BACKGROUND, signal.SIGINT, id="interrupted in the background"),
+    pytest.param((), signal.SIGTERM, id="terminated in front"),
+    pytest.param((), signal.SIGINT, id="interrupted in front", marks=pytest.mark.slow),
+    pytest.param(IN_THE_BACKGROUND, signal.SIGTERM, id="terminated in the background", marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("first", "by"), STOPS)
 def test_a_request_to_stop_stops_the_server_and_frees_its_port(folder: Path, first: Sequence[str], by: signal.Signals) -> None:
     server = Served(folder, first)
     assert server.ask("/")[0].status == 200
@@ -197,7 +204,8 @@ class Visit:
     """A page that is open, what it asked for and what went wrong."""
 
     def __init__(self, browser: Any, address: str) -> None:
-        self.page = browser.new_page(viewport={"width": 1000, "height": 700})
+        # Small: what the viewer draws is drawn by the processor, point by point.
+        self.page = browser.new_page(viewport={"width": 480, "height": 360})
         self.asked: list[str] = []
         self.errors: list[str] = []
         self.page.on("request", lambda request: self.asked.append(request.url))

@@ -74,7 +74,7 @@ def test_patterns_name_cases_that_exist() -> None:
             assert any(fnmatchcase(case, pattern) for case in plugins.cases()), (control.name, pattern)
 
 
-@pytest.mark.parametrize("case", ["friction_threshold", "friction_wall_pinch"])
+@pytest.mark.parametrize("case", ["friction_wall_pinch", pytest.param("friction_threshold", marks=pytest.mark.slow)])
 def test_an_engine_that_is_built_anew_in_each_step_without_a_fault_fails_nothing(case: str) -> None:
     """Sleep is planted by building anew: what the cases notice has to be the sleep, not the planting."""
     question = plugins.case(case)

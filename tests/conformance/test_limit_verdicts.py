@@ -22,6 +22,8 @@ EVENTS = ("impact", "tunnel", "stand_hit")
 """Cases whose question is of a blow: it presupposes that one happens."""
 SLOW = ("system_scaling",)
 """Cases that take minutes at the middle of their axis."""
+QUICK = ("bullet", "mujoco")
+"""Engines whose answers are cheapest: what a limit says of an answer does not depend on who gave it."""
 
 
 def start(case: Case, engine: str, track: str, place: float, members: int) -> Trial:
@@ -49,7 +51,7 @@ def agrees(name: str, engine: str, track: str, place: float, members: int) -> No
         assert [one.value for one in many.measurements if one.metric == OWN_CHECKS] == [1.0]
 
 
-@pytest.mark.parametrize("engine", NAMES)
+@pytest.mark.parametrize("engine", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in NAMES])
 @pytest.mark.parametrize("name", ["friction_wall_pinch", "stack_card_house", "stack_mass_ratio", "tunnel_sphere_wall"])
 def test_where_a_case_passes_its_axis_is_not_broken(name: str, engine: str) -> None:
     agrees(name, engine, "tuned", 0.0, 2)
@@ -77,7 +79,7 @@ def test_a_house_that_stands_beside_one_that_falls_is_not_broken_by_the_fall() -
     assert not any(name.startswith(BROKE_BY) for name in shares)
 
 
-@pytest.mark.parametrize("track", ["tuned", "default"])
+@pytest.mark.parametrize("track", ["tuned", pytest.param("default", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("engine", ["mujoco", "bullet", "dart"])
 @pytest.mark.parametrize("name", [name for name in CASES if name.startswith(EVENTS)])
 def test_at_the_easy_end_of_an_axis_of_blows_something_is_hit(name: str, engine: str, track: str) -> None:

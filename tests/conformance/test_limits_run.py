@@ -48,6 +48,7 @@ recordings = false
 [[experiments]]
 name = "effects"
 cases = ["flight_projectile", "friction_stop"]
+engines = {engines}
 tracks = ["tuned"]
 effects = true
 samples = 3
@@ -60,11 +61,15 @@ recordings = false
 [[experiments]]
 name = "determinism"
 cases = ["system_determinism"]
-engines = ["mujoco", "bullet", "dart"]
+engines = {engines}
 tracks = ["tuned"]
 timing = false
 determinism = true
 """
+
+
+SLOW = pytest.mark.slow
+"""What the same is asked of a second time, on other engines."""
 
 
 def carried_out(text: str, folder: Path, call: Command) -> Path:
@@ -87,7 +92,7 @@ def limits(printed: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> None:
-    """Up to twelve speeds, one by one, without any search: the first that breaks lies where the bracket says."""
+    """Up to eight speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = plugins.case("tunnel_sphere_wall")
     sought = [row for row in table(limits, "limits", printed) if row["where"] == "continuous False"]
     assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
@@ -98,7 +103,7 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> No
         study = Study(name="scan", experiments=(experiment,))
         (start,) = study.trials({case.name: case}, {engine.name: engine}, {engine.name: "1"})
         before, first = 0.0, None
-        for speed in map(float, np.geomspace(row["easy"], row["extreme"], 12)):
+        for speed in map(float, np.geomspace(row["easy"], row["extreme"], 8)):
             parameters = {**start.parameters, "continuous": False, "speed": speed}
             if endure(start.probing(case, parameters=parameters), case, engine, None).status != "passed":
                 first = speed
@@ -148,11 +153,15 @@ def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) 
     assert "bit-identical" in done.stdout
 
 
-def test_each_effect_has_a_price_and_a_verdict(plumbline: Command, printed: Command, tmp_path: Path) -> None:
-    folder = carried_out(EFFECTS, tmp_path, plumbline)
+@pytest.mark.parametrize("engines", [("mujoco", "bullet"), pytest.param(("reference", "dart"), marks=SLOW)])
+def test_each_effect_has_a_price_and_a_verdict(
+    engines: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
+) -> None:
+    folder = carried_out(EFFECTS.format(engines=json.dumps(engines)), tmp_path, plumbline)
     rows = table(folder, "effects", printed)
     by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}
-    for engine in ("reference", "mujoco", "bullet", "dart"):
+    assert {row["engine"] for row in rows} == set(engines)
+    for engine in engines:
         assert by["flight_projectile", engine, "gravity"]["verdict"] == "needed and on"
         for effect in ("gravity", "contact", "friction"):
             assert by["friction_stop", engine, effect]["verdict"] == "needed and on"
@@ -161,15 +170,20 @@ def test_each_effect_has_a_price_and_a_verdict(plumbline: Command, printed: Comm
     assert checked([(folder / "report" / "effects.html").read_text()]) == 1
 
 
-def test_repetitions_are_compared_bit_by_bit(plumbline: Command, printed: Command, tmp_path: Path) -> None:
-    folder = carried_out(DETERMINISM, tmp_path, plumbline)
+@pytest.mark.parametrize(("engines", "restored"), [
+    (("mujoco", "bullet"), ("bit-identical", "unsupported")), pytest.param(("dart",), (), marks=SLOW)
+])  # fmt: skip
+def test_repetitions_are_compared_bit_by_bit(
+    engines: tuple[str, ...], restored: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
+) -> None:
+    folder = carried_out(DETERMINISM.format(engines=json.dumps(engines)), tmp_path, plumbline)
     rows = {(row["engine"], row["way"]): row for row in table(folder, "determinism", printed)}
-    for engine in ("mujoco", "bullet", "dart"):
+    for engine in engines:
         assert rows[engine, "again"]["verdict"] == "bit-identical"
         assert rows[engine, "alone"]["verdict"] == "bit-identical"
         # One bit, 7e-18 m at the 0.04 m of a body, is multiplied a thousand times: the comparison could have failed.
         assert rows[engine, "nudged"]["verdict"] == "parts"
         assert rows[engine, "nudged"]["farthest"] > 7e-15
-    assert rows["mujoco", "restored"]["verdict"] == "bit-identical"
-    assert rows["bullet", "restored"]["verdict"] == "unsupported"
+    for engine, verdict in zip(engines, restored, strict=False):
+        assert rows[engine, "restored"]["verdict"] == verdict
     assert (folder / "report" / "determinism.html").is_file()

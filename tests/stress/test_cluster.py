@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +28,13 @@ from harness.study.provenance import sources_of
 from harness.study.study import Study
 from harness.study.trial import Trial
 
-distributed = pytest.importorskip("distributed", reason="dask is not installed: pip install 'plumbline[dask]'")
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
+ABSENT = find_spec("distributed") is None
+# Looked for and not imported: who runs the quick tests has no use for it.
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.timeout(900),
+    pytest.mark.skipif(ABSENT, reason="dask is not installed: pip install 'plumbline[dask]'"),
+]
 
 CASES = ("flight_box", "joint_pendulum", "flight_projectile")
 ENGINES = ("mujoco", "dart")
@@ -68,6 +74,8 @@ def local(trials: list[Trial], tmp_path_factory: pytest.TempPathFactory) -> dict
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
+    import distributed
+
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as both:
         yield both
 
@@ -94,6 +102,8 @@ def test_two_workers_give_the_run_folder_that_one_machine_gives(
 def test_cells_of_a_worker_that_is_killed_half_way_run_elsewhere_once(
     trials: list[Trial], local: dict[str, str | None], cluster: Any, tmp_path: Path
 ) -> None:
+    import distributed
+
     with Workplace(cluster.scheduler_address) as workplace, distributed.Client(cluster.scheduler_address) as client:
         answers, records = workplace.answers(trials, tmp_path), list[Record]()
         for record in answers:

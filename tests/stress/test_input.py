@@ -74,6 +74,8 @@ def test_what_is_sound_is_read(tmp_path: Path) -> None:
     assert {name: (found.ended, found.text) for name, found in ask(calls).items()} == dict.fromkeys(SOUND, ("accepted", ""))
 
 
+LIGHTER = ("a million bodies", "65 MB")
+"""Refused for their bytes alone, before any of them is read: the readings above have them too."""
 PEAK = """
 import resource, subprocess, sys, time
 start = time.monotonic()
@@ -82,7 +84,11 @@ print(done.returncode, time.monotonic() - start, resource.getrusage(resource.RUS
 """
 
 
-@pytest.mark.parametrize("what", ["a million bodies", "a million bodies with room", "65 MB", "a million bodies in TOML"])
+SLOW = pytest.mark.slow
+BOMBS = ["a million bodies with room", "a million bodies in TOML", *(pytest.param(w, marks=SLOW) for w in LIGHTER)]
+
+
+@pytest.mark.parametrize("what", BOMBS)
 def test_a_bomb_costs_no_memory(what: str, tmp_path: Path, ledger: Page) -> None:
     """Less than 200 MB, in a process of its own. Its time is told, not asserted."""
     fault = (KIND | LIMITS)[what]
@@ -99,7 +105,7 @@ def test_a_bomb_costs_no_memory(what: str, tmp_path: Path, ledger: Page) -> None
     ledger.survived("input: bombs", what, f"exit code 2 after {float(seconds):.2f} s, {float(peak):.0f} MB")
 
 
-@pytest.mark.parametrize("told", ["/dev/null", str(Path(__file__) / "y")])
+@pytest.mark.parametrize("told", ["/dev/null", pytest.param(str(Path(__file__) / "y"), marks=SLOW)])
 def test_a_folder_for_compiled_code_that_can_be_none_is_no_crash_of_the_engine(told: str, ledger: Page) -> None:
     command = [sys.executable, "-m", "harness.cli", "engines", "--json"]
     environment = os.environ | {"PLUMBLINE_KERNEL_CACHE": told}

@@ -142,10 +142,10 @@ def tell(found: Mapping[str, int], ledger: Page) -> None:
     assert found["lost"] == 0
 
 
-def test_twelve_kills_lose_and_double_nothing(
+def test_six_kills_lose_and_double_nothing(
     tmp_path: Path, with_plugins: Mapping[str, str], undisturbed: dict[str, str], ledger: Page
 ) -> None:
-    tell(kills(12, tmp_path, with_plugins, undisturbed), ledger)
+    tell(kills(6, tmp_path, with_plugins, undisturbed), ledger)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from harness.store.store import Store
-from tests.conftest import Command
+from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import CELLS, answers, start, write_study
 
@@ -77,14 +77,17 @@ def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
 
 
 @pytest.mark.parametrize("what", ["a file", "below a file", "below what is no folder"])
-def test_a_folder_that_is_none_is_refused_before_work(what: str, tmp_path: Path, plumbline: Command, ledger: Page) -> None:
+def test_a_folder_that_is_none_is_refused_before_work(
+    what: str, tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch, ledger: Page
+) -> None:
+    monkeypatch.syspath_prepend(str(PLUGINS))
     (tmp_path / "file").write_text("mine")
     out = {
         "a file": tmp_path / "file",
         "below a file": tmp_path / "file" / "out",
         "below what is no folder": Path("/dev/null/out"),
     }
-    done = plumbline("run", write_study(tmp_path), "--engine", "sound", "--out", out[what], plugins=True)
+    done = printed("run", write_study(tmp_path), "--engine", "sound", "--out", out[what])
     assert done.returncode in (2, 3)
     assert "file" in done.stderr.lower() or "director" in done.stderr.lower()
     assert "Traceback" not in done.stderr

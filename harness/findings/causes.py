@@ -4,7 +4,7 @@ A cause is read off typed fields alone, the first of these that applies:
 
 * an effect that the trial's notices call surplus or missing, where the same engine passes the same case on another track without
   that notice, or where the table of effects says that it matters there;
-* a finding about the engine whose script names the case, on that track;
+* a finding about the engine whose script says that it makes answers wrong (`cause`) and names the case, on that track;
 * a law of the case that the adapter makes;
 * none: what nobody has explained is said to be so.
 """
@@ -117,7 +117,9 @@ def _key(store: Store, answer: Answer, effects: tuple[str, ...], shelf: Sequence
         said = next((finding.name for finding in mine if set(effects) <= set(finding.effects)), "")
         return answer.engine, answer.track, "effect", effects, (), said
     # Of a finding that says which effects it is about the notices have to say so too.
-    shown = next((finding.name for finding in mine if answer.case in finding.cases and not finding.effects), "")
+    shown = next(
+        (finding.name for finding in mine if finding.cause and answer.case in finding.cases and not finding.effects), ""
+    )
     if shown:
         return answer.engine, answer.track, "finding", (), (), shown
     laws = tuple(dict.fromkeys(law.feature for law in made(store.catalogue, answer.engine, answer.case, answer.track)))

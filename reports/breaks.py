@@ -28,7 +28,7 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """One axis of a case: who breaks first stands first. Terms: axis: in words; unit: of its values; setting: of all of them."""
+    """One axis of a case: who breaks first stands first. Terms: axis: in words; unit: of its values; setting: all have it."""
 
     case: str
     title: str

@@ -56,7 +56,11 @@ def _worded(store: "Store", cause: Cause, cells: dict[tuple[str, str, str], Verd
         for answer in cause.failures
     ]
     count = len(listed)
-    verdict = f"{plural(count, 'case')} {'fails' if count == 1 else 'fail'}" if cause.by == "unexplained" else f"fails {plural(count, 'case')}"
+    verdict = (
+        f"{plural(count, 'case')} {'fails' if count == 1 else 'fail'}"
+        if cause.by == "unexplained"
+        else f"fails {plural(count, 'case')}"
+    )
     tracks = [track for track in engines(store)[cause.engine]["tracks"] if track != cause.track]
     if cause.cured and len(tracks) == 1:
         several = "all of which pass" if len(cause.cured) == count else f"of which {len(cause.cured)} pass"

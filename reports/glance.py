@@ -1,7 +1,7 @@
 """Engines side by side: what each passed, what it cost and how large its errors were, on cases that all answered.
 
-There is one scale for all tracks: what tuning does to an engine is the step from one number to the other. What people can deploy
-is ranked among itself. Our own engine is the yardstick: it stands beside them on their scale.
+There is one scale for all tracks: what tuning does to an engine is the step from one number to the other. What people can
+deploy is ranked among itself. Our own engine is the yardstick: it stands beside them on their scale.
 """
 
 from collections.abc import Collection, Mapping
@@ -61,9 +61,7 @@ class Glance:
 
 def table(rows: pd.DataFrame, column: str) -> pd.DataFrame:
     """Medians of a column: cases down, engines on their tracks across, as (engine, track)."""
-    return rows.pivot_table(
-        index="case", columns=["engine", "track"], values=column, aggfunc="median", dropna=True, sort=False
-    )
+    return rows.pivot_table(index="case", columns=["engine", "track"], values=column, aggfunc="median", dropna=True, sort=False)
 
 
 def regular(frame: pd.DataFrame) -> list[Side]:

@@ -1,4 +1,4 @@
-"""What a night of a history says of what changed since each answer was last seen, read back from the files beside its report."""
+"""What a night of a history says of what changed since each answer was last seen, from the files beside its report."""
 
 import json
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""How fast an engine is where it errs by no more than a per cent: single trials that anybody can run again, as times real time."""
+"""How fast an engine is where it errs by a per cent or less: single trials that anybody can run again, as times real time."""
 
 import math
 from collections.abc import Sequence
@@ -27,8 +27,8 @@ class Pace:
     """The cheapest clocked trial of an engine in a case that passes every check and errs by no more than `WITHIN`.
 
     Terms: times, low, high [1]: simulated over CPU seconds with the 95 % interval. error: share of the case's scale. short: was
-    no cheaper trial of the engine run that errs more? Then a coarser one might do as well, and the pace is a lower bound of what
-    a per cent allows.
+    no cheaper trial of the engine run that errs more? Then a coarser one might do as well, and the pace is a lower bound of
+    what a per cent allows.
     """
 
     case: str
@@ -138,4 +138,3 @@ def three(store: "Store") -> list[Paced]:
 
 def _rank(paced: Paced) -> tuple[int, float]:
     return len(paced.paces), -paced.paces[0].times
-

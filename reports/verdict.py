@@ -70,7 +70,8 @@ def margin_words(margin: Margin) -> str:
     if not math.isfinite(margin.times):
         return "no number"
     # A margin under a per cent would read as none.
-    return f"{amount(margin.times, 4 if margin.times < 1.01 else 3 if margin.times < 1.1 else 2)}{TIMES} over"
+    digits = 4 if margin.times < 1.01 else 3 if margin.times < 1.1 else 2
+    return f"{amount(float(f'{margin.times:.{digits}g}'), digits)}{TIMES} over"
 
 
 @lru_cache(maxsize=2)

@@ -2,8 +2,8 @@
 
 A cause is read off typed fields alone, the first of these that applies:
 
-* an effect that the trial's notices call surplus or missing, where the same engine passes the same case on another track without
-  that notice, or where the table of effects says that it matters there;
+* an effect that the trial's notices call surplus or missing, where the same engine passes the same case on another track
+  without that notice, or where the table of effects says that it matters there;
 * a finding about the engine whose script says that it makes answers wrong (`cause`) and names the case, on that track;
 * a law of the case that the adapter makes;
 * none: what nobody has explained is said to be so.
@@ -41,9 +41,9 @@ class Answer:
 class Cause:
     """What makes an engine fail on a track, and where.
 
-    Terms: by: from where it is known. effects: names of the effects, of `by` 'effect'. features: those that the adapter makes, of
-    'emulated'. finding: that says it, None where none does. failures: one a case. cured: the cases among them that the engine
-    passes on another track.
+    Terms: by: from where it is known. effects: names of the effects, of `by` 'effect'. features: those that the adapter makes,
+    of 'emulated'. finding: that says it, None where none does. failures: one a case. cured: the cases among them that the
+    engine passes on another track.
     """
 
     engine: str

@@ -166,8 +166,8 @@ def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
 def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     """How often each engine leads in pairs of case and error that anybody reaches.
 
-    At equal time that is the cheapest, within the intervals of costs, of which an upper bound has no lower end; at equal sub-step the one that comes down to the error in
-    the coarsest steps that were run.
+    At equal time that is the cheapest, within the intervals of costs, of which an upper bound has no lower end; at equal
+    sub-step the one that comes down to the error in the coarsest steps that were run.
     """
     pairs: dict[tuple[str, str, float], list[Price]] = {}
     for price in prices:

@@ -1,4 +1,4 @@
-"""By how much a trial keeps or misses its checks: the figure of the check that is nearest to its bound, or farthest beyond it."""
+"""By how much a trial keeps or misses its checks: the figure of the check nearest to its bound, or farthest beyond it."""
 
 import math
 from collections.abc import Mapping

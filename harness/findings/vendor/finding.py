@@ -49,9 +49,9 @@ class Finding:
 
     name: engine and file name, as the command line takes it. kind, title, documented, mend: see `findings/README.md`. seen: the
     versions in which it was found. sources: where the vendor says so, and earlier reports. cases: those of the catalogue that
-    it shows in, on `tracks`. effects: of scenes, that it adds or takes away. cause: what it is called where cases fail by it, ''
-    where it makes no answer wrong. requires: what the script needs installed, as requirements of a package index. script: the file. text: all of
-    it."""
+    it shows in, on `tracks`. effects: of scenes, that it adds or takes away. cause: what it is called where cases fail by it,
+    '' where it makes no answer wrong. requires: what the script needs installed, as requirements of a package index. script:
+    the file. text: all of it."""
 
     name: str
     engine: str

@@ -152,7 +152,10 @@
     button.className = "yardstick";
     const say = () => {
       button.setAttribute("aria-pressed", String(away()));
-      button.textContent = away() ? "Show the yardstick" : "Hide the yardstick";
+      const verb = document.createElement("span");
+      verb.textContent = away() ? "Show the " : "Hide the ";
+      button.replaceChildren(verb, "yardstick");
+      button.setAttribute("aria-label", `${verb.textContent}yardstick`);
     };
     button.title = "Plumbline's own engine is the ruler, and no contestant";
     button.addEventListener("click", () => {

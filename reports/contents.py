@@ -5,10 +5,12 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from reports.text import slug
+
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["FAMILIES", "cases", "engines", "families", "more_is_better", "named_tracks", "ours", "tracks"]
+__all__ = ["FAMILIES", "cases", "engine_file", "engines", "families", "more_is_better", "named_tracks", "ours", "tracks"]
 
 FAMILIES: dict[str, str] = {
     "flight": "Free flight",
@@ -98,6 +100,11 @@ def engines(store: "Store") -> dict[str, dict[str, Any]]:
         engine["title"] = engine["title"] or name
         by_name[name] = engine
     return dict(sorted(by_name.items(), key=lambda pair: not pair[1]["ours"]))
+
+
+def engine_file(name: str) -> str:
+    """The page of an engine."""
+    return f"engine-{slug(name)}.html"
 
 
 def ours(store: "Store") -> list[str]:

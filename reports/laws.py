@@ -10,7 +10,7 @@ from reports.contents import engines
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["Law", "laws_of_case", "own_everywhere", "told_apart"]
+__all__ = ["Law", "every_law", "laws_of_case", "own_everywhere", "told_apart"]
 
 
 NAMES = {
@@ -85,10 +85,14 @@ def _features(store: "Store") -> list[str]:
     return list(dict.fromkeys(feature for features in claimed for feature in features))
 
 
+def every_law(store: "Store") -> list[tuple[str, Mapping[str, Law]]]:
+    """By feature and engine, for every feature that some engine claims."""
+    return [*_table(store, _features(store)), _batches(store)]
+
+
 def told_apart(store: "Store") -> list[tuple[str, Mapping[str, Law]]]:
     """By feature and engine, for the features that some engine lacks or some adapter makes."""
-    rows = [*_table(store, _features(store)), _batches(store)]
-    return [(feature, row) for feature, row in rows if any(law.word != "own" for law in row.values())]
+    return [(feature, row) for feature, row in every_law(store) if any(law.word != "own" for law in row.values())]
 
 
 def own_everywhere(store: "Store") -> list[str]:

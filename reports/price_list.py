@@ -15,7 +15,7 @@ from reports.work_precision import priced
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["SHOWN", "Entry", "Line", "Tried", "heat", "marked", "price_list", "tried", "wins"]
+__all__ = ["SHOWN", "Entry", "Line", "Tried", "Wins", "heat", "marked", "price_list", "tried", "wins"]
 
 SHOWN = 1e-2
 """The error that the list shows at first: every scene has a line for it."""
@@ -64,7 +64,8 @@ def price_list(store: "Store") -> list[Line]:
             last = target <= SHOWN and all(price.verdict in ("not within the ladder", "no answer") for price in prices.values())
             unit = next(iter(prices.values())).unit
             shown = "" if unit == PER_SECOND else f"per {unit}"
-            entries = {engine: marked(store, price) for engine, price in prices.items()}
+            cheapest = next((price for price in prices.values() if price.cheapest), None)
+            entries = {engine: marked(store, price, cheapest) for engine, price in prices.items()}
             lines.append(Line(case, title, power(round(math.log10(target))), shown, last, entries))
             if last:
                 break
@@ -101,27 +102,38 @@ def heat(price: Price) -> str:
     return next((shade for limit, shade in HEATS if price.ratio <= limit * (1 + 1e-12)), "far")
 
 
-def entry(price: Price) -> Entry:
-    """One price in words."""
+def entry(price: Price, beside: Price | None = None) -> Entry:
+    """One price in words. Args: beside: the cheapest, over which its ratio is."""
     if price.cost is None:
         if price.verdict == "not within the ladder":
             return _outside(price)
         return Entry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
-    sign = {"at most": "≤ ", "within the truth's error": "≈ "}.get(price.verdict, "")
+    sign = {"at most": "at most ", "within the truth's error": "≈ "}.get(price.verdict, "")
     shown = price.low is not None and price.high is not None and math.isfinite(price.low) and math.isfinite(price.high)
     between = f"{duration(price.low)} to {duration(price.high)}" if shown else ""
-    ratio = "" if price.cheapest or price.ratio is None else amount(price.ratio, 3 if price.ratio < 2 else 2)
+    ratio = _ratio(price, beside)
     hint = f"{price.track}, step {amount(1e3 * (price.dt or math.nan))} ms; {price.verdict}"
     if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
         hint += f"; {amount(price.ratio_low)} to {amount(price.ratio_high)} times the cheapest"
     return Entry(price, sign + duration(price.cost), ratio, between, heat(price), hint)
 
 
-def marked(store: "Store", price: Price) -> Entry:
+def _ratio(price: Price, beside: Price | None) -> str:
+    """How many times the cheapest: a bound where one of both is an upper bound, and nothing where both are."""
+    if price.cheapest or price.ratio is None:
+        return ""
+    short = price.verdict == "at most", beside is not None and beside.verdict == "at most"
+    if all(short):
+        return ""
+    sign = "≤ " if short[0] else "≥ " if short[1] else ""
+    return sign + amount(price.ratio, 3 if price.ratio < 2 else 2)
+
+
+def marked(store: "Store", price: Price, beside: Price | None = None) -> Entry:
     """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
     law = whose(store.catalogue, price.engine, price.case, store.bases.get(price.trial, ""))
     against = disputed(store, price.engine, price.case)
-    plain = entry(price)
+    plain = entry(price, beside)
     hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", against) if word)
     return replace(plain, hint=hint, law=law, disputed=against)
 
@@ -140,15 +152,32 @@ def _outside(price: Price) -> Entry:
     return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)
 
 
-def wins(prices: Sequence[Price], yardsticks: Collection[str] = ()) -> list[tuple[str, int]]:
-    """How many errors each engine reaches at the lowest price, most first; yardsticks do not count."""
+@dataclass(frozen=True, slots=True)
+class Wins:
+    """How many errors each engine reaches at the lowest price, most first, of those where that is known; open: where it is not,
+    since the price of another is an upper bound, read off a ladder that ends too early."""
+
+    counts: Sequence[tuple[str, int]]
+    open: int
+
+    @property
+    def known(self) -> int:
+        """Of how many errors the cheapest is known."""
+        return sum(count for _, count in self.counts)
+
+
+def wins(prices: Sequence[Price], yardsticks: Collection[str] = ()) -> Wins:
+    """Yardsticks do not count."""
     counts = {price.engine: 0 for price in prices if price.engine not in yardsticks}
-    least: dict[tuple[str, str, float], Price] = {}
+    pairs: dict[tuple[str, str, float], list[Price]] = {}
     for price in prices:
         if price.engine in counts and price.cost is not None:
-            pair = price.case, price.where, price.target
-            if pair not in least or price.cost < (least[pair].cost or math.inf):
-                least[pair] = price
-    for price in least.values():
-        counts[price.engine] += 1
-    return sorted(counts.items(), key=lambda pair: -pair[1])
+            pairs.setdefault((price.case, price.where, price.target), []).append(price)
+    unknown = 0
+    for group in pairs.values():
+        least = min(group, key=lambda price: price.cost or math.inf)
+        if any(price.verdict == "at most" for price in group if price is not least):
+            unknown += 1
+        else:
+            counts[least.engine] += 1
+    return Wins(sorted(counts.items(), key=lambda pair: -pair[1]), unknown)

@@ -113,7 +113,11 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
     for track in reversed(named_tracks(store)):
-        answered = [glance for glance in seen if glance.track == track and glance.counts["passed"] + glance.counts["failed"]]
+        answered = [
+            glance
+            for glance in seen
+            if glance.track == track and glance.cases > glance.counts["unavailable"] + glance.counts["unsupported"]
+        ]
         judged = [glance for glance in answered if glance.engine not in yardsticks(store) and glance.asked]
         if len(judged) < 2:
             continue

@@ -9,9 +9,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
-from reports.contents import engines
+from reports.contents import engine_file, engines
 from reports.page import navigation
 from reports.palette import looks
+from reports.points import labels
 from reports.status import STATUSES, outcome
 from reports.text import amount, plain_value, plural, settings_text, slug, visible
 
@@ -59,6 +60,7 @@ def environment() -> Environment:
         "amount": amount,
         "called": called,
         "case_file": case_file,
+        "engine_file": engine_file,
         "cite": cite,
         "outcome": outcome,
         "plural": lambda count, noun: plural(count, noun),
@@ -79,6 +81,7 @@ def fill(template: str, store: "Store", **context: Any) -> str:
             navigation=navigation(store),
             engines=named,
             looks=looks(named),
+            yardsticks=[label for name, label in labels(store).items() if named[name]["ours"]],
             statuses=STATUSES,
             study=store.study,
             **context,

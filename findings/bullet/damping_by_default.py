@@ -11,6 +11,9 @@
 # sources = ["PyBullet Quickstart Guide, changeDynamics: linearDamping, angularDamping"]
 # mend = "changeDynamics(body, -1, linearDamping=0, angularDamping=0), once on the base of each multibody"
 # cases = ["flight_projectile", "joint_pendulum", "joint_double_pendulum", "spin_asymmetric_top"]
+# tracks = ["default"]
+# effects = ["linear_damping", "angular_damping"]
+# cause = "hidden damping of 0.04/s"
 # ///
 """A ball thrown at 8.6 m/s lands elsewhere than its parabola says; a step errs by g dt t/2 = 0.04 m, the damping by more than a metre."""
 

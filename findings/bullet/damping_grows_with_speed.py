@@ -14,6 +14,7 @@
 # ]
 # mend = "changeDynamics(body, -1, linearDamping=0, angularDamping=0), and damping as a force of one's own where it is wanted"
 # cases = ["flight_projectile", "joint_pendulum", "joint_double_pendulum", "friction_stop"]
+# tracks = ["default"]
 # ///
 """A ball alone in space, 10 m/s fast, for a second: plain damping of c = 0.04 leaves v e^-c, c (1 + v) takes v/(1 + v) to e^-c of itself."""
 

@@ -14,6 +14,7 @@
 # ]
 # mend = "closed forms for balls, capsules and cylinders; faces of boxes and planes are exact"
 # cases = ["sensor_lidar_noise", "sensor_lidar_room"]
+# cause = "rays that end early at grazing incidence"
 # ///
 """A beam meets a cylinder of 0.35 m at 3.7 degrees, 2.3 m away; the true distance is the root of a quadratic."""
 

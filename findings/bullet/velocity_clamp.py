@@ -11,6 +11,8 @@
 # sources = ["PyBullet Quickstart Guide, changeDynamics: maxJointVelocity"]
 # mend = "changeDynamics(body, -1, maxJointVelocity=1e6), or createMultiBody(..., useMaximalCoordinates=1), which has no such bound"
 # cases = ["tunnel_sphere_wall", "spin_fast"]
+# tracks = ["default"]
+# cause = "velocities clamped at 100 m/s and 100 rad/s"
 # ///
 """A ball alone in space, without damping, is sent off at 300 m/s, and another is spun at 300 rad/s."""
 

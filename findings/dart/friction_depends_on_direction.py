@@ -11,6 +11,8 @@
 # sources = ["dartpy.constraint: DantzigBoxedLcpSolver, NsgsFrictionSolver, FbfFrictionSolver"]
 # mend = "world.getConstraintSolver().setBoxedLcpSolver(dartpy.constraint.NsgsFrictionSolver()), which costs several times as much"
 # cases = ["friction_isotropy", "friction_stop", "friction_threshold"]
+# tracks = ["default"]
+# cause = "friction as a box, not a cone"
 # ///
 """Two equal boxes pushed at 2 m/s, along an axis and at 45 degrees, go equally far: v2/(2 mu g), but for a step's way or two (2 % each)."""
 

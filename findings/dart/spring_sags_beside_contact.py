@@ -11,6 +11,7 @@
 # sources = ["dartpy.dynamics.RevoluteJoint: setSpringStiffness, setRestPosition, setDampingCoefficient"]
 # mend = "the same law as a torque by setForce in each step, with a step that it is stable at"
 # cases = ["stand_quadruped", "stand_humanoid"]
+# cause = "springs that sag beside a contact"
 # ///
 """A slider stands on a box and carries, on a hinge, a bar that its spring holds level: statics leaves it level, whatever bears the slider."""
 

@@ -11,6 +11,7 @@
 # sources = ["MuJoCo, Computation: constraint model, friction cones"]
 # mend = "a longer solreffriction; impratio does not help"
 # cases = ["friction_stop"]
+# cause = "soft friction, which lifts what slides"
 # ///
 """A box set on the ground at 3 m/s slides to a stop; whatever presses it, it has no reason to rise. One that stands does not, to the bit."""
 

@@ -11,6 +11,8 @@
 # sources = ["MuJoCo, XML Reference: option, cone", "MuJoCo, Computation: friction cones"]
 # mend = '<option cone="elliptic"/>'
 # cases = ["friction_isotropy", "friction_stop"]
+# tracks = ["default"]
+# cause = "friction as a pyramid, not a cone"
 # ///
 """Two equal boxes pushed at 2 m/s, along an axis and at 45 degrees, go equally far: v2/(2 mu g), but for a step's way or two (2 % each)."""
 

@@ -11,6 +11,7 @@
 # sources = ["MuJoCo, Modeling: solver parameters, solref"]
 # mend = 'solref with a time constant of a few steps on the equality: the gap falls by its square'
 # cases = ["joint_fourbar"]
+# cause = "soft loop joints, which gape"
 # ///
 """Two cranks of 0.5 m and a coupler of 1 m, let go at 120 degrees: the greatest gap of the loop at 1/960 s and at a quarter of that."""
 

@@ -11,6 +11,7 @@
 # sources = ["MuJoCo, Modeling: preventing slip", "MuJoCo, XML Reference: option, impratio, noslip_iterations"]
 # mend = '<option cone="elliptic" impratio="10"/>'
 # cases = ["friction_creep", "friction_threshold"]
+# cause = "soft friction, which creeps"
 # ///
 """At 0.9 of the angle of friction Coulomb's law holds a box where it is; a tenth of a millimetre is what it settles by."""
 

@@ -104,6 +104,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
             ended = time.monotonic()
             write_summary(done.store)
             news = compared(history, done)
+            _write_comparison(done, news)
             if reported and done.budget.seconds - done.budget.taken() < done.budget.closing / 2:
                 say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
             elif reported:
@@ -112,7 +113,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
             rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
             changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
             account = accounted(history, done, news, time.monotonic() - ended) | {"findings": rows}
-            summary = _write_changes(history, done, news, account, [turn.sentence for turn in changed])
+            summary = _write_summary(history, done, news, account, [turn.sentence for turn in changed])
             close(night, account)
     except StudyError as error:
         if not (night.folder / "journal.jsonl").exists():
@@ -163,13 +164,9 @@ def _publish(done: "Done", news: "News | None") -> None:
     build(done.night.folder)
 
 
-def _write_changes(
-    history: "History", done: "Done", news: "News | None", account: dict[str, Any], findings: Sequence[str]
-) -> Path:
-    """What changed, for people, build servers and other trackers. Returns: summary.md."""
+def _write_comparison(done: "Done", news: "News | None") -> None:
+    """What changed, for build servers and other trackers, and as a page: before the report, whose first page leads to it."""
     from harness.findings.changes.files import changes_files
-    from harness.history.acknowledged import acknowledged
-    from harness.history.words import open_since, summary
     from harness.store.disk import make_folder, write_atomically
     from reports.what_changed import write_what_changed
 
@@ -179,9 +176,19 @@ def _write_changes(
         for name, content in changes_files(news.changes, done.store, done.asked.gated).items():
             write_atomically(folder / name, content)
         write_what_changed(news.changes, folder, done.asked.gated)
+
+
+def _write_summary(
+    history: "History", done: "Done", news: "News | None", account: dict[str, Any], findings: Sequence[str]
+) -> Path:
+    """What changed, for people. Returns: summary.md."""
+    from harness.history.acknowledged import acknowledged
+    from harness.history.words import open_since, summary
+    from harness.store.disk import write_atomically
+
     plans = [night.plan for night in history.whole_nights() if night != done.night]
     standing = open_since(plans, acknowledged(history), () if news is None else news.ended)
-    path = folder / "summary.md"
+    path = done.night.folder / "changes" / "summary.md"
     write_atomically(path, summary(news, account, standing, findings).encode())
     return path
 

@@ -4,6 +4,7 @@ What an engine comes to is an interval: a limit lies between what held and what 
 where no other's interval lies wholly beyond its own; engines whose intervals meet lead together, for their order is not known.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -165,8 +166,8 @@ def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
 def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     """How often each engine leads in pairs of case and error that anybody reaches.
 
-    At equal time that is the cheapest, within the intervals of costs; at equal sub-step the one that comes down to the error in
-    the coarsest steps that were run.
+    At equal time that is the cheapest, within the intervals of costs, of which an upper bound has no lower end; at equal
+    sub-step the one that comes down to the error in the coarsest steps that were run.
     """
     pairs: dict[tuple[str, str, float], list[Price]] = {}
     for price in prices:
@@ -188,9 +189,10 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
 
 
 def _cheapness(price: Price) -> Extent:
+    """From the costs that it may have; an upper bound says nothing of how little it may be."""
     cost = price.cost or 1.0
     low, high = (value if value is not None and value == value else cost for value in (price.low, price.high))
-    return 1 / high, 1 / low
+    return 1 / high, math.inf if price.verdict == "at most" else 1 / low
 
 
 def _coarsest(points: Iterable[Point], target: float, engines: frozenset[str]) -> dict[str, Extent]:

@@ -1,25 +1,32 @@
-"""The first page: what was found, the verdict of every case on every engine, the engines, and where the numbers come from."""
+"""The first page: which engine, what accuracy costs, what breaks, what changed; then the verdicts, and where all comes from."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from harness.findings.emulations import whose
 from reports.answers import answers, at_own_step
+from reports.breaks import limits_met
 from reports.charts import across_cases
-from reports.contents import cases, engines, families, named_tracks
-from reports.glance import glances
+from reports.contents import cases, named_tracks
+from reports.failures import failing
+from reports.glance import Glance, glances
+from reports.history_news import history_news
 from reports.own_scenes import by_case
-from reports.page import Page
+from reports.paces import three
+from reports.page import Page, navigation
 from reports.selection import needs
 from reports.status import STATUSES, VERDICTS
 from reports.summary import sentences
 from reports.template import fill
-from reports.verdict import verdicts
+from reports.verdict import cells_by_family, verdicts
 
 if TYPE_CHECKING:
     from harness.store.store import Store
 
 __all__ = ["PAGE"]
+
+SHOWN = 6
+"""Causes and limits that stand open; the rest of the causes folds."""
 
 ERRORS = (
     "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale: "
@@ -47,33 +54,32 @@ def render(store: "Store") -> Mapping[str, str]:
     ]
     cells = verdicts(store)
     judged = {case for case, _, _ in cells}
-    by_family = [(family, [case for case in listed if case["name"] in judged]) for family, listed in families(store)]
+    sides: dict[str, dict[str, Glance]] = {}
+    for glance in glances(store):
+        sides.setdefault(glance.engine, {})[glance.track] = glance
     page = fill(
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
         needs=needs(store),
         sentences=sentences(store),
-        glances=glances(store),
-        families=[(family, listed) for family, listed in by_family if listed],
+        paced=three(store),
+        has_price=any(page.name == "price" for page in navigation(store)),
+        failures=failing(store),
+        limits=limits_met(store),
+        shown=SHOWN,
+        news=history_news(store),
+        sides=sides,
+        families=cells_by_family(store),
         cells=cells,
         meanings=(VERDICTS if by_case(store) else {}) | (STATUSES if len(by_case(store)) < len(judged) else {}),
         laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},
         tracks=named_tracks(store),
         figures=figures,
-        findings={name: by_reason(engine["known_failures"]) for name, engine in engines(store).items()},
         machine=store.machine,
         trials=len(store.trials),
     )
     return {"index.html": page} | {figure.path: figure.svg for figure in figures}
-
-
-def by_reason(known_failures: Mapping[str, str]) -> list[tuple[str, list[str]]]:
-    """Checks that fail for one reason stand together under it."""
-    checks: dict[str, list[str]] = {}
-    for check, reason in known_failures.items():
-        checks.setdefault(reason, []).append(check)
-    return list(checks.items())
 
 
 PAGE = Page(name="index", title="Overview", order=0, render=render)

@@ -24,7 +24,7 @@ PROGRAM = "/viewer/"
 STATIC = Path(__file__).parent / "static"
 OWN = {f"/static/{name}": STATIC / name for name in ("front.css", "view.css", "view.js")}
 
-OPEN_FOLDERS = ("report", "recordings")
+OPEN_FOLDERS = ("report", "recordings", "changes")
 """The parts of a run folder that are served; the rest of the disk is not."""
 
 KINDS = {

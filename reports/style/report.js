@@ -48,10 +48,74 @@
 
   window.addEventListener("scroll", () => (box.style.display = "none"), { passive: true });
 
+  // The reason behind a cell, on hovering and for the keyboard on focus.
+  for (const cell of document.querySelectorAll("[data-reason]")) {
+    cell.setAttribute("aria-label", `${cell.textContent.trim()}. ${cell.dataset.reason}`);
+    const show = (x, y) => hover(null, { clientX: x, clientY: y }, null, { "": cell.dataset.reason });
+    cell.addEventListener("pointermove", (event) => show(event.clientX, event.clientY));
+    cell.addEventListener("focus", () => {
+      const place = cell.getBoundingClientRect();
+      show(place.left, place.bottom);
+    });
+    for (const end of ["pointerleave", "blur"]) cell.addEventListener(end, () => (box.style.display = "none"));
+  }
+
+  // Our own engine is the yardstick; a reader may put it away on every page. The choice is kept where the browser lets us.
+  const root = document.documentElement;
+  const yardsticks = new Set(JSON.parse(root.dataset.yardsticks ?? "[]"));
+  const away = () => root.dataset.yardstick === "hidden";
+  const kept = (value) => {
+    try {
+      if (value !== undefined) localStorage.setItem("plumbline-yardstick", value);
+      return localStorage.getItem("plumbline-yardstick");
+    } catch {
+      return null;
+    }
+  };
+  // Columns whose heading names ours: every cell below, also where headings span several columns or rows.
+  const columns = (table) => {
+    const taken = [], own = new Set();
+    [...(table.tHead?.rows ?? [])].forEach((row, line) => {
+      let column = 0;
+      for (const head of row.cells) {
+        while (taken[line]?.[column]) column++;
+        for (let down = 0; down < head.rowSpan; down++)
+          for (let right = 0; right < head.colSpan; right++) (taken[line + down] ??= [])[column + right] = true;
+        const mine = head.querySelector(".ours") !== null || (head.colSpan === 1 && own.has(column));
+        for (let right = 0; right < head.colSpan; right++) if (mine) own.add(column + right);
+        if (mine) head.classList.add("of-ours");
+        column += head.colSpan;
+      }
+    });
+    if (own.size) for (const body of table.tBodies) for (const row of body.rows)
+      if (row.cells.length > 1) [...row.cells].forEach((cell, place) => own.has(place) && cell.classList.add("of-ours"));
+  };
+  document.querySelectorAll("table").forEach(columns);
+  // What a chart draws: rows of ours go, and with them their places in scales and legends.
+  const without = (part) => {
+    if (Array.isArray(part)) return part.map(without);
+    if (part === null || typeof part !== "object") return part;
+    const left = Object.fromEntries(Object.entries(part).map(([name, value]) => [name, without(value)]));
+    if (Array.isArray(left.values)) left.values = left.values.filter((row) => !(row && yardsticks.has(row.engine)));
+    if (Array.isArray(left.domain) && left.domain.some((name) => yardsticks.has(name))) {
+      const stays = left.domain.map((name) => !yardsticks.has(name));
+      if (Array.isArray(left.range) && left.range.length === stays.length) left.range = left.range.filter((_, k) => stays[k]);
+      left.domain = left.domain.filter((_, k) => stays[k]);
+    }
+    if (Array.isArray(left.sort)) left.sort = left.sort.filter((name) => !yardsticks.has(name));
+    return left;
+  };
+  const put = (hidden) => {
+    if (hidden) root.dataset.yardstick = "hidden";
+    else delete root.dataset.yardstick;
+  };
+  put(kept() === "hidden");
+
   const refuse = { load: () => Promise.reject(new Error("no network")), sanitize: () => Promise.reject(new Error("no links")) };
 
   const draw = async (figure) => {
-    const spec = JSON.parse(figure.querySelector("script.spec").textContent);
+    const whole = JSON.parse(figure.querySelector("script.spec").textContent);
+    const spec = away() ? without(whole) : whole;
     const small = figure.clientWidth < 480;
     const own = scheme();
     spec.config = { ...own, legend: { ...own.legend, ...(spec.config?.legend ?? {}), columns: small ? 1 : 3 } };
@@ -76,6 +140,33 @@
   if (window.vegaEmbed) {
     drawAll();
     dark.addEventListener("change", drawAll);
+  }
+
+  // The switch stands where something of ours is drawn.
+  const drawn = document.querySelector(".ours, .of-ours") ||
+    figures.some((figure) => [...yardsticks].some((name) => figure.querySelector("script.spec").textContent.includes(JSON.stringify(name).slice(1, -1))));
+  const top = document.querySelector(".top");
+  if (yardsticks.size && drawn && top) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = "yardstick";
+    const say = () => {
+      button.setAttribute("aria-pressed", String(away()));
+      const verb = document.createElement("span");
+      verb.textContent = away() ? "Show the " : "Hide the ";
+      button.replaceChildren(verb, "yardstick");
+      button.setAttribute("aria-label", `${verb.textContent}yardstick`);
+    };
+    button.title = "Plumbline's own engine is the ruler, and no contestant";
+    button.addEventListener("click", () => {
+      put(!away());
+      kept(away() ? "hidden" : "shown");
+      say();
+      if (window.vegaEmbed) drawAll();
+      document.dispatchEvent(new Event("yardstick"));
+    });
+    say();
+    top.append(button);
   }
 
   // Tables: a click on a heading sorts; numbers by data-value, gaps always last.
@@ -122,17 +213,20 @@
     const count = document.createElement("output");
     const apply = () => {
       const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-      let shown = 0;
+      let shown = 0, all = 0;
       for (const row of rows) {
         const text = row.textContent.toLowerCase();
         const keep = (!choice.value || row.dataset.status === choice.value) && words.every((word) => text.includes(word));
         row.hidden = !keep;
-        shown += keep;
+        const of = !(away() && row.querySelector(".ours"));
+        shown += keep && of;
+        all += of;
       }
-      count.textContent = `${shown} of ${rows.length}`;
+      count.textContent = `${shown} of ${all}`;
     };
     search.addEventListener("input", apply);
     choice.addEventListener("change", apply);
+    document.addEventListener("yardstick", apply);
     tools.prepend(search, choice, count);
     apply();
     const reveal = () => {

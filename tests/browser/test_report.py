@@ -44,7 +44,7 @@ def opened(browser: Any, plain: Path) -> Iterator[dict[Path, Visit]]:
 
 
 def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(opened: dict[Path, Visit]) -> None:
-    assert len(opened) == 8
+    assert len(opened) == 13
     for path, seen in opened.items():
         assert seen.said == [], path.name
         assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}, path.name
@@ -175,6 +175,47 @@ def test_hovering_a_point_tells_its_trial(plain: Path, opened: dict[Path, Visit]
     told = page.locator("#hover").inner_text()
     assert "trial" in told
     assert "settings" in told
+
+
+def test_the_yardstick_is_put_away_on_every_page_and_stays_away_until_it_is_called_back(plain: Path, visit: Any) -> None:
+    seen = visit(plain / "index.html")
+    page = seen.page
+    legends = page.locator("figure.chart .plot .role-legend-label")
+    own, columns = page.locator(".ours:visible"), page.locator("table.matrix thead th.group:visible")
+    assert own.count() > 3
+    assert "Plumbline reference (ours)" in legends.all_text_contents()
+    before = columns.count()
+    page.get_by_role("button", name="Hide the yardstick").click()
+    page.wait_for_function("() => !document.querySelector('figure.chart .plot').textContent.includes('(ours)')")
+    assert own.count() == 0
+    assert columns.count() == before - 1
+    widths = page.eval_on_selector_all(
+        "table.matrix tbody tr:not(.family)",
+        "rows => rows.map(row => [...row.cells].filter(cell => cell.offsetParent).length)",
+    )
+    assert set(widths) == {1 + 2 * (before - 1)}
+    for name in ("case-stack_tower.html", "price.html"):
+        page.goto((plain / name).as_uri())
+        page.wait_for_selector("figure.chart[data-drawn] .plot svg")
+        page.get_by_role("button", name="Show the yardstick").wait_for()
+        assert own.count() == 0, name
+        assert "(ours)" not in "".join(legends.all_text_contents()), name
+    page.get_by_role("button", name="Show the yardstick").click()
+    assert own.count() > 0
+    assert seen.said == []
+
+
+def test_a_cell_of_the_matrix_tells_its_reason_on_hovering_and_to_the_keyboard(opened: dict[Path, Visit], plain: Path) -> None:
+    page = opened[plain / "index.html"].page
+    cell = page.locator("table.matrix td.st-failed a").first
+    cell.hover()
+    assert "bound" in page.locator("#hover").inner_text()
+    page.mouse.move(0, 0)
+    assert not page.locator("#hover").is_visible()
+    cell.focus()
+    assert "bound" in page.locator("#hover").inner_text()
+    assert "bound" in (cell.get_attribute("aria-label") or "")
+    cell.blur()
 
 
 @pytest.mark.parametrize("width", [390, 1280])

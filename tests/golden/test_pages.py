@@ -98,6 +98,7 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
         "charts/overview-error.svg",
         "charts/overview-cost.svg",
         *(f"case-{case}.html" for case in cases),
+        *(f"engine-{engine}.html" for engine in ("reference", "mujoco", "bullet", "dart", "newton")),
         *(f"trials/{case}.csv" for case in cases),
         *(f"charts/case-{case}-{kind}.svg" for case in cases for kind in ("step", "price")),
         "price.html",

@@ -108,11 +108,23 @@ def test_leads_are_counted_alone_and_together_with_ours_and_without() -> None:
 
 
 def test_pairs_are_led_by_the_cheapest_and_by_the_coarsest_step_that_serves() -> None:
-    """Both err by the same at their steps; ours is ten times dearer at a step twice as coarse."""
+    """Both err by the same at their steps; ours is ten times dearer at a step twice as coarse.
+
+    Of each a coarser step errs more: without it its price would be an upper bound.
+    """
     told: list[Told] = [("a", "reference", "tuned", 0.02, 5e-2, 10.0), ("a", "dart", "tuned", 0.01, 5e-2, 1.0)]
+    told += [("a", "reference", "tuned", 0.04, 5e-1, 5.0), ("a", "dart", "tuned", 0.02, 5e-1, 0.5)]
     prices = Prices(Priced(told))
     counted = {(one.at, one.ours, one.engine): one.alone for one in pair_leads(prices.prices, prices.points)}
     assert counted["equal time", True, "dart"] == 1
     assert counted["equal time", True, "reference"] == 0
     assert counted["equal sub-step", True, "reference"] == 1
     assert counted["equal sub-step", False, "dart"] == 1
+
+
+def test_an_upper_bound_on_a_price_leads_with_others_for_it_may_be_less() -> None:
+    """One step of each engine: that which costs more may cost less at a coarser one, which nobody tried."""
+    told: list[Told] = [("a", "mujoco", "tuned", 0.02, 5e-2, 10.0), ("a", "dart", "tuned", 0.01, 5e-2, 1.0)]
+    prices = Prices(Priced(told))
+    equal_time = [lead for lead in pair_leads(prices.prices, prices.points) if lead.at == "equal time" and lead.ours]
+    assert {lead.engine: (lead.alone, lead.shared) for lead in equal_time} == {"dart": (0, 1), "mujoco": (0, 1)}

@@ -38,6 +38,9 @@ class _Table(BaseModel):
     sources: list[str] = Field(min_length=1)
     mend: str = Field(min_length=1)
     cases: list[str]
+    tracks: list[str] = Field(default=["default", "tuned"], min_length=1)
+    effects: list[str] = []
+    cause: str = ""
 
 
 @dataclass(frozen=True)
@@ -46,8 +49,9 @@ class Finding:
 
     name: engine and file name, as the command line takes it. kind, title, documented, mend: see `findings/README.md`. seen: the
     versions in which it was found. sources: where the vendor says so, and earlier reports. cases: those of the catalogue that
-    it shows in. requires: what the script needs installed, as requirements of a package index. script: the file. text: all of
-    it."""
+    it shows in, on `tracks`. effects: of scenes, that it adds or takes away. cause: what it is called where cases fail by it,
+    '' where it makes no answer wrong. requires: what the script needs installed, as requirements of a package index. script:
+    the file. text: all of it."""
 
     name: str
     engine: str
@@ -61,6 +65,9 @@ class Finding:
     requires: tuple[str, ...]
     script: Path
     text: str
+    tracks: tuple[str, ...] = ("default", "tuned")
+    effects: tuple[str, ...] = ()
+    cause: str = ""
 
     @property
     def body(self) -> str:
@@ -104,4 +111,7 @@ def read_finding(path: Path) -> Finding:
         requires=tuple(head.get("dependencies", ())),
         script=path,
         text=text,
+        tracks=tuple(table.tracks),
+        effects=tuple(table.effects),
+        cause=table.cause,
     )

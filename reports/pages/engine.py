@@ -1,0 +1,42 @@
+"""A page for each engine: what it is, its settings, what is its own and what its adapter makes, what it fails and passes."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from reports.contents import cases, engine_file, engines, named_tracks
+from reports.engine_pages import by_reason, cases_of, laws_of, versions_of
+from reports.failures import failing
+from reports.known_findings import by_engine
+from reports.page import Page
+from reports.template import fill
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
+
+__all__ = ["PAGE"]
+
+
+def render(store: "Store") -> Mapping[str, str]:
+    """One page an engine."""
+    known = by_engine(store)
+    return {
+        engine_file(name): fill(
+            "engine.html",
+            store,
+            title=engine["title"],
+            name=name,
+            engine=engine,
+            versions=versions_of(store, name),
+            tracks=named_tracks(store),
+            failures=[failure for failure in failing(store) if failure.cause.engine == name],
+            listed=cases_of(store, name),
+            laws=laws_of(store, name) if engine["features"] else [],
+            findings=known.get(name, []),
+            known_cases=cases(store),
+            reasons=by_reason(engine["known_failures"]),
+        )
+        for name, engine in engines(store).items()
+    }
+
+
+PAGE = Page(name="engine", title="Engines", order=55, render=render, listed=False)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numba
 import numpy as np
@@ -147,11 +148,19 @@ def _coordinates(angle: float, pose: Pose) -> dict[str, float]:
 def _falls(
     seconds: float, torque: Torque, limits: Mapping[str, engine.Limits], start: float = 0.0, gravity: float = G
 ) -> tuple[float, float, Pose]:
+    """As `_fallen`, worked out once for whoever compares with it."""
+    return _fallen(seconds, torque, tuple(limits.items()), start, gravity)
+
+
+@cache
+def _fallen(
+    seconds: float, torque: Torque, limited: tuple[tuple[str, engine.Limits], ...], start: float, gravity: float
+) -> tuple[float, float, Pose]:
     """The linkage from rest at a crank angle, in one coordinate. Args: torque: on the crank, of angle, rate and pose.
 
     Returns: crank angle, time [s] and pose after so many seconds, or where a limit is met.
     """
-    meeting = np.array(START[2])
+    meeting, limits = np.array(START[2]), dict(limited)
 
     def slope(_: float, y: Floats) -> list[float]:
         nonlocal meeting

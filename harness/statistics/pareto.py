@@ -50,7 +50,8 @@ def price(error: Floats, cost: Floats, target: Floats) -> Floats:
     Args: error, cost: shape (n,), n >= 1, positive; in any order. target: shape (t,).
     Returns: shape (t,), in the unit of the cost.
     """
-    return prices_of_draws(error[None, :], cost[None, :], target)[0]
+    known: Floats = prices_of_draws(error[None, :], cost[None, :], target)[0]
+    return known
 
 
 def prices_of_draws(error: Floats, cost: Floats, target: Floats) -> Floats:

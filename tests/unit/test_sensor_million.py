@@ -57,7 +57,10 @@ def test_levels_and_slopes_of_the_allan_deviation_lie_within_three_per_cent(
 
 @pytest.mark.parametrize("law", [WHITE, FLOOR, WALK], ids=["white", "instability", "walk"])
 def test_what_drives_each_process_is_normal(law: AxisNoise) -> None:
-    """The innovations, taken out of the process by its own definition: Kolmogorov and Smirnov at 1 %, and the histogram."""
+    """The innovations, taken out of the process by its own definition: Kolmogorov and Smirnov at 1 %, and the histogram.
+
+    The limiting distribution, for a million samples: what it leaves out of a probability is of the order 1 / sqrt(n), 1e-3.
+    """
     noise = _noise(law)
     memory = np.exp(-INTERVAL / law.instability_time)
     if law is WHITE:
@@ -66,9 +69,9 @@ def test_what_drives_each_process_is_normal(law: AxisNoise) -> None:
         driving = (noise[1:] - memory * noise[:-1]) / (law.instability / 0.617364 * np.sqrt(1 - memory**2))
     else:
         driving = np.diff(noise) / (law.random_walk * np.sqrt(INTERVAL))
-    assert stats.kstest(driving, "norm").pvalue > 0.01
+    assert stats.kstest(driving, "norm", method="asymp").pvalue > 0.01
     assert histogram_score(driving) < 5.0
-    assert stats.kstest(1.02 * driving, "norm").pvalue < 1e-4
+    assert stats.kstest(1.02 * driving, "norm", method="asymp").pvalue < 1e-4
     assert histogram_score(1.02 * driving) > 5.0
 
 
@@ -82,9 +85,9 @@ def test_range_and_intensity_noise_are_normal_and_beams_are_dropped_as_often_as_
     deviations = ((heard - ranges) / (0.02 + 0.002 * ranges))[back]
     for one in (deviations, ((light - 0.5) / 0.01)[back]):
         assert one.std() == pytest.approx(1.0, rel=0.03)
-        assert stats.kstest(one, "norm").pvalue > 0.01
+        assert stats.kstest(one, "norm", method="asymp").pvalue > 0.01
         assert histogram_score(one) < 5.0
-        assert stats.kstest(2 * one, "norm").pvalue < 1e-6
+        assert stats.kstest(2 * one, "norm", method="asymp").pvalue < 1e-6
     # Nothing that is drawn tells of anything else that is.
     pairs = np.corrcoef([deviations, ((light - 0.5) / 0.01)[back]])[0, 1]
     assert abs(pairs) < 5 / np.sqrt(back.sum())

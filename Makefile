@@ -30,9 +30,11 @@ report: $(STAMP)   ## the report of the last compare, rebuilt from its store
 	$(BIN)/plumbline report $(OUT)
 
 test: $(STAMP)     ## all tests but the long ones, or those under TESTS=folder
+	$(if $(filter tests,$(TESTS)),$(BIN)/python -m tests.warm_up --workers $(WORKERS))
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m "$(MARKED)" $(TESTS)
 
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
+	$(BIN)/python -m tests.warm_up --workers $(WORKERS)
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
 test-nojit: $(STAMP) ## the engine's unit tests as plain Python, each for a share of time

@@ -3,12 +3,15 @@
 from pathlib import Path
 
 from harness.intake.import_wishes import Wishes
+from harness.scene import Revolute
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.imported import Imported
 from harness.scene.importers.reading import read
 
 INERTIAL = '<inertial><mass value="2"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>'
+BALL = '<geom size=".1"/>'
+"""What an MJCF's body weighs."""
 LIMIT = '<limit lower="-1" upper="1" effort="5" velocity="3"/>'
 
 
@@ -45,3 +48,9 @@ def row(got: Imported, element: str, outcome: str | None = None) -> Fidelity:
     """The one row on elements of a kind."""
     (found,) = (one for one in got.fidelity if one.element == element and outcome in (None, one.outcome))
     return found
+
+
+def joint(got: Imported) -> Revolute:
+    """The one joint, of a test that knows it for a hinge or a slider."""
+    (found,) = got.scene.joints
+    return found  # type: ignore[return-value]

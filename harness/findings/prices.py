@@ -26,7 +26,7 @@ from harness.findings.samples import Block, samples_by_block
 from harness.findings.where import in_words, other_values
 from harness.statistics.bootstrap import interval_of_drawn
 from harness.statistics.order import fit_order
-from harness.statistics.pareto import on_front, price
+from harness.statistics.pareto import on_front, price, prices_of_draws
 from harness.store.store import Store
 from harness.trajectory import Floats
 
@@ -362,7 +362,7 @@ class Draws:
         errors, offs = np.array([p.error for p in points]), np.array([p.off for p in points])
         costs = np.stack([self._costs[p.trial] for p in points], axis=1)
         shifted = np.maximum(errors[None, :] + self._shift[:, None] * offs[None, :], LEAST)
-        return np.stack([price(shifted[d], costs[d], targets) for d in range(DRAWS)])
+        return prices_of_draws(shifted, costs, targets)
 
 
 class List:

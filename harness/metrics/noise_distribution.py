@@ -30,7 +30,8 @@ def kolmogorov_distance(deviations: Floats) -> float:
 
     if np.isnan(deviations).any():
         return float("nan")
-    return float(stats.kstest(deviations, "norm").statistic * np.sqrt(len(deviations)))
+    # The statistic is the same by any method; this one spends nothing on the p-value, which takes most of the time otherwise.
+    return float(stats.kstest(deviations, "norm", method="asymp").statistic * np.sqrt(len(deviations)))
 
 
 def histogram_score(deviations: Floats) -> float:

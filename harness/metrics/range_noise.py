@@ -63,7 +63,8 @@ def _distribution(scene: Scene, actual: Trajectory, _expected: Trajectory | None
     deviations = _flat(scene, actual)
     if np.isnan(deviations).any():
         return float("nan")
-    return float(stats.kstest(deviations, "norm").statistic * np.sqrt(len(deviations)))
+    # The statistic is the same by any method; this one spends nothing on the p-value, which takes most of the time otherwise.
+    return float(stats.kstest(deviations, "norm", method="asymp").statistic * np.sqrt(len(deviations)))
 
 
 def _correlation(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -65,6 +66,12 @@ def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
         N. R. Draper & H. Smith, Applied Regression Analysis (3rd ed., 1998), sec. 1.4 (interval of a slope);
         G. Schwarz, Annals of Statistics 6 (1978) 461 (the criterion).
     """
+    return _fitted(tuple(map(float, dt)), tuple(map(float, error)))
+
+
+@lru_cache(maxsize=4096)
+def _fitted(dt: tuple[float, ...], error: tuple[float, ...]) -> Order | None:
+    """As `fit_order`, once: a report asks for the order of the same ladder for each target that it foresees."""
     from scipy import stats  # late: a listing must not pay for it
 
     steps, errors = np.asarray(dt, dtype=np.float64), np.asarray(error, dtype=np.float64)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["near_front", "on_front", "price"]
+__all__ = ["near_front", "on_front", "price", "prices_of_draws"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -50,11 +50,24 @@ def price(error: Floats, cost: Floats, target: Floats) -> Floats:
     Args: error, cost: shape (n,), n >= 1, positive; in any order. target: shape (t,).
     Returns: shape (t,), in the unit of the cost.
     """
-    up = np.argsort(error, kind="stable")
+    known: Floats = prices_of_draws(error[None, :], cost[None, :], target)[0]
+    return known
+
+
+def prices_of_draws(error: Floats, cost: Floats, target: Floats) -> Floats:
+    """As `price`, for many draws of the errors and costs of the same settings at once.
+
+    Args: error, cost: shape (d, n), n >= 1, positive; in any order. target: shape (t,). Returns: shape (d, t).
+    """
+    up = np.argsort(error, axis=1, kind="stable")
     # Where the more accurate is the cheaper, it serves the coarser target as well.
-    errors, costs, targets = np.log(error[up]), np.log(np.minimum.accumulate(cost[up])), np.log(target)
-    interpolated = np.interp(targets, errors, costs, left=np.nan)
-    jumps = np.append(np.diff(errors) > STEEPEST * -np.diff(costs), False)
-    finer = np.searchsorted(errors, targets, side="right") - 1
-    known: Floats = np.exp(np.where((finer >= 0) & jumps[finer], costs[finer], interpolated))
+    cheapest = np.minimum.accumulate(np.take_along_axis(cost, up, axis=1), axis=1)
+    errors, costs, targets = np.log(np.take_along_axis(error, up, axis=1)), np.log(cheapest), np.log(target)
+    interpolated = np.stack([np.interp(targets, x, y, left=np.nan) for x, y in zip(errors, costs, strict=True)])
+    jumps = np.zeros(errors.shape, dtype=np.bool_)
+    jumps[:, :-1] = np.diff(errors, axis=1) > STEEPEST * -np.diff(costs, axis=1)
+    finer = (errors[:, :, None] <= targets).sum(axis=1) - 1
+    last = np.maximum(finer, 0)
+    steep = (finer >= 0) & np.take_along_axis(jumps, last, axis=1)
+    known: Floats = np.exp(np.where(steep, np.take_along_axis(costs, last, axis=1), interpolated))
     return known

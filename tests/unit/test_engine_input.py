@@ -189,13 +189,15 @@ SOLVERS = [("exact", "off"), *((solver, sweep) for solver in ("tgs_soft", "seque
 @pytest.mark.parametrize(("solver", "continuous"), SOLVERS)
 def test_a_world_in_contact_that_diverges_says_in_which_step(solver: str, continuous: str) -> None:
     """A load far beyond all bounds on a resting ball: the step named is that after which the state is not finite, and the one
-    before it is, whether they are done at once or one by one. In steps of 1/24 s that is so after some forty.
+    before it is, whether they are done at once or one by one. In steps of 1/4 s that is so after some seven.
     """
     ground = engine.Body(name="ground", motion="static", shapes=[P(engine.Plane())])
+    # One sub-step: the exact solver works for seconds on a contact whose velocity squared is no number.
+    options = engine.Options(dt=1 / 4, solver=solver, continuous=continuous, substeps=1 if solver == "exact" else 4)
     found = []
     for stride in (1000, 1):
         ball = engine.Body(name="ball", shapes=[BALL], p_WB=(0, 0, 0.1))
-        world = engine.World([ground, ball], options=engine.Options(dt=1 / 24, solver=solver, continuous=continuous))
+        world = engine.World([ground, ball], options=options)
         world.step(3)
         world.set_load([[0, 0, 0], [0, 0, 1e308]], np.zeros((2, 3)))
         found.append(_run_until_it_diverges(world, stride))

@@ -126,7 +126,10 @@ for threads in (1, 2, 4):
 
 @pytest.mark.timeout(1200)
 @pytest.mark.compiler
-@pytest.mark.parametrize(("restitution", "tied"), [(0.0, False), (0.4, False), pytest.param(0.4, True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("restitution", "tied"),
+    [(0.4, False), *(pytest.param(*slow, marks=pytest.mark.slow) for slow in ((0.0, False), (0.4, True)))],
+)
 def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restitution: float, tied: bool) -> None:
     """Four threads exist in a process that is told so, however many cores there are."""
     told = os.environ | {"NUMBA_NUM_THREADS": "4"}

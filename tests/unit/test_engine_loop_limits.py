@@ -1,179 +1,21 @@
 """Closed loops whose joints have limits, drives and ropes: against loops without, and against one angle on its own."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numba
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.spatial.transform import Rotation
 
 import engine
 from engine.constrain.principal_pivoting import Bounded, settle
+from tests.four_bar import MASSES, PINS, START, G, Linkage, Pose, angles_of, coordinates_of, falls, no_torque, widest_gap
 from tests.loops import bennett
 
-G = 9.81
 TRACKS = pytest.mark.parametrize("integrator", ["rk4", "semi_implicit_euler"])
 WIDE = engine.Limits(lower=-50.0, upper=50.0)
 Floats = NDArray[np.float64]
-
-PINS = ("crank_pin", "coupler_pin", "coupler_end", "rocker_pin")
-START = ((0.0, 0.0), (0.06, 0.1), (0.33, 0.19), (0.3, 0.0))
-"""The pins, (x, z) [m]: the crank can go round; the rocker turns back where crank and coupler are in one line."""
-MASSES = (0.2, 0.4, 0.4)
-
-
-def _moment(k: int) -> float:
-    """Of link k, a rod, about its middle [kg m2]."""
-    return MASSES[k] * math.dist(START[k], START[k + 1]) ** 2 / 12
-
-
-@dataclass(frozen=True)
-class Linkage:
-    """A four-bar linkage: what its pins have, what else there is."""
-
-    limits: Mapping[str, engine.Limits] = field(default_factory=dict)
-    spring: engine.Spring | None = None
-    drive: engine.Drive | None = None
-    last: str = "revolute"
-    rope: engine.Limits | None = None
-    beside: tuple[engine.Body, ...] = ()
-    shapes: tuple[engine.Placed, ...] = ()
-
-    def world(self, integrator: str, dt: float = 1e-3, **options: object) -> engine.World:
-        """The rocker's pin has the spring, the crank's the drive; the rope holds the coupler's middle to a metre above."""
-        corners = np.array([(x, 0.0, z + 1.0) for x, z in START])
-        names = (engine.WORLD, "crank", "coupler", "rocker", engine.WORLD)
-        bodies = [
-            engine.Body(
-                name=names[k + 1], mass=MASSES[k], inertia=_moment(k) * np.eye(3), p_WB=corners[k : k + 2].mean(axis=0),
-                shapes=self.shapes if k == 1 else (),
-            )
-            for k in range(3)
-        ]  # fmt: skip
-        joints: list[engine.Joint] = []
-        for k, pin in enumerate(PINS):
-            # The rocker's coordinate grows as it turns about +y against the world, as the crank's does.
-            parent, child = (engine.WORLD, "rocker") if k == 3 else (names[k], names[k + 1])
-            joints.append(
-                engine.Revolute(
-                    name=pin, parent=parent, child=child, anchor_W=corners[k], axis_W=(0, 1, 0),
-                    limits=self.limits.get(pin), spring=self.spring if k == 3 else None, drive=self.drive if k == 0 else None,
-                )
-            )  # fmt: skip
-        if self.last == "ball":
-            joints[2] = engine.Ball(name="coupler_end", parent="coupler", child="rocker", anchor_W=corners[2])
-        if self.rope is not None:
-            middle = corners[1:3].mean(axis=0)
-            joints.append(
-                engine.Distance(
-                    name="rope", parent=engine.WORLD, child="coupler", anchor_W=middle + np.array((0, 0, 0.5)),
-                    child_anchor_W=middle, limits=self.rope,
-                )
-            )  # fmt: skip
-        return engine.World([*bodies, *self.beside], joints, options=engine.Options(integrator=integrator, dt=dt, **options))  # type: ignore[arg-type]
-
-
-def _angles(world: engine.World) -> Floats:
-    """How far crank, coupler and rocker have turned about +y [rad], each within half a turn."""
-    q = world.state()[:3, 3:7]
-    turned: Floats = 2 * np.arctan2(q[:, 2], q[:, 0])
-    return (turned + math.pi) % (2 * math.pi) - math.pi
-
-
-def _gap(world: engine.World) -> float:
-    """The widest gap between the ends of links that meet [m]."""
-    state, ends = world.state()[:3], []
-    for k in range(3):
-        middle = np.add(START[k], START[k + 1]) / 2
-        turn = Rotation.from_quat(state[k, 3:7], scalar_first=True)
-        for x, z in (START[k], START[k + 1]):
-            ends.append(state[k, :3] + turn.apply((x - middle[0], 0.0, z - middle[1])))
-    first, last = (np.array((x, 0.0, z + 1.0)) for x, z in (START[0], START[3]))
-    pairs = ((ends[0], first), (ends[1], ends[2]), (ends[3], ends[4]), (ends[5], last))
-    return max(float(np.linalg.norm(a - b)) for a, b in pairs)
-
-
-@dataclass(frozen=True)
-class Pose:
-    """At a crank angle: turns [rad], inertia about the crank [kg m2], masses times heights [kg m], the coupler's middle [m]."""
-
-    coupler: float
-    rocker: float
-    inertia: float
-    height: float
-    middle: Floats
-
-
-def _turned(arm: Floats, start: Floats) -> float:
-    """How far an arm (x, z) has turned about +y [rad]."""
-    return math.atan2(start[1] * arm[0] - start[0] * arm[1], float(arm @ start))
-
-
-def _pose(angle: float, before: Floats) -> tuple[Pose, Floats]:
-    """By two circles that meet, the meeting nearest to the one before. Returns: the pose, and that meeting (x, z)."""
-    a, b0, c0, d = (np.array(corner) for corner in START)
-    coupler, rocker = float(np.linalg.norm(c0 - b0)), float(np.linalg.norm(c0 - d))
-    s, c = math.sin(angle), math.cos(angle)
-    b = np.array(((b0 - a) @ (c, s), (b0 - a) @ (-s, c)))
-    far = float(np.linalg.norm(d - b))
-    along = (coupler**2 - rocker**2 + far**2) / (2 * far)
-    off, way = math.sqrt(coupler**2 - along**2), (d - b) / far
-    foot, across = b + along * way, np.array((-way[1], way[0]))
-    end = min((foot + off * across, foot - off * across), key=lambda one: float(np.linalg.norm(one - before)))
-    b_rate = np.array((b[1], -b[0]))
-    c_rate = np.linalg.solve(np.array((end - b, end - d)), np.array(((end - b) @ b_rate, 0.0)))
-
-    def spin(arm: Floats, rate: Floats) -> float:
-        return float(arm[1] * rate[0] - arm[0] * rate[1]) / float(arm @ arm)
-
-    rates, spins = (b_rate / 2, (b_rate + c_rate) / 2, c_rate / 2), (1.0, spin(end - b, c_rate - b_rate), spin(end - d, c_rate))
-    inertia = sum(m * float(v @ v) + _moment(k) * w * w for k, (m, v, w) in enumerate(zip(MASSES, rates, spins, strict=True)))
-    height = MASSES[0] * b[1] / 2 + MASSES[1] * (b[1] + end[1]) / 2 + MASSES[2] * end[1] / 2
-    return Pose(_turned(end - b, c0 - b0), _turned(end - d, c0 - d), inertia, float(height), (b + end) / 2), end
-
-
-Torque = Callable[[float, float, Pose], float]
-
-
-def _coordinates(angle: float, pose: Pose) -> dict[str, float]:
-    """Of all pins [rad]."""
-    return dict(zip(PINS, (angle, pose.coupler - angle, pose.rocker - pose.coupler, pose.rocker), strict=True))
-
-
-def _falls(
-    seconds: float, torque: Torque, limits: Mapping[str, engine.Limits], start: float = 0.0, gravity: float = G
-) -> tuple[float, float, Pose]:
-    """The linkage from rest at a crank angle, in one coordinate. Args: torque: on the crank, of angle, rate and pose.
-
-    Returns: crank angle, time [s] and pose after so many seconds, or where a limit is met.
-    """
-    meeting = np.array(START[2])
-
-    def slope(_: float, y: Floats) -> list[float]:
-        nonlocal meeting
-        step = 1e-5
-        pose, meeting = _pose(y[0], meeting)
-        ahead, behind = _pose(y[0] + step, meeting)[0], _pose(y[0] - step, meeting)[0]
-        inertia, height = (ahead.inertia - behind.inertia) / (2 * step), (ahead.height - behind.height) / (2 * step)
-        return [y[1], (torque(y[0], y[1], pose) - gravity * height - inertia * y[1] ** 2 / 2) / pose.inertia]
-
-    def room(_: float, y: Floats) -> float:
-        at = _coordinates(y[0], _pose(y[0], meeting)[0])
-        return min((min(at[pin] - rng.lower, rng.upper - at[pin]) for pin, rng in limits.items()), default=1.0)
-
-    room.terminal = True  # type: ignore[attr-defined]
-    room.direction = -1.0  # type: ignore[attr-defined]
-    run = solve_ivp(slope, (0, seconds), [start, 0.0], method="DOP853", rtol=1e-11, atol=1e-12, max_step=0.01, events=room)
-    return float(run.y[0, -1]), float(run.t[-1]), _pose(float(run.y[0, -1]), meeting)[0]
-
-
-def _no_torque(*_: object) -> float:
-    return 0.0
-
 
 STOPS = {
     "crank_pin": engine.Limits(upper=1.6),
@@ -198,15 +40,15 @@ def test_limits_that_are_never_reached_change_nothing(limited: tuple[str, ...], 
     for world in worlds:
         world.step(5000)
     assert worlds[0].state().tolist() == worlds[1].state().tolist()
-    assert _gap(worlds[1]) < 1e-9
+    assert widest_gap(worlds[1]) < 1e-9
 
 
 def test_the_free_linkage_follows_one_angle_integrated_independently() -> None:
     """What the others below are measured with. Rates of 25/s at dt = 5e-4: (w dt)^4 / 120 = 2e-10 a radian, of some 20."""
     world = Linkage().world("rk4", dt=5e-4)
     world.step(1800)
-    angle, _, pose = _falls(0.9, _no_torque, {})
-    assert _angles(world) == pytest.approx([(angle + math.pi) % (2 * math.pi) - math.pi, pose.coupler, pose.rocker], abs=1e-6)
+    angle, _, pose = falls(0.9, no_torque, {})
+    assert angles_of(world) == pytest.approx([(angle + math.pi) % (2 * math.pi) - math.pi, pose.coupler, pose.rocker], abs=1e-6)
 
 
 @TRACKS
@@ -219,35 +61,35 @@ def test_a_limit_of_any_pin_stops_the_loop_where_it_is_reached(pins: tuple[str, 
     """
     limits = {pin: STOPS[pin] for pin in pins}
     if pins[1:]:
-        _, _, pose = _falls(2.0, _no_torque, {"crank_pin": STOPS["crank_pin"]})
-        at = _coordinates(1.6, pose)
+        _, _, pose = falls(2.0, no_torque, {"crank_pin": STOPS["crank_pin"]})
+        at = coordinates_of(1.6, pose)
         limits = {pin: engine.Limits(upper=at[pin]) if at[pin] > 0 else engine.Limits(lower=at[pin]) for pin in pins}
-    stop, time, at_stop = _falls(2.0, _no_torque, limits)
+    stop, time, at_stop = falls(2.0, no_torque, limits)
     world, steps = Linkage(limits=limits).world(integrator), round(time / 1e-3) - 5
     world.step(steps)
-    angle, _, pose = _falls(steps * 1e-3, _no_torque, limits)
+    angle, _, pose = falls(steps * 1e-3, no_torque, limits)
     there = pytest.approx([angle, pose.coupler, pose.rocker], abs=1e-6 if integrator == "rk4" else 2e-2)
-    assert _angles(world) == there
+    assert angles_of(world) == there
     for _ in range(100):
         world.step(10)
-        assert _gap(world) < 1e-9
-    assert _angles(world) == pytest.approx([stop, at_stop.coupler, at_stop.rocker], abs=5e-4)
+        assert widest_gap(world) < 1e-9
+    assert angles_of(world) == pytest.approx([stop, at_stop.coupler, at_stop.rocker], abs=5e-4)
     assert np.abs(world.state()[:, 7:]).max() < 0.05
 
 
 def test_a_loop_leaves_its_limit_when_it_is_pulled_away() -> None:
     """Loads of twice its weight upwards turn gravity round: it goes from rest at the stop, known to 5e-4 rad."""
     limits = {"rocker_pin": STOPS["rocker_pin"]}
-    stop, _, _ = _falls(2.0, _no_torque, limits)
+    stop, _, _ = falls(2.0, no_torque, limits)
     world = Linkage(limits=limits).world("rk4")
     world.step(1000)
     force = np.zeros((3, 3))
     force[:, 2] = 2 * G * np.array(MASSES)
     world.set_load(force, np.zeros((3, 3)))
     world.step(100)
-    angle, _, _ = _falls(0.1, _no_torque, {}, start=stop, gravity=-G)
+    angle, _, _ = falls(0.1, no_torque, {}, start=stop, gravity=-G)
     assert abs(angle - stop) > 0.1
-    assert _angles(world)[0] == pytest.approx(angle, abs=5e-3)
+    assert angles_of(world)[0] == pytest.approx(angle, abs=5e-3)
 
 
 @TRACKS
@@ -261,9 +103,9 @@ def test_a_drive_in_a_loop_gives_its_limit_and_no_more(pins: tuple[str, ...], in
 
     world = Linkage(drive=drive, limits=dict.fromkeys(pins, WIDE)).world(integrator)
     world.step(400)
-    angle, _, pose = _falls(0.4, torque, {})
+    angle, _, pose = falls(0.4, torque, {})
     assert abs(torque(angle, 0.0, pose)) == 0.15
-    assert _angles(world) == pytest.approx([angle, pose.coupler, pose.rocker], abs=1e-5 if integrator == "rk4" else 2e-2)
+    assert angles_of(world) == pytest.approx([angle, pose.coupler, pose.rocker], abs=1e-5 if integrator == "rk4" else 2e-2)
 
 
 @TRACKS
@@ -272,11 +114,11 @@ def test_a_drive_presses_a_loop_against_a_limit_of_another_pin(integrator: str) 
     drive = engine.Drive(stiffness=200.0, damping=2.0, target=-3.0, limit=5.0)
     stop = engine.Limits(upper=0.3)
     world = Linkage(drive=drive, limits={"coupler_pin": stop, "rocker_pin": WIDE, "crank_pin": WIDE}).world(integrator)
-    angle, _, pose = _falls(2.0, lambda *_: -5.0, {"coupler_pin": stop})
+    angle, _, pose = falls(2.0, lambda *_: -5.0, {"coupler_pin": stop})
     world.step(1000)
-    assert _angles(world) == pytest.approx([angle, pose.coupler, pose.rocker], abs=5e-3)
+    assert angles_of(world) == pytest.approx([angle, pose.coupler, pose.rocker], abs=5e-3)
     assert np.abs(world.state()[:, 7:]).max() < 0.1
-    assert _gap(world) < 1e-9
+    assert widest_gap(world) < 1e-9
 
 
 @TRACKS
@@ -290,7 +132,7 @@ def test_a_rope_to_a_loop_is_slack_or_stops_it(integrator: str) -> None:
     hook = np.add(START[1], START[2]) / 2 + (0.0, 1.5)
     assert np.linalg.norm(middle - hook) == pytest.approx(0.56, abs=5e-4)
     assert np.abs(worlds[2].state()[:, 7:]).max() < 0.05
-    assert _gap(worlds[2]) < 1e-9
+    assert widest_gap(worlds[2]) < 1e-9
 
 
 @pytest.mark.parametrize("sleeping", [False, True])
@@ -308,12 +150,12 @@ def test_limits_in_a_loop_beside_contacts_change_nothing_until_they_are_reached(
               for limits in ({}, dict.fromkeys(PINS, WIDE), stop)]  # fmt: skip
     for world in worlds:
         world.step(500)
-        assert _gap(world) < (25 * 1e-3 / 4) ** 2 / 2 * 0.3
+        assert widest_gap(world) < (25 * 1e-3 / 4) ** 2 / 2 * 0.3
     assert worlds[0].state().tolist() == worlds[1].state().tolist()
     for world in worlds:
         world.step(1000)
     assert worlds[2].state()[4, 2] == pytest.approx(0.03, abs=1e-4)
-    assert _angles(worlds[2])[2] == pytest.approx(-0.5, abs=2e-3)
+    assert angles_of(worlds[2])[2] == pytest.approx(-0.5, abs=2e-3)
 
 
 @TRACKS

@@ -1,5 +1,7 @@
 """A million samples of each noise model: levels within three per cent, slopes, distributions, and planted faults."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -21,8 +23,12 @@ def _deviation(noise: Floats, m: int) -> float:
     return float(np.sqrt(overlapping_variance(noise[:, None], m)[0]))
 
 
+@cache
 def _noise(law: AxisNoise, axis: int = 0) -> Floats:
-    return axis_noise(law, COUNT, INTERVAL, 1, "imu", "gyroscope", axis)
+    """Worked out once, for whoever reads it."""
+    noise = axis_noise(law, COUNT, INTERVAL, 1, "imu", "gyroscope", axis)
+    noise.flags.writeable = False
+    return noise
 
 
 @pytest.mark.parametrize(
@@ -51,7 +57,10 @@ def test_levels_and_slopes_of_the_allan_deviation_lie_within_three_per_cent(
 
 @pytest.mark.parametrize("law", [WHITE, FLOOR, WALK], ids=["white", "instability", "walk"])
 def test_what_drives_each_process_is_normal(law: AxisNoise) -> None:
-    """The innovations, taken out of the process by its own definition: Kolmogorov and Smirnov at 1 %, and the histogram."""
+    """The innovations, taken out of the process by its own definition: Kolmogorov and Smirnov at 1 %, and the histogram.
+
+    The limiting distribution, for a million samples: what it leaves out of a probability is of the order 1 / sqrt(n), 1e-3.
+    """
     noise = _noise(law)
     memory = np.exp(-INTERVAL / law.instability_time)
     if law is WHITE:
@@ -60,9 +69,9 @@ def test_what_drives_each_process_is_normal(law: AxisNoise) -> None:
         driving = (noise[1:] - memory * noise[:-1]) / (law.instability / 0.617364 * np.sqrt(1 - memory**2))
     else:
         driving = np.diff(noise) / (law.random_walk * np.sqrt(INTERVAL))
-    assert stats.kstest(driving, "norm").pvalue > 0.01
+    assert stats.kstest(driving, "norm", method="asymp").pvalue > 0.01
     assert histogram_score(driving) < 5.0
-    assert stats.kstest(1.02 * driving, "norm").pvalue < 1e-4
+    assert stats.kstest(1.02 * driving, "norm", method="asymp").pvalue < 1e-4
     assert histogram_score(1.02 * driving) > 5.0
 
 
@@ -76,9 +85,9 @@ def test_range_and_intensity_noise_are_normal_and_beams_are_dropped_as_often_as_
     deviations = ((heard - ranges) / (0.02 + 0.002 * ranges))[back]
     for one in (deviations, ((light - 0.5) / 0.01)[back]):
         assert one.std() == pytest.approx(1.0, rel=0.03)
-        assert stats.kstest(one, "norm").pvalue > 0.01
+        assert stats.kstest(one, "norm", method="asymp").pvalue > 0.01
         assert histogram_score(one) < 5.0
-        assert stats.kstest(2 * one, "norm").pvalue < 1e-6
+        assert stats.kstest(2 * one, "norm", method="asymp").pvalue < 1e-6
     # Nothing that is drawn tells of anything else that is.
     pairs = np.corrcoef([deviations, ((light - 0.5) / 0.01)[back]])[0, 1]
     assert abs(pairs) < 5 / np.sqrt(back.sum())
@@ -87,6 +96,6 @@ def test_range_and_intensity_noise_are_normal_and_beams_are_dropped_as_often_as_
 
 
 def test_two_axes_share_nothing_and_a_planted_shared_seed_is_caught() -> None:
-    one, other, same = _noise(WHITE, 0), _noise(WHITE, 1), _noise(WHITE, 0)
+    one, other, same = _noise(WHITE, 0), _noise(WHITE, 1), axis_noise(WHITE, COUNT, INTERVAL, 1, "imu", "gyroscope", 0)
     assert abs(np.corrcoef(one, other)[0, 1]) < 5 / np.sqrt(COUNT)
     assert np.corrcoef(one, same)[0, 1] > 0.999

@@ -68,6 +68,15 @@ def symmetric(six: FloatArray) -> FloatArray:
     return six[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
 
 
+def cross_product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """a x b of vectors (..., 3), as NumPy rounds it, in a third of the time that `np.cross` takes for a few of them."""
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        product[..., k] = a[..., i] * b[..., j] - a[..., j] * b[..., i]
+    return product
+
+
 def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
     """Frames and arms of all present contacts."""
     key, count = int_table(ints, at.MANIFOLD_KEY), int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
@@ -125,7 +134,7 @@ def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, li
 
 def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
     """J v (k, 3) m/s: of B against A at each contact, in its frame."""
-    end = state[made.bodies, at.V : at.V + 3] + np.cross(state[made.bodies, at.W : at.W + 3], made.arm)
+    end = state[made.bodies, at.V : at.V + 3] + cross_product(state[made.bodies, at.W : at.W + 3], made.arm)
     return np.asarray(np.einsum("kji,kj->ki", made.frame, end[:, 1] - end[:, 0]), np.float64)
 
 
@@ -142,7 +151,7 @@ def weighted_rows(floats: FloatArray, ints: IntArray, made: ContactFrames) -> Fl
         hit = np.flatnonzero(place[made.bodies[:, end]] >= 0)
         n = place[made.bodies[hit, end]]
         rows = sign * np.swapaxes(made.frame[hit], 1, 2)
-        turn = np.cross(made.arm[hit, end, None, :], rows)
+        turn = cross_product(made.arm[hit, end, None, :], rows)
         reach[hit, :, n, :3] = rows * np.sqrt(mass[moved][n])[:, None, None]
         reach[hit, :, n, 3:] = turn @ half[n]
     return reach.reshape(3 * k, 6 * len(moved))
@@ -156,7 +165,7 @@ def apply_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impul
     force, moment = np.zeros((len(mass), 3)), np.zeros((len(mass), 3))
     for end, sign in ((0, -1.0), (1, 1.0)):
         np.add.at(force, made.bodies[:, end], sign * in_world)
-        np.add.at(moment, made.bodies[:, end], sign * np.cross(made.arm[:, end], in_world))
+        np.add.at(moment, made.bodies[:, end], sign * cross_product(made.arm[:, end], in_world))
     state[:, at.V : at.V + 3] += mass[:, None] * force
     state[:, at.W : at.W + 3] += np.einsum("nij,nj->ni", inverse, moment)
     point = float_table(floats, ints, at.POINT)

@@ -1,0 +1,108 @@
+"""What pulls and ties in an MJCF: servos and motors, loops that equalities close, tendons."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.intake.refusal import RobotError
+from harness.scene import (
+    Ball,
+    Distance,
+    Drive,
+    Fixed,
+    Spring,
+)
+from harness.scene.importers.companion import Companion, JointWish
+from tests.robot_files import BALL, imported, joint, mjcf, row
+
+pytest.importorskip("mujoco")
+pytestmark = pytest.mark.usefixtures("mjcf_here")
+
+
+def test_a_servo_becomes_a_drive_and_a_motor_without_a_command_does_nothing(tmp_path: Path) -> None:
+    body = f'<joint name="j" axis="0 1 0"/>{BALL}'
+    servo = '<actuator><position joint="j" kp="10" kv="2" gear="3" ctrlrange=".5 1" forcerange="-4 4"/></actuator>'
+    drive = joint(imported(tmp_path, mjcf(body, servo))).drive
+    # Torque 3 (10 u - 10 3 q - 2 3 q'), u held at .5 by its range.
+    assert drive is not None
+    assert (drive.stiffness, drive.damping, drive.target, drive.limit) == pytest.approx((90, 18, 0.5 / 3, 12))
+    motor = imported(tmp_path, mjcf(body, '<actuator><motor joint="j"/></actuator>'))
+    assert joint(motor).drive is None
+    assert row(motor, "actuator").outcome == "left_out"
+    muscle = mjcf(body, '<actuator><muscle name="m" joint="j" lengthrange="0 1"/></actuator>')
+    with pytest.raises(RobotError, match=r"actuator 'm'.*--drop actuator"):
+        imported(tmp_path, muscle)
+    assert joint(imported(tmp_path, muscle, drop=frozenset(("actuator",)))).drive is None
+
+
+def test_a_motor_with_a_command_is_a_constant_torque_that_its_range_bounds(tmp_path: Path) -> None:
+    body = f'<joint name="j" axis="0 1 0"/>{BALL}'
+    keys = '<keyframe><key name="on" qpos="0" ctrl="{}"/></keyframe>'
+    motor = '<actuator><motor joint="j" gear="3" ctrlrange="-1 1" forcerange="-4 4"/></actuator>'
+    for ctrl, torque in ((0.5, 1.5), (-2.0, -3.0)):
+        folder = tmp_path / f"{torque}"
+        folder.mkdir()
+        got = imported(folder, mjcf(body, motor + keys.format(ctrl)), Companion(keyframe="on"))
+        assert joint(got).drive == Drive(limit=12.0, feedforward=torque)
+        assert row(got, "actuator").outcome == "exact"
+    # Torque 3 (10 u + 0.5 - 4 3 q): the constant term of a general actuator stands beside its gains.
+    general = '<actuator><general joint="j" gear="3" gainprm="10" biastype="affine" biasprm=".5 -4 0"/></actuator>'
+    drive = joint(imported(tmp_path, mjcf(body, general))).drive
+    assert drive == Drive(stiffness=36.0, feedforward=1.5)
+
+
+def test_a_servo_has_the_torque_that_mujoco_gives_it(tmp_path: Path) -> None:
+    import mujoco
+
+    text = mjcf(f'<joint name="j" axis="0 1 0"/>{BALL}', '<actuator><position joint="j" kp="10" kv="2" gear="-3"/></actuator>')
+    drive = joint(imported(tmp_path, text)).drive
+    assert drive is not None
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.qpos[0], data.qvel[0] = 0.7, -0.4
+    mujoco.mj_forward(model, data)
+    assert data.qfrc_actuator[0] == pytest.approx(drive.stiffness * (drive.target - 0.7) + drive.damping * 0.4, rel=1e-12)
+
+
+LOOP = mjcf(
+    f'<joint name="p" axis="0 1 0"/>{BALL}</body><body name="b" pos="1 0 1"><joint name="q" axis="0 1 0"/>{BALL}',
+    "<equality>{}</equality>",
+)
+
+
+def test_a_loop_is_closed_by_a_connection_or_a_weld(tmp_path: Path) -> None:
+    closed = imported(tmp_path, LOOP.format('<connect name="c" body1="arm" body2="b" anchor=".5 0 0"/>')).scene.joints[2]
+    assert isinstance(closed, Ball)
+    assert (closed.anchor_W, closed.collide) == ((0.5, 0, 1), True)
+    assert isinstance(imported(tmp_path, LOOP.format('<weld body1="arm" body2="b"/>')).scene.joints[2], Fixed)
+    open_pose = Companion(joints={"p": JointWish(position=0.5)})
+    with pytest.raises(RobotError, match=r"connection 'c': its two sides lie 0\.\d+ m"):
+        imported(tmp_path, LOOP.format('<connect name="c" body1="arm" body2="b" anchor=".5 0 0"/>'), open_pose)
+    coupled = LOOP.format('<joint name="e" joint1="p" joint2="q" polycoef="0 1 1 0 0"/>')
+    with pytest.raises(RobotError, match=r"equality 'e': equality of joints that is no line.*--drop equality"):
+        imported(tmp_path, coupled)
+    assert len(imported(tmp_path, coupled, drop=frozenset(("equality",))).scene.joints) == 2
+
+
+def test_a_tendon_between_two_sites_is_a_spring_between_two_bodies(tmp_path: Path) -> None:
+    body = f'<freejoint/>{BALL}<site name="s" pos=".1 0 0"/></body><body name="b"><site name="w" pos="0 0 3"/>'
+    tendon = '<tendon><spatial name="t" stiffness="20" damping="3" {}><site site="{}"/><site site="{}"/></spatial></tendon>'
+    got = imported(tmp_path, mjcf(body, tendon.format('springlength="0.5"', "s", "w")))
+    line = got.scene.joints[0]
+    assert isinstance(line, Distance)
+    assert (line.parent, line.child, line.spring) == ("world", "arm", Spring(stiffness=20.0, damping=3.0, rest=0.5))
+    start = got.scene.body("arm").p_WB
+    assert line.anchor_W == (0.0, 0.0, 3.0)
+    assert line.child_anchor_W == pytest.approx((start[0] + 0.1, start[1], start[2]))
+    assert row(got, "tendon").outcome == "exact"
+    for extra in ('springlength="0.5 1"', 'limited="true" range="0 2"', 'frictionloss="1"'):
+        with pytest.raises(RobotError, match=r"tendon 't': tendon: .*--drop tendon"):
+            imported(tmp_path, mjcf(body, tendon.format(extra, "s", "w")))
+
+
+def test_a_tendon_counts_only_where_it_pulls(tmp_path: Path) -> None:
+    body = f'<joint name="j"/>{BALL}'
+    tendon = '<tendon><fixed name="t" stiffness="{}"><joint joint="j" coef="1"/></fixed></tendon>'
+    assert row(imported(tmp_path, mjcf(body, tendon.format(0))), "tendon").outcome == "left_out"
+    with pytest.raises(RobotError, match=r"tendon 't': tendon: .*--drop tendon"):
+        imported(tmp_path, mjcf(body, tendon.format(3)))

@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
-from reports.contents import engines
+from reports.contents import cases, engines
 from reports.page import navigation
 from reports.palette import looks
 from reports.status import STATUSES, outcome
@@ -61,7 +61,7 @@ def environment() -> Environment:
         "case_file": case_file,
         "cite": cite,
         "outcome": outcome,
-        "plural": lambda count, noun: plural(count, noun),
+        "plural": plural,
         "plain": plain_value,
         "settings": settings_text,
         "address": lambda text: quote(text, safe=""),
@@ -79,6 +79,7 @@ def fill(template: str, store: "Store", **context: Any) -> str:
             navigation=navigation(store),
             engines=named,
             looks=looks(named),
+            case_titles={name: case["title"] for name, case in cases(store).items()},
             statuses=STATUSES,
             study=store.study,
             **context,

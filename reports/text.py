@@ -49,14 +49,17 @@ def amount(value: Any, digits: int = 3) -> str:
     if value == 0:
         return "0"
     if 1e-3 <= abs(value) < 1e5:
-        if isinstance(value, int) or abs(value) >= 10 ** (digits - 1):
-            return f"{value:.0f}"
+        if isinstance(value, int):
+            return str(value)
+        if abs(value) >= 10 ** (digits - 1):
+            return f"{float(f'{value:.{digits - 1}e}'):.0f}"
         places = digits - 1 - math.floor(math.log10(abs(value)))
         text = f"{value:.{places}f}"
         return text.rstrip("0").rstrip(".") if "." in text else text
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-    return f"{mantissa}{TIMES}10{str(int(exponent)).translate(SUPERSCRIPT)}"
+    raised = f"10{str(int(exponent)).translate(SUPERSCRIPT)}"
+    return {"1": raised, "-1": f"-{raised}"}.get(mantissa, f"{mantissa}{TIMES}{raised}")
 
 
 def duration(seconds: float | None, digits: int = 3) -> str:

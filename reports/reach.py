@@ -125,7 +125,7 @@ def cell(search: Search, law: str = "") -> Cell:
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
     hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
-    words = "; ".join(word for word in (why[:40], own, law) if word)
+    words = "; ".join(word for word in (why[:40].replace("_", " "), own, law) if word)
     return Cell(search.reach, text, words, f"{hint}; {law}" if law else hint)
 
 

@@ -13,7 +13,7 @@ from reports.contents import cases, engines
 from reports.page import navigation
 from reports.palette import looks
 from reports.status import STATUSES, outcome
-from reports.text import amount, plain_value, plural, settings_text, slug, visible
+from reports.text import amount, plain_value, plural, settings_text, slug, step, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -64,6 +64,7 @@ def environment() -> Environment:
         "plural": plural,
         "plain": plain_value,
         "settings": settings_text,
+        "step": step,
         "address": lambda text: quote(text, safe=""),
     }
     return made

@@ -22,6 +22,7 @@ __all__ = [
     "power",
     "settings_text",
     "slug",
+    "step",
     "visible",
 ]
 
@@ -99,7 +100,7 @@ def slug(name: str) -> str:
 
 
 def settings_text(settings: str | Mapping[str, Any]) -> str:
-    """Settings on one line: 'dt 0.00417, iterations 50, options.cone elliptic'; the source is left to its own column."""
+    """Settings on one line: 'dt 1/240 s, iterations 50, options.cone elliptic'; the source is left to its own column."""
     if isinstance(settings, str):
         try:
             settings = json.loads(settings)
@@ -114,8 +115,16 @@ def settings_text(settings: str | Mapping[str, Any]) -> str:
         if isinstance(value, Mapping):
             flat += [f"{inner} {plain_value(v)}" for inner, v in value.items()]
         else:
-            flat.append(f"{name} {plain_value(value)}")
+            flat.append(f"{name} {step(value) if name == 'dt' else plain_value(value)}")
     return ", ".join(flat)
+
+
+def step(dt: Any) -> str:
+    """A time step [s] as people write it: '1/240 s', or '3.3 ms' where it is no whole part of a second."""
+    if not isinstance(dt, int | float) or isinstance(dt, bool) or not 0 < dt < math.inf:
+        return plain_value(dt)
+    parts = round(1 / dt)
+    return f"1/{parts} s" if parts > 1 and abs(parts * dt - 1) < 1e-6 else duration(dt)
 
 
 def plain_value(value: Any) -> str:

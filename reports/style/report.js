@@ -114,8 +114,14 @@
     const spec = JSON.parse(figure.querySelector("script.spec").textContent);
     const left = legend(figure, spec);
     for (const name of Object.keys(spec.datasets ?? {})) spec.datasets[name] = without(spec.datasets[name], left);
+    // A layer that is left without a row has no extent to scale.
+    if (left.size && spec.layer) spec.layer = spec.layer.filter((layer) => spec.datasets?.[layer.data?.name]?.length !== 0);
     const own = scheme();
-    spec.config = { ...own, ...(sides(spec).length ? { legend: { disable: true } } : {}) };
+    spec.config = own;
+    // The switches are the legend.
+    for (const layer of sides(spec).length ? spec.layer ?? [spec] : []) {
+      for (const channel of ["color", "stroke", "shape", "fillOpacity", "strokeDash"]) if (layer.encoding?.[channel]) layer.encoding[channel].legend = null;
+    }
     figure.classList.add("live");
     try {
       // The interpreter (ast) stands in for compiled expressions, so the policy needs no eval.

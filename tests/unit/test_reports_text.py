@@ -90,7 +90,7 @@ def test_a_source_links_web_addresses_only() -> None:
 
 def test_settings_are_flattened_without_their_source() -> None:
     told = settings_text('{"dt": 0.01, "options": {"cone": "elliptic", "warm": true}, "source": "guide"}')
-    assert told == "dt 0.01, cone elliptic, warm on"
+    assert told == "dt 1/100 s, cone elliptic, warm on"
     assert settings_text("not json") == "not json"
 
 

@@ -40,9 +40,12 @@ def error_by_step(
     how: str = BY_STEP_HOW,
     bounded: bool = True,
 ) -> Figure | None:
-    """Error against time step, both logarithmic; None without a trial. Args: bounded: have all engines one bound to draw?"""
+    """Error against time step, both logarithmic; None where no trial has an error beyond 0.
+
+    Args: bounded: have all engines one bound to draw?
+    """
     drawn = points(store, rows)
-    if not drawn:
+    if not any(row["edge"] == "none" for row in drawn):
         return None
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]}) if bounded else []
     spec = layered(store, drawn, axis_title(metric, unit), bounds=bounds)

@@ -151,6 +151,7 @@ def finished(layers: Sequence[Any], height: int) -> Row:
             "layout": {"bottom": {"direction": "vertical", "margin": 4}},
         }
     }
+    spec["padding"] = {"left": 5, "right": 14, "top": 5, "bottom": 5}
     spec["autosize"] = {"type": "fit-x", "contains": "padding"}
     return spec
 

@@ -170,12 +170,10 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
     tooltips = _tooltips(
         ("depth", "depth [m]"), ("value", "found [m]"), ("law", "by law [m]"), ("least", "95 % from"), ("most", "to")
     )
-    caption = (
-        "Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law "
-        f"({first.noise.law})."
-    )
+    caption = "Standard deviation of the error of valid pixels against its law, in grey."
+    how = f"In stretches of depth of equally many pixels; the law is {first.noise.law}."
     spec = finished(_layers(store, rows, law, x, y, tooltips), height=280)
     columns = ("engine", "setting", "depth [m]", "spread [m]", "95 % from", "to", "by law", "trial")
     keys = ("depth", "value", "least", "most", "law")
     cells = [[r["engine"], r["track"], *(amount(r[key]) for key in keys), r["trial"]] for r in rows]
-    return Figure(_name("depths", first), f"{named(store, first)}, spread over depth", caption, spec, columns, cells)
+    return Figure(_name("depths", first), f"{named(store, first)}, spread over depth", caption, spec, columns, cells, how)

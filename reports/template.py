@@ -13,7 +13,7 @@ from reports.contents import cases, engines
 from reports.page import navigation
 from reports.palette import looks
 from reports.status import STATUSES, outcome
-from reports.text import amount, plain_value, plural, settings_text, slug, step, visible
+from reports.text import amount, plain_value, plural, powers, settings_text, slug, step, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -62,6 +62,7 @@ def environment() -> Environment:
         "cite": cite,
         "outcome": outcome,
         "plural": plural,
+        "powers": powers,
         "plain": plain_value,
         "settings": settings_text,
         "step": step,

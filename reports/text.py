@@ -20,6 +20,7 @@ __all__ = [
     "join_words",
     "plural",
     "power",
+    "powers",
     "settings_text",
     "slug",
     "step",
@@ -74,6 +75,14 @@ def duration(seconds: float | None, digits: int = 3) -> str:
 def power(exponent: int) -> str:
     """A power of ten: '10⁻³'; 1 and 10 are themselves."""
     return str(10**exponent) if exponent in (0, 1) else f"10{str(exponent).translate(SUPERSCRIPT)}"
+
+
+POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)(?![\w.])")
+
+
+def powers(text: str) -> str:
+    """Prose with numbers like 1e-4 as the tables write them: 10⁻⁴."""
+    return POWER.sub(lambda found: f"{'' if found[1] == '1' else found[1] + TIMES}{power(int(found[2]))}", text)
 
 
 def plural(count: int, noun: str, several: str = "") -> str:

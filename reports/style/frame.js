@@ -45,7 +45,7 @@
     hint.textContent = `Farther right: ${names.slice(0, 6).join(", ")}${names.length > 6 ? ` and ${names.length - 6} more` : ""} \u2192`;
     frame.classList.toggle("cut", names.length > 0);
   };
-  const watcher = window.ResizeObserver && new ResizeObserver((seen) => seen.forEach(({ target }) => target.dispatchEvent(new Event("scroll"))));
+  const watcher = window.ResizeObserver && new ResizeObserver((seen) => seen.forEach(({ target }) => target.closest(".scroll").dispatchEvent(new Event("scroll"))));
   for (const frame of document.querySelectorAll(".scroll")) {
     const hint = document.createElement("p");
     hint.className = "beyond";
@@ -57,7 +57,7 @@
       frame.setAttribute("aria-label", `Table: ${named ? named.textContent.trim() : document.title}`);
     }
     frame.addEventListener("scroll", () => tell(frame, hint), { passive: true });
-    watcher?.observe(frame);
+    for (const one of [frame, ...frame.children]) watcher?.observe(one);
     tell(frame, hint);
   }
 })();

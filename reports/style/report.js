@@ -90,6 +90,12 @@
     const left = new Set(), listed = sides(spec), strip = document.createElement("p");
     strip.className = "switches";
     for (const side of listed) {
+      if (listed.filter((one) => one.field === side.field).length === 1) {
+        const only = document.createElement("span");
+        only.append(swatch(side), side.name);
+        strip.append(only);
+        continue;
+      }
       const button = document.createElement("button");
       button.type = "button";
       button.setAttribute("aria-pressed", "true");
@@ -110,14 +116,27 @@
   const without = (values, left) =>
     left.size && Array.isArray(values) ? values.filter((row) => !left.has(`engine ${row.engine}`) && !left.has(`track ${row.track}`)) : values;
 
+  // An en space: a line ends there, and what reads charts aloud finds a space.
+  const BREAK = "\u2002";
+  const broken = (title, room) => {
+    if (title.length <= room) return title;
+    const spaces = [...title].flatMap((sign, k) => (sign === " " ? [k] : [])), middle = title.length / 2;
+    const at = spaces.sort((a, b) => Math.abs(a - middle) - Math.abs(b - middle))[0];
+    return at === undefined ? title : `${title.slice(0, at)}${BREAK}${title.slice(at + 1)}`;
+  };
+
   const draw = async (figure) => {
     const spec = JSON.parse(figure.querySelector("script.spec").textContent);
     const left = legend(figure, spec);
     for (const name of Object.keys(spec.datasets ?? {})) spec.datasets[name] = without(spec.datasets[name], left);
     // A layer that is left without a row has no extent to scale.
-    if (left.size && spec.layer) spec.layer = spec.layer.filter((layer) => spec.datasets?.[layer.data?.name]?.length !== 0);
-    const own = scheme();
-    spec.config = own;
+    if (spec.layer) spec.layer = spec.layer.filter((layer) => spec.datasets?.[layer.data?.name]?.length !== 0);
+    spec.config = { ...scheme(), lineBreak: BREAK };
+    // A title that is longer than its axis goes on in a second line.
+    const rooms = { x: (figure.clientWidth - 120) / 7, y: (spec.height ?? 300) / 7 };
+    for (const { encoding } of spec.layer ?? [spec]) {
+      for (const [axis, room] of Object.entries(rooms)) if (typeof encoding?.[axis]?.title === "string") encoding[axis].title = broken(encoding[axis].title, room);
+    }
     // The switches are the legend.
     for (const layer of sides(spec).length ? spec.layer ?? [spec] : []) {
       for (const channel of ["color", "stroke", "shape", "fillOpacity", "strokeDash"]) if (layer.encoding?.[channel]) layer.encoding[channel].legend = null;

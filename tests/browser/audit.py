@@ -65,7 +65,8 @@ SEEN = """() => {
 LINKS = """() => [...document.querySelectorAll("[href], [src]")].map((one) => one.href?.baseVal ?? one.href ?? one.src)"""
 
 SWITCH = """async (figure) => {
-  const buttons = [...figure.querySelectorAll(".switches button")], count = () => figure.querySelectorAll(".plot svg .mark-symbol path, .plot svg .mark-rule line").length;
+  const buttons = [...figure.querySelectorAll(".switches button")], count = () => [...figure.querySelectorAll(".plot svg .mark-symbol path, .plot svg .mark-rule line, .plot svg .mark-text text")]
+    .filter((mark) => !mark.closest(".role-axis, .role-legend")).length;
   if (buttons.length < 2) return "";
   const before = count(), turn = async (pressed) => {
     buttons[0].click();

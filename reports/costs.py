@@ -186,10 +186,7 @@ def quality_chart(store: "Store", costs: Sequence[Cost], index: int) -> Figure:
         chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
     ]
     caption = "The lower left corner is best: cheap, and no body stands in another."
-    how = (
-        "Each point is one group of "
-        "settings, open for the vendor's defaults; hovering names it, with what still moves."
-    )
+    how = "Each point is one group of settings, open for the vendor's defaults; hovering names it, with what still moves."
     title = f"What the price buys: {rows[0]['scene']}"
     columns = ("engine", "setting", "CPU time [µs]", "penetration [µm]", "residual motion [µm/s]", "outcome", "trial")
     cells = [

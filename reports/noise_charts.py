@@ -133,10 +133,7 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
 
     tooltips = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
     caption = "Errors of all returned ranges, each over the standard deviation that the law gives it."
-    how = (
-        f"The law is {first.noise.law}. Grey: the "
-        "normal law, with the band in which 19 of 20 bins lie."
-    )
+    how = f"The law is {first.noise.law}. Grey: the normal law, with the band in which 19 of 20 bins lie."
     spec = finished(_layers(store, rows, law, x, y, tooltips), height=260)
     columns = ("engine", "setting", "error, in sigmas", "density", "normal law", "returns", "beyond 4 sigmas", "trial")
     cells = [

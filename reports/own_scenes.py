@@ -112,10 +112,14 @@ def parting_chart(store: "Store", agreement: Agreement) -> Figure | None:
         "The largest up to each instant, as a share of the size of what moves. The grey line is how far that limit itself may be off: who stays about it agrees. A curve "
         "ends where its limit is no longer known; one that is the limit itself has none."
     )
-    return _over_time(store, drawn, f"case-{slug(agreement.case)}-parting", "Who parts, and when", (caption, how), agreement.bar)
+    return _over_time(
+        store, drawn, f"case-{slug(agreement.case)}-parting", "Who parts, and when", (caption, how), agreement.bar
+    )
 
 
-def _over_time(store: "Store", drawn: Sequence[Row], name: str, title: str, words: tuple[str, str], line: float | None) -> Figure | None:
+def _over_time(
+    store: "Store", drawn: Sequence[Row], name: str, title: str, words: tuple[str, str], line: float | None
+) -> Figure | None:
     import altair as alt  # late: half a second that only a report needs
 
     if not drawn:

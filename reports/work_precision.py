@@ -140,7 +140,9 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
     layers = [
         chart(best).mark_point(filled=False, size=260, strokeWidth=5, opacity=0.35, stroke="#8a93a0").encode(x=x, y=y),
         chart(front).mark_line(strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
-        chart(clocked).mark_rule(**bar).encode(x=x, y=alt.Y(f"{below}:Q", title=title_y), y2=f"{above}:Q", color=style.colour()),
+        chart(clocked)
+        .mark_rule(**bar)
+        .encode(x=x, y=alt.Y(f"{below}:Q", title=title_y), y2=f"{above}:Q", color=style.colour()),
     ]
     if doubtful := [row for row in rows if row["off"] > 0]:
         least = alt.X("least:Q", title=error)
@@ -242,7 +244,10 @@ def miniatures(store: "Store") -> list[Miniature]:
             title=titled(store, scene.case, scene.where),
             address=f"{case_file(scene.case)}#{scene.name}",
             note="" if scene.unit == PER_SECOND else f"per {visible(scene.unit)[:30]}",
-            lines=[line(places, colour) for colour, places in placed(store, front, across, heights[scene.unit == PER_SECOND][0]).items()],
+            lines=[
+                line(places, colour)
+                for colour, places in placed(store, front, across, heights[scene.unit == PER_SECOND][0]).items()
+            ],
             across=x_ticks,
             up=heights[scene.unit == PER_SECOND][1],
             silent=len(scene.silent),

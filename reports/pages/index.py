@@ -37,7 +37,15 @@ def render(store: "Store") -> Mapping[str, str]:
     figures = [
         figure
         for figure in (
-            across_cases(store, scaled, "error", "overview-error", "Error as a share of the case's scale", "Left is more accurate.", ERRORS),
+            across_cases(
+                store,
+                scaled,
+                "error",
+                "overview-error",
+                "Error as a share of the case's scale",
+                "Left is more accurate.",
+                ERRORS,
+            ),
             across_cases(store, scaled, "pace", "overview-cost", "Speed in times real time", COSTS),
         )
         if figure is not None

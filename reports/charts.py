@@ -25,7 +25,8 @@ STEP = "time step [ms]"
 BY_STEP = "Down is more accurate, left is a finer step; the grey line is the bound of the check."
 BY_STEP_HOW = (
     "Each point is one trial; a line joins the medians of trials that differ in the time step only, an upright bar spans "
-    "their seeds. Trials without an error stand above the frame as their outcome; errors of exactly zero stand on its lower edge."
+    "their seeds. Trials without an error stand above the frame as their outcome; "
+    "errors of exactly zero stand on its lower edge."
 )
 
 

@@ -146,7 +146,8 @@ def standings(store: "Store", scaling: Scaling) -> Figure | None:
     ]
     caption = "CPU time over that of the fastest engine of the scene: 1 is the fastest."
     how = (
-        "Every engine at its own fastest setting among those that pass the scene's checks. Bars are 95 % intervals of the ratio within blocks. Penetration is not the same at these settings: "
+        "Every engine at its own fastest setting among those that pass the scene's checks. "
+        "Bars are 95 % intervals of the ratio within blocks. Penetration is not the same at these settings: "
         "the charts below and the table show what each price buys."
     )
     columns = ("scene", "engine", "setting", "over the fastest", "95 % from", "to", "CPU time [µs]")

@@ -39,7 +39,8 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
 
     Terms of a row:
         engine, track, series, trial, status, symbol, reason, settings: words. dt [ms], dt_s [s], error [its unit], cpu, low,
-        high [CPU s per simulated s]; pace [simulated s per CPU s]. edge: 'none' where the error can be drawn on a logarithmic axis, 'exact' where it is
+        high [CPU s per simulated s]; pace [simulated s per CPU s]. edge: 'none' where the error can be drawn on a
+        logarithmic axis, 'exact' where it is
         0, 'outcome' where there is no error.
     """
     names = labels(store)

@@ -93,8 +93,8 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
             layers.append(chart(placed).mark_point(**POINT).encode(x=at, y=y, yOffset=beside, **channels))
     caption = "How far each engine's signal without noise lies from the truth; right of the grey stroke a check fails."
     how = (
-        "Each mark is one engine, open for the vendor's defaults, by the statistic that the case judges. The grey stroke is the "
-        "bound, derived in the case. Exact "
+        "Each mark is one engine, open for the vendor's defaults, by the statistic that the case judges. The grey stroke is "
+        "the bound, derived in the case. Exact "
         "answers stand on the left edge, what is no number on the right one."
     )
     columns = ("signal", "engine", "setting", f"error [{unit}]", "bound", "check", "trial")
@@ -147,8 +147,8 @@ def rays_chart(store: "Store", findings: Sequence[Finding]) -> Figure | None:
     layer = chart(rows).mark_point(**POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": tooltips}))
     caption = "Beams of range finders and pixels of cameras, on one thread. Farther right is cheaper."
     how = (
-        "Bare rays are cast and no more; what is read has been stepped for, cast, made into ranges, depths and intensities, and "
-        "had its noise laid over."
+        "Bare rays are cast and no more; what is read has been stepped for, cast, made into ranges, depths and intensities, "
+        "and had its noise laid over."
     )
     columns = ("scene", "rays", "engine", "setting", "a CPU second", "trial")
     cells = [[r["scene"], r["kind"], r["engine"], r["track"], amount(r["rate"]), r["trial"]] for r in rows]

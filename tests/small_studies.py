@@ -74,7 +74,7 @@ TREMBLE = """
 name = "small-tremble"
 recordings = false
 [variants.mujoco]
-"default law" = { beside = "default", changes = "law", on = "default", integrator = "implicitfast", source = "as the study has it" }
+"default law" = { beside = "default", changes = "law", on = "default", integrator = "implicitfast", source = "the study" }
 [[experiments]]
 name = "coarse"
 cases = ["stand_humanoid"]

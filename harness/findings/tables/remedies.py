@@ -1,6 +1,6 @@
 """What helped where an engine broke, how far beyond, and at what cost."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 

@@ -109,7 +109,8 @@ def parting_chart(store: "Store", agreement: Agreement) -> Figure | None:
     against = "the agreed limit" if agreement.agreed else of_one
     caption = f"Distance of each engine's own limit, at a step of zero, from {against}."
     how = (
-        "The largest up to each instant, as a share of the size of what moves. The grey line is how far that limit itself may be off: "
+        "The largest up to each instant, as a share of the size of what moves. "
+        "The grey line is how far that limit itself may be off: "
         "who stays about it agrees. A curve "
         "ends where its limit is no longer known; one that is the limit itself has none."
     )

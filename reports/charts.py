@@ -22,29 +22,40 @@ Row = dict[str, Any]
 STEP = "time step [ms]"
 
 
-BY_STEP = (
-    "Each point is one trial; a line joins the medians of trials that differ in the time step only, "
-    "an upright bar spans their seeds. Down is more accurate, "
-    "left is a finer step. The grey line is the bound of the check. Trials without an error stand above the frame as "
-    "their outcome; errors of exactly zero stand on its lower edge."
+BY_STEP = "Down is more accurate, left is a finer step; the grey line is the bound of the check."
+BY_STEP_HOW = (
+    "Each point is one trial; a line joins the medians of trials that differ in the time step only, an upright bar spans "
+    "their seeds. Trials without an error stand above the frame as their outcome; "
+    "errors of exactly zero stand on its lower edge."
 )
 
 
 def error_by_step(
-    store: "Store", rows: "pd.DataFrame", name: str, metric: str, unit: str, caption: str = BY_STEP, *, bounded: bool = True
+    store: "Store",
+    rows: "pd.DataFrame",
+    name: str,
+    metric: str,
+    unit: str,
+    caption: str = BY_STEP,
+    *,
+    how: str = BY_STEP_HOW,
+    bounded: bool = True,
 ) -> Figure | None:
-    """Error against time step, both logarithmic; None without a trial. Args: bounded: have all engines one bound to draw?"""
+    """Error against time step, both logarithmic; None where no trial has an error beyond 0.
+
+    Args: bounded: have all engines one bound to draw?
+    """
     drawn = points(store, rows)
-    if not drawn:
+    if not any(row["edge"] == "none" for row in drawn):
         return None
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]}) if bounded else []
     spec = layered(store, drawn, axis_title(metric, unit), bounds=bounds)
-    return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")))
+    return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")), how)
 
 
 def axis_title(metric: str, unit: str) -> str:
-    """'position_error [m]', at a length that leaves room for the chart."""
-    return f"{visible(metric)[:50]} [{visible(unit)[:12]}]"
+    """'position error [m]', at a length that leaves room for the chart; a number without a unit has none."""
+    return visible(metric)[:50].replace("_", " ") + ("" if unit == "1" else f" [{visible(unit)[:12]}]")
 
 
 def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:
@@ -121,7 +132,9 @@ def spans(placed: Iterable[Row]) -> list[Row]:
     ]
 
 
-def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, title: str, caption: str) -> Figure | None:
+def across_cases(
+    store: "Store", rows: "pd.DataFrame", field: str, name: str, title: str, caption: str, how: str = ""
+) -> Figure | None:
     """One row a case, one mark an engine: the median of a column of its trials, on a logarithmic axis.
 
     Exact answers stand on the left edge; what has no number stands as its outcome right of the frame.
@@ -156,9 +169,9 @@ def across_cases(store: "Store", rows: "pd.DataFrame", field: str, name: str, ti
     spec = finished(layers, height=30 + 22 * len(labelled))
     columns = ("case", "engine", "track", title, "outcome")
     cells = [[row["case"], row["engine"], row["track"], amount(row[field]), row["status"]] for row in [*merged, *silent]]
-    return Figure(name, title, caption, spec, columns, cells)
+    return Figure(name, title, caption, spec, columns, cells, how)
 
 
 def answered(row: Row, field: str) -> bool:
     """Is a missing number no failure: an error of exactly zero, or a trial that was not timed though it answered?"""
-    return bool(row["edge"] == "exact" or (field == "cpu" and row["edge"] != "outcome"))
+    return bool(row["edge"] == "exact" or (field in ("cpu", "pace") and row["edge"] != "outcome"))

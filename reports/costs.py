@@ -63,7 +63,7 @@ def hover(*more: tuple[str, str]) -> list[Any]:
     import altair as alt  # late: half a second that only a report needs
 
     words = [("engine", "engine"), ("setting", "setting"), ("scene", "scene"), ("status", "outcome")]
-    numbers = [("cpu", "CPU time [us]"), ("low", "95 % from"), ("high", "to"), *more]
+    numbers = [("cpu", "CPU time [µs]"), ("low", "95 % from"), ("high", "to"), *more]
     return [
         *(alt.Tooltip(f"{key}:N", title=title) for key, title in words),
         *(alt.Tooltip(f"{key}:Q", title=title, format=".4~g") for key, title in numbers),
@@ -86,7 +86,7 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
     across: Row = {"values": sizes, "format": ",~r", "labelOverlap": "greedy"}
     x = logarithmic(alt.X, "size", f"{visible(sweep.parameter)[:30]}", across)
     unit = UNITS.get(sweep.unit, sweep.unit)
-    y = logarithmic(alt.Y, "cpu", f"CPU time per {unit} [us]", decades(row["cpu"] for row in rows))
+    y = logarithmic(alt.Y, "cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
     best = [row for row in rows if row["best"]]
     slopes: list[Row] = []
     for engine in dict.fromkeys(row.engine for row in sweep.rows):
@@ -105,18 +105,18 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
         lane = alt.Y("lane:Q", scale=None, axis=None)
         text = chart(slopes).mark_text(align="left", baseline="middle", fontSize=11, fontWeight=600)
         layers.append(text.encode(x=alt.value(12), y=lane, text="label:N", color=style.colour()))
-    caption = (
+    caption = "Down is cheaper. In the corner the exponent of each line: 1 means that twice the size cost twice the time."
+    how = (
         "Each point is one engine under one group of settings, open for the vendor's defaults; the line joins the fastest "
-        "setting whose checks hold, and the exponent of that line stands in the corner: 1 means that twice the size "
-        "cost twice the time. What did not finish has no point; the table says why."
+        "setting whose checks hold. What did not finish has no point; the table says why."
     )
     title = f"Price of a {unit}: {titled(store, sweep.case, sweep.where)}"
-    columns = (sweep.parameter, "engine", "setting", "CPU time [us]", "95 % from", "to", "outcome", "trial")
+    columns = (sweep.parameter, "engine", "setting", "CPU time [µs]", "95 % from", "to", "outcome", "trial")
     cells = [
         [f"{r['size']:g}", r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "low", "high")), r["status"], r["trial"]]
         for r in rows
     ]
-    return Figure(f"growth-{index}", title, caption, finished(layers, height=340), columns, cells)
+    return Figure(f"growth-{index}", title, caption, finished(layers, height=340), columns, cells, how)
 
 
 def standings(store: "Store", scaling: Scaling) -> Figure | None:
@@ -132,7 +132,7 @@ def standings(store: "Store", scaling: Scaling) -> Figure | None:
         return None
     style = Marks(store, rows)
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    x = logarithmic(alt.X, "times", "times the fastest", decades(row["times"] for row in rows))
+    x = logarithmic(alt.X, "times", "times the CPU time of the fastest", decades(row["times"] for row in rows))
     # A scene on two lines, its title and what sets it apart, leaves room for the marks on a phone.
     comma = "indexof(datum.label, ', ')"
     lines = f"{comma} < 0 ? datum.label : [slice(datum.label, 0, {comma}), slice(datum.label, {comma} + 2)]"
@@ -144,18 +144,19 @@ def standings(store: "Store", scaling: Scaling) -> Figure | None:
         chart(rows).mark_rule(strokeWidth=1.4).encode(x=low, x2="times_high:Q", y=y, color=style.colour()),
         chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
     ]
-    caption = (
-        "Every engine at its own fastest setting among those that pass the scene's checks, over the fastest of all: 1 is the "
-        "fastest. Bars are 95 % intervals of the ratio within blocks. Penetration is not the same at these settings: "
+    caption = "CPU time over that of the fastest engine of the scene: 1 is the fastest."
+    how = (
+        "Every engine at its own fastest setting among those that pass the scene's checks. "
+        "Bars are 95 % intervals of the ratio within blocks. Penetration is not the same at these settings: "
         "the charts below and the table show what each price buys."
     )
-    columns = ("scene", "engine", "setting", "over the fastest", "95 % from", "to", "CPU time [us]")
+    columns = ("scene", "engine", "setting", "over the fastest", "95 % from", "to", "CPU time [µs]")
     cells = [
         [r["scene"], r["engine"], r["setting"], *(amount(r[k]) for k in ("times", "times_low", "times_high", "cpu"))]
         for r in rows
     ]
     spec = finished(layers, height=30 + 34 * len(scenes))
-    return Figure("standings", "Fastest settings, scene by scene", caption, spec, columns, cells)
+    return Figure("standings", "Fastest settings, scene by scene", caption, spec, columns, cells, how)
 
 
 def qualities(store: "Store", scaling: Scaling) -> list[Figure]:
@@ -177,22 +178,20 @@ def quality_chart(store: "Store", costs: Sequence[Cost], index: int) -> Figure:
     rows = [drawn(store, row) for row in costs]
     style = Marks(store, rows)
     unit = UNITS.get(costs[0].unit, costs[0].unit)
-    x = logarithmic(alt.X, "cpu", f"CPU time per {unit} [us]", decades(row["cpu"] for row in rows))
-    y = logarithmic(alt.Y, "penetration", "penetration [um]", decades(row["penetration"] for row in rows))
-    channels = style.channels() | {"tooltip": hover(("penetration", "penetration [um]"), ("residual", "moves [um/s]"))}
-    low = alt.X("low:Q", title=f"CPU time per {unit} [us]")
+    x = logarithmic(alt.X, "cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
+    y = logarithmic(alt.Y, "penetration", "penetration [µm]", decades(row["penetration"] for row in rows))
+    channels = style.channels() | {"tooltip": hover(("penetration", "penetration [µm]"), ("residual", "moves [µm/s]"))}
+    low = alt.X("low:Q", title=f"CPU time per {unit} [µs]")
     layers = [
         chart(rows).mark_rule(strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()),
         chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
     ]
-    caption = (
-        "The lower left corner is where one wants to be: cheap, and no body stands in another. Each point is one group of "
-        "settings, open for the vendor's defaults; hovering names it, with what still moves."
-    )
+    caption = "The lower left corner is best: cheap, and no body stands in another."
+    how = "Each point is one group of settings, open for the vendor's defaults; hovering names it, with what still moves."
     title = f"What the price buys: {rows[0]['scene']}"
-    columns = ("engine", "setting", "CPU time [us]", "penetration [um]", "residual motion [um/s]", "outcome", "trial")
+    columns = ("engine", "setting", "CPU time [µs]", "penetration [µm]", "residual motion [µm/s]", "outcome", "trial")
     cells = [
         [r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "penetration", "residual")), r["status"], r["trial"]]
         for r in rows
     ]
-    return Figure(f"quality-{index}", title, caption, finished(layers, height=300), columns, cells)
+    return Figure(f"quality-{index}", title, caption, finished(layers, height=300), columns, cells, how)

@@ -38,7 +38,8 @@ class Figure:
     """A chart on a page.
 
     Terms:
-        name: the file `charts/<name>.svg`, unique in the report. title, caption: in words, what is drawn and how to read it.
+        name: the file `charts/<name>.svg`, unique in the report. title, caption: in words, what is drawn, in two lines at most;
+        how: how to read it, behind a fold; '' without.
         spec: Vega-Lite with its data inside. columns: headings of the table below it; rows: its cells, as drawn.
     """
 
@@ -48,6 +49,7 @@ class Figure:
     spec: dict[str, Any]
     columns: Sequence[str]
     rows: Sequence[Sequence[Any]]
+    how: str = ""
 
     @property
     def path(self) -> str:

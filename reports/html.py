@@ -16,7 +16,7 @@ from reports.vega import vega_bundle
 
 __all__ = ["write_report"]
 
-ASSETS = ("report.css", "report.js", "select.js", "vega-licences.txt")
+ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt")
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js)")
 
 

@@ -1,11 +1,13 @@
 """The look of marks and axes in every chart: colour and shape of an engine, filling and dashes of a track, ticks, hovering."""
 
+import json
 import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from reports.palette import looks
 from reports.points import labels
+from reports.text import amount
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -30,7 +32,7 @@ POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
 TRACKS = ("default", "tuned")
 LANE = 15
 """Height of one row of outcomes above a chart [px]."""
-NUMBERS = ("dt", "error", "cpu", "low", "high")
+NUMBERS = ("dt", "error", "pace", "cpu", "low", "high")
 HOVER = {
     "engine": "engine",
     "track": "track",
@@ -39,9 +41,10 @@ HOVER = {
     "case": "case",
     "dt": "time step [ms]",
     "error": "error",
-    "cpu": "CPU s per simulated s",
-    "low": "95 % from",
-    "high": "to",
+    "pace": "times real time",
+    "cpu": "CPU time per simulated second [s]",
+    "low": "95 % from [s]",
+    "high": "to [s]",
     "settings": "settings",
     "trial": "trial",
 }
@@ -80,7 +83,7 @@ class Marks:
         import altair as alt
 
         return [
-            alt.Tooltip(f"{key}:Q", title=title, format=".4~g") if key in NUMBERS else alt.Tooltip(f"{key}:N", title=title)
+            alt.Tooltip(f"{key}:Q", title=title, format=".3~g") if key in NUMBERS else alt.Tooltip(f"{key}:N", title=title)
             for key, title in HOVER.items()
         ]
 
@@ -148,6 +151,7 @@ def finished(layers: Sequence[Any], height: int) -> Row:
             "layout": {"bottom": {"direction": "vertical", "margin": 4}},
         }
     }
+    spec["padding"] = {"left": 5, "right": 14, "top": 5, "bottom": 5}
     spec["autosize"] = {"type": "fit-x", "contains": "padding"}
     return spec
 
@@ -169,5 +173,9 @@ def decades(numbers: Iterable[float | None]) -> Row:
     every = max(1, math.ceil((high - low) / 8))
     steps = tuple(range(1, 10)) if max(nonzero) < 10 * min(nonzero) else (1, 2, 5) if high - low <= 2 else (1,)
     values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
-    small = "datum.value < 0.001 || datum.value >= 100000 ? format(datum.value, '~e') : format(datum.value, '~g')"
-    return {"values": values, "labelExpr": small, "labelOverlap": "greedy"}
+    return {"values": values, "labelExpr": words(values), "labelOverlap": "greedy"}
+
+
+def words(values: Sequence[float]) -> str:
+    """An expression that writes each of these ticks as the tables do, powers included: '10⁻⁶', '0.02'."""
+    return f"{json.dumps([amount(value) for value in values], ensure_ascii=False)}[indexof({json.dumps(values)}, datum.value)]"

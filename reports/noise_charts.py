@@ -98,15 +98,16 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
         return logarithmic(alt.Y, field, f"Allan deviation [{first.unit}]", span)
 
     tooltips = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
-    caption = (
-        f"Overlapping Allan deviation of the noise, root mean square over the axes. Grey: the law ({known}), exactly, with "
+    caption = "Overlapping Allan deviation of the noise against its law, in grey."
+    how = (
+        f"Root mean square over the axes. Grey is the law ({known}), exactly, with "
         "the band in which 19 of 20 findings lie. The same stream of noise is laid over every engine's signal, so marks lie on "
         "one another where an engine adds nothing of its own."
     )
     spec = finished(_layers(store, rows, law, x, y, tooltips, joined=True), height=280)
     columns = ("engine", "setting", "averaging time [s]", f"found [{first.unit}]", "by law", "trial")
     cells = [[r["engine"], r["track"], amount(r["tau"]), amount(r["value"]), amount(r["law"]), r["trial"]] for r in rows]
-    return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, columns, cells)
+    return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, columns, cells, how)
 
 
 def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
@@ -131,17 +132,15 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
         return alt.Y(f"{field}:Q", title="density")
 
     tooltips = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
-    caption = (
-        f"Errors of all returned ranges, each over the standard deviation that the law gives it ({first.noise.law}). Grey: the "
-        "normal law, with the band in which 19 of 20 bins lie."
-    )
+    caption = "Errors of all returned ranges, each over the standard deviation that the law gives it."
+    how = f"The law is {first.noise.law}. Grey: the normal law, with the band in which 19 of 20 bins lie."
     spec = finished(_layers(store, rows, law, x, y, tooltips), height=260)
     columns = ("engine", "setting", "error, in sigmas", "density", "normal law", "returns", "beyond 4 sigmas", "trial")
     cells = [
         [r["engine"], r["track"], amount(r["at"]), amount(r["value"]), amount(r["law"]), r["count"], r["beyond"], r["trial"]]
         for r in rows
     ]
-    return Figure(_name("ranges", first), f"{named(store, first)}, errors", caption, spec, columns, cells)
+    return Figure(_name("ranges", first), f"{named(store, first)}, errors", caption, spec, columns, cells, how)
 
 
 def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
@@ -168,12 +167,10 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
     tooltips = _tooltips(
         ("depth", "depth [m]"), ("value", "found [m]"), ("law", "by law [m]"), ("least", "95 % from"), ("most", "to")
     )
-    caption = (
-        "Standard deviation of the error of valid pixels, in stretches of depth of equally many pixels. Grey: the law "
-        f"({first.noise.law})."
-    )
+    caption = "Standard deviation of the error of valid pixels against its law, in grey."
+    how = f"In stretches of depth of equally many pixels; the law is {first.noise.law}."
     spec = finished(_layers(store, rows, law, x, y, tooltips), height=280)
     columns = ("engine", "setting", "depth [m]", "spread [m]", "95 % from", "to", "by law", "trial")
     keys = ("depth", "value", "least", "most", "law")
     cells = [[r["engine"], r["track"], *(amount(r[key]) for key in keys), r["trial"]] for r in rows]
-    return Figure(_name("depths", first), f"{named(store, first)}, spread over depth", caption, spec, columns, cells)
+    return Figure(_name("depths", first), f"{named(store, first)}, spread over depth", caption, spec, columns, cells, how)

@@ -90,13 +90,13 @@ def horizon_chart(store: "Store", agreement: Agreement) -> Figure | None:
         if side.limit.time is not None
         for row in _rows(store, side.engine, side.track, side.limit.time, side.limit.moved)
     ]
-    caption = (
-        "How far the last halving of its time step has moved an engine's answer up to each instant, as a share of the size of "
-        "what moves. The grey line is the tolerance, a hundredth: where a curve crosses it, that engine's horizon ends. A "
-        "straight rise on this axis is chaos."
+    caption = "How far the last halving of its time step has moved an engine's answer up to each instant."
+    how = (
+        "Shares are of the size of what moves. The grey line is the tolerance, a hundredth: where a curve crosses it, that "
+        "engine's horizon ends. A straight rise on this axis is chaos."
     )
     return _over_time(
-        store, drawn, f"case-{slug(agreement.case)}-horizon", "Horizon: what a smaller step still moves", caption, 0.01
+        store, drawn, f"case-{slug(agreement.case)}-horizon", "Horizon: what a smaller step still moves", (caption, how), 0.01
     )
 
 
@@ -107,15 +107,21 @@ def parting_chart(store: "Store", agreement: Agreement) -> Figure | None:
     engine, _, track = base.partition(", ")
     of_one = f"the limit of {titles(store).get(engine, engine)}, {track}, since none is agreed"
     against = "the agreed limit" if agreement.agreed else of_one
-    caption = (
-        f"Distance of each engine's own limit, at a step of zero, from {against}, the largest up to each instant, as a share "
-        "of the size of what moves. The grey line is how far that limit itself may be off: who stays about it agrees. A curve "
+    caption = f"Distance of each engine's own limit, at a step of zero, from {against}."
+    how = (
+        "The largest up to each instant, as a share of the size of what moves. "
+        "The grey line is how far that limit itself may be off: "
+        "who stays about it agrees. A curve "
         "ends where its limit is no longer known; one that is the limit itself has none."
     )
-    return _over_time(store, drawn, f"case-{slug(agreement.case)}-parting", "Who parts, and when", caption, agreement.bar)
+    return _over_time(
+        store, drawn, f"case-{slug(agreement.case)}-parting", "Who parts, and when", (caption, how), agreement.bar
+    )
 
 
-def _over_time(store: "Store", drawn: Sequence[Row], name: str, title: str, caption: str, line: float | None) -> Figure | None:
+def _over_time(
+    store: "Store", drawn: Sequence[Row], name: str, title: str, words: tuple[str, str], line: float | None
+) -> Figure | None:
     import altair as alt  # late: half a second that only a report needs
 
     if not drawn:
@@ -147,4 +153,6 @@ def _over_time(store: "Store", drawn: Sequence[Row], name: str, title: str, capt
     channels = style.channels() | {"tooltip": tooltips}
     layers.append(chart(marked).mark_point(filled=True, size=55, strokeWidth=1.6, opacity=1).encode(x=x, y=y, **channels))
     cells = [[row["engine"], row["track"], amount(row["time"]), amount(row["share"])] for row in marked]
-    return Figure(name, title, caption, finished(layers, height=320), ("engine", "track", TIME, "share of the size"), cells)
+    caption, how = words
+    columns = ("engine", "track", TIME, "share of the size")
+    return Figure(name, title, caption, finished(layers, height=320), columns, cells, how)

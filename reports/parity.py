@@ -14,7 +14,7 @@ from reports.text import amount
 
 __all__ = ["write_page"]
 
-ASSETS = ("report.css", "report.js")
+ASSETS = ("report.css", "frame.js", "report.js")
 DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 

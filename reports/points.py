@@ -39,7 +39,8 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
 
     Terms of a row:
         engine, track, series, trial, status, symbol, reason, settings: words. dt [ms], dt_s [s], error [its unit], cpu, low,
-        high [CPU s per simulated s]. edge: 'none' where the error can be drawn on a logarithmic axis, 'exact' where it is
+        high [CPU s per simulated s]; pace [simulated s per CPU s]. edge: 'none' where the error can be drawn on a
+        logarithmic axis, 'exact' where it is
         0, 'outcome' where there is no error.
     """
     names = labels(store)
@@ -63,6 +64,7 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
                 "error": error,
                 "bound": number(row["at_most"]),
                 "cpu": cpu,
+                "pace": 1 / cpu if cpu is not None else None,
                 "low": low if low is not None and low > 0 and cpu is not None else cpu,
                 "high": high if high is not None and cpu is not None else cpu,
                 "edge": "outcome" if error is None else "exact" if error == 0 else "none",

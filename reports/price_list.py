@@ -9,7 +9,7 @@ from harness.findings.emulations import whose
 from harness.findings.prices import PER_SECOND, Price
 from reports.costs import titled
 from reports.disputes import disputed
-from reports.text import amount, duration, power
+from reports.text import TIMES, amount, duration, power
 from reports.work_precision import priced
 
 if TYPE_CHECKING:
@@ -108,14 +108,19 @@ def entry(price: Price, beside: Price | None = None) -> Entry:
         if price.verdict == "not within the ladder":
             return _outside(price)
         return Entry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
-    sign = {"at most": "at most ", "within the truth's error": "≈ "}.get(price.verdict, "")
-    shown = price.low is not None and price.high is not None and math.isfinite(price.low) and math.isfinite(price.high)
-    between = f"{duration(price.low)} to {duration(price.high)}" if shown else ""
+    paced = price.unit == PER_SECOND
+    sign = {"at most": "≥ " if paced else "at most ", "within the truth's error": "≈ "}.get(price.verdict, "")
+    text, between = (f"{amount(1 / price.cost)}{TIMES}" if paced else duration(price.cost)), ""
+    if price.low and price.high and math.isfinite(price.low) and math.isfinite(price.high):
+        durations = f"{duration(price.low)} to {duration(price.high)}"
+        between = f"{amount(1 / price.high)} to {amount(1 / price.low)}{TIMES}" if paced else durations
     ratio = _ratio(price, beside)
     hint = f"{price.track}, step {amount(1e3 * (price.dt or math.nan))} ms; {price.verdict}"
+    if paced:
+        hint = f"{duration(price.cost)} of CPU time per simulated second; {hint}"
     if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
         hint += f"; {amount(price.ratio_low)} to {amount(price.ratio_high)} times the cheapest"
-    return Entry(price, sign + duration(price.cost), ratio, between, heat(price), hint)
+    return Entry(price, sign + text, ratio, between, heat(price), hint)
 
 
 def _ratio(price: Price, beside: Price | None) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.findings.tables.profile import FACTOR, Share
+from harness.findings.tables.profile import FACTOR, TIME, Share
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
 from reports.points import labels
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["profile_chart"]
 
 Row = dict[str, Any]
+AXES = {FACTOR: "times the CPU time of the fastest", TIME: "CPU time per simulated second [s]"}
 
 
 def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure | None:
@@ -40,14 +41,14 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
         return None
     factor = limit == FACTOR
     style = Marks(store, rows)
-    x = logarithmic(alt.X, "within", limit, decades(row["within"] for row in rows))
+    x = logarithmic(alt.X, "within", AXES[limit], decades(row["within"] for row in rows))
     scale = alt.Scale(domain=[0, 1], nice=False, padding=6)
-    y = alt.Y("share:Q", title="share of the answers", scale=scale, axis=alt.Axis(format=".0%"))
-    low = alt.Y("low:Q", title="share of the answers", scale=scale)
+    y = alt.Y("share:Q", title="share of the cases", scale=scale, axis=alt.Axis(format=".0%"))
+    low = alt.Y("low:Q", title="share of the cases", scale=scale)
     shape = alt.Shape("engine:N", title=None, scale=alt.Scale(domain=style.engines, range=style.paths))
     tooltips = [
         alt.Tooltip("engine:N"),
-        alt.Tooltip("within:Q", title=limit, format=".3~g"),
+        alt.Tooltip("within:Q", title=AXES[limit], format=".3~g"),
         alt.Tooltip("share:Q", format=".1%"),
         alt.Tooltip("low:Q", title="least, one case left out", format=".1%"),
         alt.Tooltip("without_low:N", title="without"),
@@ -60,17 +61,16 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
         chart(rows).mark_area(opacity=0.18).encode(x=x, y=low, y2="high:Q", detail="engine:N", color=style.colour()),
     ]
     pairs = max(share.pairs for share in shares if share.limit == limit)
-    what = (
-        "At 1 stands how often an engine is the cheapest, at the right how often it gets there at all."
-        if factor
-        else "1 is real time: an answer costs as much as it lasts."
-    )
     caption = (
-        f"The share of {pairs} pairs of case and error, each reached by at least one engine, that an engine answers within "
-        f"{'so many times the cheapest price' if factor else 'so much time'}: higher is better. {what} Bands span the shares "
-        "with one case left out."
+        "Higher is better: at 1 how often an engine is the fastest, at the right how often it gets there at all."
+        if factor
+        else "Higher is better; 1 is real time: an answer costs as much as it lasts."
     )
-    columns = ("engine", limit, "share", "least", "without", "most", "without")
+    how = (
+        f"The share of {pairs} pairs of case and error, each reached by at least one engine, that an engine answers within "
+        f"{'so many times the cheapest price' if factor else 'so much CPU time'}. Bands span the shares with one case left out."
+    )
+    columns = ("engine", AXES[limit], "share", "least", "without", "most", "without")
     cells = [
         [
             row["engine"],
@@ -83,5 +83,6 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
         ]
         for row in rows
     ]
-    title = "Answers within a factor of the cheapest" if factor else "Answers within a time"
-    return Figure("profile-factor" if factor else "profile-time", title, caption, finished(layers, height=300), columns, cells)
+    title = "Share of cases solved within N times of the fastest" if factor else "Share of cases solved within a CPU time"
+    spec = finished(layers, height=300)
+    return Figure("profile-factor" if factor else "profile-time", title, caption, spec, columns, cells, how)

@@ -90,7 +90,7 @@ def _order(search: Search) -> tuple[bool, int, str]:
 def worded(reach: Reach) -> str:
     """A condition in words."""
     if reach.parts:
-        return "sub-step dt" + (f"/{reach.parts}" if reach.parts > 1 else "")
+        return f"time step / {reach.parts}" if reach.parts > 1 else "time step undivided"
     return f"≤ {amount(1e3 * reach.condition)} ms a step"
 
 
@@ -125,7 +125,7 @@ def cell(search: Search, law: str = "") -> Cell:
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
     hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
-    words = "; ".join(word for word in (why[:40], own, law) if word)
+    words = "; ".join(word for word in (why[:40].replace("_", " "), own, law) if word)
     return Cell(search.reach, text, words, f"{hint}; {law}" if law else hint)
 
 
@@ -192,7 +192,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
     figures = []
     for flags, parts in rest:
         rows: list[Row] = []
-        other = ", ".join(word for word in (flags, f"sub-step dt/{parts}" if parts > 1 else "") if word)
+        other = ", ".join(word for word in (flags, f"time step / {parts}" if parts > 1 else "") if word)
         for search in group:
             name, value = _beside(search)
             if (
@@ -231,9 +231,9 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
         shown = [
             alt.Tooltip("engine:N"),
             alt.Tooltip("track:N"),
-            alt.Tooltip("beside:Q", title=title_x, format=".4~g"),
-            alt.Tooltip("held:Q", title="all starts held", format=".4~g"),
-            alt.Tooltip("broke:Q", title="not all held", format=".4~g"),
+            alt.Tooltip("beside:Q", title=title_x, format=".3~g"),
+            alt.Tooltip("held:Q", title="all starts held", format=".3~g"),
+            alt.Tooltip("broke:Q", title="not all held", format=".3~g"),
             alt.Tooltip("signs:N", title="broke by"),
             alt.Tooltip("verdict:N"),
         ]
@@ -252,9 +252,8 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
             Figure(
                 f"map-{slug(first.experiment)}-{slug(first.case)}{'-' + slug(other) if other else ''}",
                 title,
-                f"The hardest {title_y} that every start held, over {title_x}; bars span to the first that not all held. "
-                f"At {amount(first.easy)} nothing harder than the start of the axis held, at {amount(first.extreme)} its end.",
-                finished(layers, height=300),
+                f"The hardest {title_y} that every start held.",
+                finished(layers, height=190),
                 ("engine", "setting", title_x, "held", "broke", "by", "verdict"),
                 [
                     [
@@ -268,6 +267,8 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
                     ]
                     for r in rows
                 ],
+                f"Bars span to the first that not all held. At {amount(first.easy)} nothing harder than the start of the axis "
+                f"held, at {amount(first.extreme)} its end.",
             )
         )
     return figures

@@ -91,9 +91,10 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
         placed = [row for row in rows if (row["error"] == 0 if edge == "exact" else not row["error"] < float("inf"))]
         if placed:
             layers.append(chart(placed).mark_point(**POINT).encode(x=at, y=y, yOffset=beside, **channels))
-    caption = (
-        "Each mark is one engine, open for the vendor's defaults: how far its signal without noise lies from the truth, by the "
-        "statistic that the case judges. The grey stroke is the bound, derived in the case; right of it a check fails. Exact "
+    caption = "How far each engine's signal without noise lies from the truth; right of the grey stroke a check fails."
+    how = (
+        "Each mark is one engine, open for the vendor's defaults, by the statistic that the case judges. The grey stroke is "
+        "the bound, derived in the case. Exact "
         "answers stand on the left edge, what is no number on the right one."
     )
     columns = ("signal", "engine", "setting", f"error [{unit}]", "bound", "check", "trial")
@@ -101,7 +102,7 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
         [r["signal"], r["engine"], r["track"], amount(r["error"]), amount(r["bound"]), r["verdict"], r["trial"]] for r in rows
     ]
     name = f"ideal-{slug(unit.replace('/', '-per-'))}" if unit != "1" else "ideal-light"
-    return Figure(name, title, caption, finished(layers, height=40 + 44 * len(signals)), columns, cells)
+    return Figure(name, title, caption, finished(layers, height=40 + 44 * len(signals)), columns, cells, how)
 
 
 def rays_chart(store: "Store", findings: Sequence[Finding]) -> Figure | None:
@@ -144,9 +145,10 @@ def rays_chart(store: "Store", findings: Sequence[Finding]) -> Figure | None:
         alt.Tooltip("trial:N"),
     ]
     layer = chart(rows).mark_point(**POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": tooltips}))
-    caption = (
-        "Beams of range finders and pixels of cameras, on one thread. Bare rays are cast and no more; what is read has been "
-        "stepped for, cast, made into ranges, depths and intensities, and had its noise laid over. Farther right is cheaper."
+    caption = "Beams of range finders and pixels of cameras, on one thread. Farther right is cheaper."
+    how = (
+        "Bare rays are cast and no more; what is read has been stepped for, cast, made into ranges, depths and intensities, "
+        "and had its noise laid over."
     )
     columns = ("scene", "rays", "engine", "setting", "a CPU second", "trial")
     cells = [[r["scene"], r["kind"], r["engine"], r["track"], amount(r["rate"]), r["trial"]] for r in rows]
@@ -157,4 +159,5 @@ def rays_chart(store: "Store", findings: Sequence[Finding]) -> Figure | None:
         finished([layer], height=40 + 34 * len(labelled)),
         columns,
         cells,
+        how,
     )

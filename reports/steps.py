@@ -91,12 +91,14 @@ def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
         line.encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash()),
         chart(rows).mark_point(**POINT | {"size": 45}).encode(x=x, y=y, **channels),
     ]
-    caption = (
+    caption = "Higher and farther right is better: an engine that may take larger steps."
+    how = (
         "The share of the scenes in which an engine stays within one per cent of the case's scale at a time step and at every "
-        "smaller one that was run: higher and farther right is better. A scene that is still within it at its coarsest step "
+        "smaller one that was run. A scene that is still within it at its coarsest step "
         "says nothing of coarser ones and counts up to there (Kaplan and Meier). Whole lines and filled marks are tuned, "
         "dashes and open ones the vendor's defaults."
     )
+    spec = finished(layers, height=320)
     columns = ("engine", "track", "time step [ms]", "share", "scenes left")
     cells = [[r["engine"], r["track"], amount(r["dt"]), f"{r['share']:.1%}", r["run"]] for r in rows]
-    return Figure("largest-steps", "How far one may step", caption, finished(layers, height=320), columns, cells)
+    return Figure("largest-steps", "Share of scenes within 1 % against time step", caption, spec, columns, cells, how)

@@ -9,12 +9,12 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
-from reports.contents import engine_file, engines
+from reports.contents import cases, engine_file, engines
 from reports.page import navigation
 from reports.palette import looks
 from reports.points import labels
 from reports.status import STATUSES, outcome
-from reports.text import amount, plain_value, plural, settings_text, slug, visible
+from reports.text import amount, plain_value, plural, powers, settings_text, slug, step, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -63,9 +63,11 @@ def environment() -> Environment:
         "engine_file": engine_file,
         "cite": cite,
         "outcome": outcome,
-        "plural": lambda count, noun: plural(count, noun),
+        "plural": plural,
+        "powers": powers,
         "plain": plain_value,
         "settings": settings_text,
+        "step": step,
         "address": lambda text: quote(text, safe=""),
     }
     return made
@@ -82,6 +84,7 @@ def fill(template: str, store: "Store", **context: Any) -> str:
             engines=named,
             looks=looks(named),
             yardsticks=[label for name, label in labels(store).items() if named[name]["ours"]],
+            case_titles={name: case["title"] for name, case in cases(store).items()},
             statuses=STATUSES,
             study=store.study,
             **context,

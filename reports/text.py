@@ -20,8 +20,10 @@ __all__ = [
     "join_words",
     "plural",
     "power",
+    "powers",
     "settings_text",
     "slug",
+    "step",
     "visible",
 ]
 
@@ -49,14 +51,17 @@ def amount(value: Any, digits: int = 3) -> str:
     if value == 0:
         return "0"
     if 1e-3 <= abs(value) < 1e5:
-        if isinstance(value, int) or abs(value) >= 10 ** (digits - 1):
-            return f"{value:.0f}"
+        if isinstance(value, int):
+            return str(value)
+        if abs(value) >= 10 ** (digits - 1):
+            return f"{float(f'{value:.{digits - 1}e}'):.0f}"
         places = digits - 1 - math.floor(math.log10(abs(value)))
         text = f"{value:.{places}f}"
         return text.rstrip("0").rstrip(".") if "." in text else text
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-    return f"{mantissa}{TIMES}10{str(int(exponent)).translate(SUPERSCRIPT)}"
+    raised = f"10{str(int(exponent)).translate(SUPERSCRIPT)}"
+    return {"1": raised, "-1": f"-{raised}"}.get(mantissa, f"{mantissa}{TIMES}{raised}")
 
 
 def duration(seconds: float | None, digits: int = 3) -> str:
@@ -70,6 +75,14 @@ def duration(seconds: float | None, digits: int = 3) -> str:
 def power(exponent: int) -> str:
     """A power of ten: '10⁻³'; 1 and 10 are themselves."""
     return str(10**exponent) if exponent in (0, 1) else f"10{str(exponent).translate(SUPERSCRIPT)}"
+
+
+POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)(?![\w.])")
+
+
+def powers(text: str) -> str:
+    """Prose with numbers like 1e-4 as the tables write them: 10⁻⁴."""
+    return POWER.sub(lambda found: f"{'' if found[1] == '1' else found[1] + TIMES}{power(int(found[2]))}", text)
 
 
 def plural(count: int, noun: str, several: str = "") -> str:
@@ -96,7 +109,7 @@ def slug(name: str) -> str:
 
 
 def settings_text(settings: str | Mapping[str, Any]) -> str:
-    """Settings on one line: 'dt 0.00417, iterations 50, options.cone elliptic'; the source is left to its own column."""
+    """Settings on one line: 'dt 1/240 s, iterations 50, options.cone elliptic'; the source is left to its own column."""
     if isinstance(settings, str):
         try:
             settings = json.loads(settings)
@@ -111,8 +124,16 @@ def settings_text(settings: str | Mapping[str, Any]) -> str:
         if isinstance(value, Mapping):
             flat += [f"{inner} {plain_value(v)}" for inner, v in value.items()]
         else:
-            flat.append(f"{name} {plain_value(value)}")
+            flat.append(f"{name} {step(value) if name == 'dt' else plain_value(value)}")
     return ", ".join(flat)
+
+
+def step(dt: Any) -> str:
+    """A time step [s] as people write it: '1/240 s', or '3.3 ms' where it is no whole part of a second."""
+    if not isinstance(dt, int | float) or isinstance(dt, bool) or not 0 < dt < math.inf:
+        return plain_value(dt)
+    parts = round(1 / dt)
+    return f"1/{parts} s" if parts > 1 and abs(parts * dt - 1) < 1e-6 else duration(dt)
 
 
 def plain_value(value: Any) -> str:

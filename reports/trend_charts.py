@@ -79,12 +79,13 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     cells = [[row["engine"], row["night"], row["version"], amount(row["index"], 4)] for row in points]
     beside = "over other engines of the same nights" if panels[0].beside == "other engines" else "over the canary"
     fence = " Grey band: the fence, three spreads of its own from each level." if len(panels) == 1 else ""
-    caption = (
-        f"Each mark is a night: the geometric mean of {plural(panels[0].series, 'price')}, {beside}. Lines: levels; upright: a "
+    caption = f"Each mark is a night: the geometric mean of {plural(panels[0].series, 'price')}, {beside}."
+    how = (
+        f"Lines: levels; upright: a "
         f"change of level; dashed: another version or machine, across which nothing is compared.{fence}"
     )
     spec = finished(layers, height=210 if len(panels) == 1 else 260)
-    return Figure(slug(f"trend-{panels[0].case}-{'-'.join(names)}"), title, caption, spec, columns, cells)
+    return Figure(slug(f"trend-{panels[0].case}-{'-'.join(names)}"), title, caption, spec, columns, cells, how)
 
 
 def _rules(panel: Panel, nights: Sequence[NightOf], days: Sequence[str]) -> list[Row]:

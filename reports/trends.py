@@ -146,7 +146,7 @@ def write_trends(trends: Trends, folder: Path) -> Path:
     style = Path(__file__).parent / "style"
     for name in ("style", "charts"):
         make_folder(folder / name)
-    for name in ("report.css", "report.js", "vega-licences.txt"):
+    for name in ("report.css", "frame.js", "report.js", "vega-licences.txt"):
         shutil.copyfile(style / name, folder / "style" / name)
     write_atomically(folder / "style" / "vega.js", vega_bundle().encode())
     for figure in figures:

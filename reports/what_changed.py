@@ -69,7 +69,7 @@ def write_what_changed(changes: Changes, folder: Path, gated: Collection[str] = 
     """Write the page and its style into a folder; it needs no network and no run folder. Returns: its path."""
     style = Path(__file__).parent / "style"
     make_folder(folder / "style")
-    for name in ("report.css", "report.js"):
+    for name in ("report.css", "frame.js", "report.js"):
         shutil.copyfile(style / name, folder / "style" / name)
     write_atomically(folder / PAGE, what_changed_page(changes, gated).encode("utf-8", "backslashreplace"))
     return folder / PAGE

@@ -85,13 +85,16 @@ def drawn(store: "Store", point: Point) -> Row:
         "cost": point.cost,
         "low": point.low or point.cost,
         "high": point.high or point.cost,
+        "pace": 1 / point.cost,
+        "slow": 1 / (point.high or point.cost),
+        "fast": 1 / (point.low or point.cost),
         "timing": "rough, not clocked" if not point.clocked else "unstable" if point.unstable else "clocked",
         "status": outcome(point.status).name,
         "trial": point.trial,
     }
 
 
-def hover() -> list[Any]:
+def hover(unit: str) -> list[Any]:
     """What hovering over a point shows."""
     import altair as alt  # late: half a second that only a report needs
 
@@ -100,22 +103,23 @@ def hover() -> list[Any]:
         "dt": "time step [ms]",
         "error": "error, of the scale",
         "off": "the truth may be off by",
-        "cost": "CPU time [s]",
-        "low": "95 % from",
-        "high": "to",
+        **({"pace": "times real time"} if unit == PER_SECOND else {}),
+        "cost": cost_title(unit),
+        "low": "95 % from [s]",
+        "high": "to [s]",
     }
-    quantities = [alt.Tooltip(f"{key}:Q", title=title, format=".4~g") for key, title in numbers.items()]
+    quantities = [alt.Tooltip(f"{key}:Q", title=title, format=".3~g") for key, title in numbers.items()]
     named = [alt.Tooltip(f"{key}:N", title=title) for key, title in words.items()]
     return [*named[:2], *quantities, *named[2:]]
 
 
 def cost_title(unit: str) -> str:
     """The title of an axis of costs."""
-    return "CPU time per simulated second [s/s]" if unit == PER_SECOND else f"CPU time per {visible(unit)[:30]} [s]"
+    return "CPU time per simulated second [s]" if unit == PER_SECOND else f"CPU time per {visible(unit)[:30]} [s]"
 
 
 def work_precision(store: "Store", scene: Scene) -> Figure:
-    """Cost over error, both logarithmic; every trial is a point, or stands above the frame with what became of it."""
+    """Speed, or a cost that is not per simulated second, over error; every trial is a point, or stands above the frame."""
     import altair as alt
 
     rows = [drawn(store, point) for point in scene.points]
@@ -126,29 +130,34 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
     lanes = tallies(store, scene)
     style = Marks(store, [*rows, *lanes])
     style.tracks = [track for track in style.tracks if track]
-    error, cost = "error, as a share of the case's scale", cost_title(scene.unit)
+    paced = scene.unit == PER_SECOND
+    error, title_y = "error, as a share of the case's scale", "times real time" if paced else cost_title(scene.unit)
+    up, below, above = ("pace", "slow", "fast") if paced else ("cost", "low", "high")
     x = logarithmic(alt.X, "error", error, decades(row["error"] for row in rows))
-    y = logarithmic(alt.Y, "cost", cost, decades(row["cost"] for row in rows))
-    channels = style.channels() | {"tooltip": hover()}
+    y = logarithmic(alt.Y, up, title_y, decades(row[up] for row in rows))
+    channels = style.channels() | {"tooltip": hover(scene.unit)}
     bar: Row = {"strokeWidth": 1.3, "clip": True}
     layers = [
         chart(best).mark_point(filled=False, size=260, strokeWidth=5, opacity=0.35, stroke="#8a93a0").encode(x=x, y=y),
         chart(front).mark_line(strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
-        chart(clocked).mark_rule(**bar).encode(x=x, y=alt.Y("low:Q", title=cost), y2="high:Q", color=style.colour()),
+        chart(clocked)
+        .mark_rule(**bar)
+        .encode(x=x, y=alt.Y(f"{below}:Q", title=title_y), y2=f"{above}:Q", color=style.colour()),
     ]
     if doubtful := [row for row in rows if row["off"] > 0]:
         least = alt.X("least:Q", title=error)
         layers.append(chart(doubtful).mark_rule(**bar).encode(x=least, x2="most:Q", y=y, color=style.colour()))
-    layers.append(chart(thin(clocked, "error", "cost")).mark_point(**POINT | {"size": 55}).encode(x=x, y=y, **channels))
+    layers.append(chart(thin(clocked, "error", up)).mark_point(**POINT | {"size": 55}).encode(x=x, y=y, **channels))
     if rough:
-        faint = chart(thin(rough, "error", "cost")).mark_point(filled=False, size=22, strokeWidth=1.2, opacity=0.55)
+        faint = chart(thin(rough, "error", up)).mark_point(filled=False, size=22, strokeWidth=1.2, opacity=0.55)
         layers.append(faint.encode(x=x, y=y, **{k: channels[k] for k in ("color", "shape", "tooltip")}))
     tooltips = [alt.Tooltip("engine:N"), alt.Tooltip("reason:N")]
     layers += [*lane_texts(lanes, "text", alt.value("width"), style, tooltips, align="right"), *lane_names(lanes)]
-    caption = (
-        "The lower left corner is where one wants to be. Each point is one trial, open for the vendor's defaults; lines join "
+    caption = f"The {'upper' if paced else 'lower'} left corner is best: accurate and {'fast' if paced else 'cheap'}."
+    how = (
+        "Each point is one trial, open for the vendor's defaults; lines join "
         "what no other setting of the same engine beats, grey rings what no setting of any engine beats. Upright bars are 95 % "
-        "intervals of the cost, level ones how far the truth itself may be off; errors below 1e-9 stand there."
+        "intervals of the cost, level ones how far the truth itself may be off; errors below 10⁻⁹ stand there."
         + (" Small faint points were not clocked: their cost is a rough one." if rough else "")
         + (" Trials without an error or a cost are counted above the frame." if lanes else "")
     )
@@ -158,9 +167,9 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
         "step [ms]",
         "error",
         "truth off by",
-        "CPU [s]",
-        "95 % from",
-        "to",
+        "CPU time [s]",
+        "95 % from [s]",
+        "to [s]",
         "timing",
         "outcome",
         "trial",
@@ -170,8 +179,8 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
         [row["engine"], row["setting"], *(amount(row[key]) for key in numbers), row["timing"], row["status"], row["trial"]]
         for row in rows
     ]
-    title = "What an error costs" + (f": {visible(scene.where)[:60]}" if scene.where else "")
-    return Figure(scene.name, title, caption, finished(layers, height=340), columns, cells)
+    title = f"{'Speed' if paced else 'Cost'} against error" + (f": {visible(scene.where)[:60]}" if scene.where else "")
+    return Figure(scene.name, title, caption, finished(layers, height=340), columns, cells, how)
 
 
 def tallies(store: "Store", scene: Scene) -> list[Row]:
@@ -183,7 +192,7 @@ def tallies(store: "Store", scene: Scene) -> list[Row]:
             f"{outcome(s).name}: {'no error or no cost' if outcome(s).answered else r}"
             for s, r in zip(trials["status"], trials["reason"], strict=True)
         )
-        text = "  ".join(f"{symbol}{TIMES}{count}" if count > 1 else symbol for symbol, count in counts.items())
+        text = "  ".join(f"{symbol} {count}" if count > 1 else symbol for symbol, count in counts.items())
         name, lane, reason = labels(store)[str(engine)], -10 - LANE * len(rows), visible("; ".join(reasons))[:300]
         rows.append({"engine": name, "label": name, "track": "", "lane": lane, "text": text, "reason": reason})
     return rows
@@ -221,16 +230,26 @@ def miniatures(store: "Store") -> list[Miniature]:
     def up(log: float) -> float:
         return round(HIGH - BELOW - MARGIN - (HIGH - BELOW - 2 * MARGIN) * share(log, low, high), 1)
 
+    # Up is faster: the logarithm of a pace is that of a cost the other way round.
+    def paced(log: float) -> float:
+        return round(HIGH - BELOW - MARGIN - (HIGH - BELOW - 2 * MARGIN) * share(-log, -high, -low), 1)
+
     x_ticks = [(across(exponent), power(exponent)) for exponent in range(fine, coarse + 1) if (coarse - exponent) % 4 == 0]
-    y_ticks = [(up(exponent), duration(10.0**exponent)) for exponent in range(low, high + 1) if exponent % 3 == 0]
+    exponents = [exponent for exponent in range(low, high + 1) if exponent % 3 == 0]
+    speeds = [(paced(exponent), f"{power(-exponent)}{TIMES}") for exponent in exponents]
+    durations = [(up(exponent), duration(10.0**exponent)) for exponent in exponents]
+    heights = {True: (paced, speeds), False: (up, durations)}
     return [
         Miniature(
             title=titled(store, scene.case, scene.where),
             address=f"{case_file(scene.case)}#{scene.name}",
             note="" if scene.unit == PER_SECOND else f"per {visible(scene.unit)[:30]}",
-            lines=[line(places, colour) for colour, places in placed(store, front, across, up).items()],
+            lines=[
+                line(places, colour)
+                for colour, places in placed(store, front, across, heights[scene.unit == PER_SECOND][0]).items()
+            ],
             across=x_ticks,
-            up=y_ticks,
+            up=heights[scene.unit == PER_SECOND][1],
             silent=len(scene.silent),
         )
         for scene, front in fronts

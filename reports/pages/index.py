@@ -29,14 +29,11 @@ SHOWN = 6
 """Causes and limits that stand open; the rest of the causes folds."""
 
 ERRORS = (
-    "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale: "
-    "left is better. Filled is tuned, open the vendor's defaults. "
+    "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale. "
+    "Filled is tuned, open the vendor's defaults. "
     "Exact answers stand on the left edge, trials without a number at the right as outcomes."
 )
-COSTS = (
-    "CPU time per simulated second at the same trials: left is cheaper; 1 is as fast as the clock on the wall. "
-    "Read it together with the errors beside it: neither means anything alone."
-)
+COSTS = "Right is faster; at 1 a simulated second takes a second of one core. Read it together with the errors beside it."
 
 
 def render(store: "Store") -> Mapping[str, str]:
@@ -47,8 +44,16 @@ def render(store: "Store") -> Mapping[str, str]:
     figures = [
         figure
         for figure in (
-            across_cases(store, scaled, "error", "overview-error", "Error as a share of the case's scale", ERRORS),
-            across_cases(store, scaled, "cpu", "overview-cost", "CPU time per simulated second [s/s]", COSTS),
+            across_cases(
+                store,
+                scaled,
+                "error",
+                "overview-error",
+                "Error as a share of the case's scale",
+                "Left is more accurate.",
+                ERRORS,
+            ),
+            across_cases(store, scaled, "pace", "overview-cost", "Speed in times real time", COSTS),
         )
         if figure is not None
     ]

@@ -9,9 +9,10 @@ from harness.findings.tables import farthest as farthest_table
 from harness.findings.tables import limits as limits_table
 from harness.findings.tables import remedies as remedies_table
 from harness.findings.tables.remedies import remedied
-from reports.contents import engines
+from reports.contents import cases, engines, families
 from reports.page import Page
-from reports.reach import lines, maps, standings, tally
+from reports.reach import Line, lines, maps, standings, tally
+from reports.remedy_words import helped, in_words
 from reports.sheet import sheet
 from reports.template import fill
 
@@ -29,19 +30,22 @@ def concerns(store: "Store") -> bool:
 def render(store: "Store") -> Mapping[str, str]:
     """The page, its maps and its tables as CSV."""
     plain = [search for search in searches(store) if not search.remedied]
-    helped = remedied(store)
+    places = remedied(store)
+    counted = tally(places)
     shown, drawn = lines(store, plain), maps(store, plain)
     page = fill(
         "limits.html",
         store,
         title="Limits",
         names=_names(store, plain),
-        lines=shown,
+        groups=_groups(store, shown),
         standings=standings(axis_leads(reaches(plain))),
         maps=drawn,
-        remedies=helped,
-        tally=tally(helped),
-        helped=remedies_table.sentences(remedies_table.rows(store))[:6],
+        remedies=places,
+        tally=counted,
+        helped=helped(counted),
+        in_words=in_words,
+        cases=cases(store),
     )
     sheets = {
         "limits.csv": sheet(limits_table.COLUMNS, limits_table.rows(store)),
@@ -49,6 +53,12 @@ def render(store: "Store") -> Mapping[str, str]:
         "remedies.csv": sheet(remedies_table.COLUMNS, remedies_table.rows(store)),
     }
     return {"limits.html": page} | sheets | {figure.path: figure.svg for figure in drawn}
+
+
+def _groups(store: "Store", shown: Sequence[Line]) -> list[tuple[str, list[Line]]]:
+    """The axes of each family of cases, families in their usual order."""
+    groups = [(title, {case["name"] for case in listed}) for title, listed in families(store)]
+    return [(title, mine) for title, names in groups if (mine := [line for line in shown if line.case in names])]
 
 
 def _names(store: "Store", shown: Sequence[Search]) -> list[str]:

@@ -34,9 +34,10 @@ if TYPE_CHECKING:
 __all__ = ["PAGE"]
 
 CAPTION = (
-    "Each point is one run; a line joins those of an engine that differ in the time step only. Down is more accurate, left is "
-    "a finer step. {} Runs without an answer stand above the frame as their outcome."
+    "Each point is one run; a line joins those of an engine that differ in the time step only. {} "
+    "Runs without an answer stand above the frame as their outcome."
 )
+DOWN = "Down is more accurate, left is a finer step."
 OF_ONE = "The grey line is how far the limit itself may be off."
 OF_EACH = (
     "Each engine is measured from its own limit, since none is agreed; a run that is that limit errs by what it is known to."
@@ -71,8 +72,10 @@ def render(store: "Store") -> Mapping[str, str]:
             )
         ]
         one = all(agreement.agreed for agreement in agreements)
-        caption = CAPTION.format(OF_ONE if one else OF_EACH)
-        by_step = error_by_step(store, ladder, f"case-{plain}", "distance from the limit", "of its size", caption, bounded=one)
+        how = CAPTION.format(OF_ONE if one else OF_EACH)
+        by_step = error_by_step(
+            store, ladder, f"case-{plain}", "distance from the limit", "of its size", DOWN, how=how, bounded=one
+        )
         figures = [by_step, *(work_precision(store, scene) for scene in scenes(store) if scene.case == name)]
         figures += [
             drawn for agreement in agreements for drawn in (horizon_chart(store, agreement), parting_chart(store, agreement))

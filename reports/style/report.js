@@ -21,6 +21,16 @@
     };
   };
 
+  // The one notation of powers, as `amount` of reports/text.py writes them: 2.6\u00d710\u207b\u2076 for 2.6e-6.
+  const SUPERSCRIPTS = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
+  const power = (text) => {
+    const [, mantissa, minus, digits] = /^([-\u2212]?[\d.]+)e([+-])(\d+)$/.exec(text) ?? [];
+    if (!digits) return text;
+    const exponent = (minus === "-" ? "\u207b" : "") + [...digits].map((digit) => SUPERSCRIPTS[digit]).join("");
+    const shown = mantissa.includes(".") ? mantissa.replace(/0+$/, "").replace(/\.$/, "") : mantissa;
+    return shown === "1" ? `10${exponent}` : `${shown}\u00d710${exponent}`;
+  };
+
   // A tooltip of text nodes: nothing in a value can become an element.
   const box = document.createElement("div");
   box.id = "hover";
@@ -36,7 +46,7 @@
       if (text === "" || text === "null" || text === null || text === undefined) continue;
       const term = document.createElement("dt"), told = document.createElement("dd");
       term.textContent = name;
-      told.textContent = text;
+      told.textContent = power(String(text));
       list.append(term, told);
     }
     box.replaceChildren(list);
@@ -92,11 +102,10 @@
   };
   document.querySelectorAll("table").forEach(columns);
   // What a chart draws: rows of ours go, and with them their places in scales and legends.
-  const without = (part) => {
-    if (Array.isArray(part)) return part.map(without);
+  const withoutYardstick = (part) => {
+    if (Array.isArray(part)) return part.filter((row) => !(row && yardsticks.has(row.engine))).map(withoutYardstick);
     if (part === null || typeof part !== "object") return part;
-    const left = Object.fromEntries(Object.entries(part).map(([name, value]) => [name, without(value)]));
-    if (Array.isArray(left.values)) left.values = left.values.filter((row) => !(row && yardsticks.has(row.engine)));
+    const left = Object.fromEntries(Object.entries(part).map(([name, value]) => [name, withoutYardstick(value)]));
     if (Array.isArray(left.domain) && left.domain.some((name) => yardsticks.has(name))) {
       const stays = left.domain.map((name) => !yardsticks.has(name));
       if (Array.isArray(left.range) && left.range.length === stays.length) left.range = left.range.filter((_, k) => stays[k]);
@@ -113,12 +122,90 @@
 
   const refuse = { load: () => Promise.reject(new Error("no network")), sanitize: () => Promise.reject(new Error("no links")) };
 
+  // What the legend of a chart can switch: engines by their colour and shape, tracks by the filling of their marks.
+  const SVG = "http://www.w3.org/2000/svg";
+  const sides = (spec) => {
+    const encodings = (spec.layer ?? [spec]).map((layer) => layer.encoding ?? {});
+    const scale = (channel) => encodings.map((encoding) => encoding[channel]?.scale).find((one) => one?.domain?.length);
+    const colours = scale("color"), shapes = scale("shape"), fillings = scale("fillOpacity");
+    if (!colours) return [];
+    const engines = colours.domain.map((name, k) => ({ field: "engine", name, colour: colours.range[k], path: shapes?.range[k], filled: true }));
+    const tracks = (fillings?.domain ?? []).map((name, k) => ({ field: "track", name, filled: fillings.range[k] >= 0.5 }));
+    return [...engines, ...(tracks.length === 2 ? tracks : [])];
+  };
+  const swatch = (side) => {
+    const picture = document.createElementNS(SVG, "svg"), path = document.createElementNS(SVG, "path");
+    picture.setAttribute("viewBox", "-1.6 -1.6 3.2 3.2");
+    picture.setAttribute("aria-hidden", "true");
+    path.setAttribute("d", side.path ?? "M1,0A1,1,0,1,1,-1,0A1,1,0,1,1,1,0Z");
+    path.setAttribute("fill", side.filled ? side.colour ?? "currentColor" : "none");
+    path.setAttribute("stroke", side.colour ?? "currentColor");
+    path.setAttribute("stroke-width", ".32");
+    picture.append(path);
+    return picture;
+  };
+
+  // One line of buttons above the chart; each leaves out what it names. The last engine and the last track stay.
+  const legends = new WeakMap();
+  const legend = (figure, spec) => {
+    if (legends.has(figure)) return legends.get(figure);
+    const left = new Set(), listed = sides(spec), strip = document.createElement("p");
+    strip.className = "switches";
+    for (const side of listed) {
+      if (listed.filter((one) => one.field === side.field).length === 1) {
+        const only = document.createElement("span");
+        only.classList.toggle("of-ours", yardsticks.has(side.name));
+        only.append(swatch(side), side.name);
+        strip.append(only);
+        continue;
+      }
+      const button = document.createElement("button");
+      button.type = "button";
+      button.classList.toggle("of-ours", yardsticks.has(side.name));
+      button.setAttribute("aria-pressed", "true");
+      button.append(swatch(side), side.name);
+      button.addEventListener("click", () => {
+        const key = `${side.field} ${side.name}`, shown = listed.filter((one) => one.field === side.field && !left.has(`${one.field} ${one.name}`));
+        if (left.has(key)) left.delete(key);
+        else if (shown.length > 1) left.add(key);
+        button.setAttribute("aria-pressed", String(!left.has(key)));
+        draw(figure);
+      });
+      strip.append(button);
+    }
+    if (listed.length) figure.querySelector(".plot").before(strip);
+    legends.set(figure, left);
+    return left;
+  };
+  const without = (values, left) =>
+    left.size && Array.isArray(values) ? values.filter((row) => !left.has(`engine ${row.engine}`) && !left.has(`track ${row.track}`)) : values;
+
+  // An en space: a line ends there, and what reads charts aloud finds a space.
+  const BREAK = "\u2002";
+  const broken = (title, room) => {
+    if (title.length <= room) return title;
+    const spaces = [...title].flatMap((sign, k) => (sign === " " ? [k] : [])), middle = title.length / 2;
+    const at = spaces.sort((a, b) => Math.abs(a - middle) - Math.abs(b - middle))[0];
+    return at === undefined ? title : `${title.slice(0, at)}${BREAK}${title.slice(at + 1)}`;
+  };
+
   const draw = async (figure) => {
     const whole = JSON.parse(figure.querySelector("script.spec").textContent);
-    const spec = away() ? without(whole) : whole;
-    const small = figure.clientWidth < 480;
-    const own = scheme();
-    spec.config = { ...own, legend: { ...own.legend, ...(spec.config?.legend ?? {}), columns: small ? 1 : 3 } };
+    const spec = away() ? withoutYardstick(whole) : whole;
+    const left = legend(figure, whole);
+    for (const name of Object.keys(spec.datasets ?? {})) spec.datasets[name] = without(spec.datasets[name], left);
+    // A layer that is left without a row has no extent to scale.
+    if (spec.layer) spec.layer = spec.layer.filter((layer) => spec.datasets?.[layer.data?.name]?.length !== 0);
+    spec.config = { ...scheme(), lineBreak: BREAK };
+    // A title that is longer than its axis goes on in a second line.
+    const rooms = { x: (figure.clientWidth - 120) / 7, y: (spec.height ?? 300) / 7 };
+    for (const { encoding } of spec.layer ?? [spec]) {
+      for (const [axis, room] of Object.entries(rooms)) if (typeof encoding?.[axis]?.title === "string") encoding[axis].title = broken(encoding[axis].title, room);
+    }
+    // The switches are the legend.
+    for (const layer of sides(spec).length ? spec.layer ?? [spec] : []) {
+      for (const channel of ["color", "stroke", "shape", "fillOpacity", "strokeDash"]) if (layer.encoding?.[channel]) layer.encoding[channel].legend = null;
+    }
     figure.classList.add("live");
     try {
       // The interpreter (ast) stands in for compiled expressions, so the policy needs no eval.
@@ -135,18 +222,23 @@
       console.error(error);
     }
   };
+  // A chart in a closed fold has no width: it is drawn when the fold opens.
   const figures = [...document.querySelectorAll("figure.chart")];
-  const drawAll = () => figures.reduce((before, figure) => before.then(() => draw(figure)), Promise.resolve());
+  const drawn = (listed) => listed.reduce((before, figure) => before.then(() => draw(figure)), Promise.resolve());
+  const open = () => figures.filter((figure) => figure.clientWidth > 0);
   if (window.vegaEmbed) {
-    drawAll();
-    dark.addEventListener("change", drawAll);
+    drawn(open());
+    dark.addEventListener("change", () => drawn(open()));
+    for (const fold of document.querySelectorAll("details")) {
+      fold.addEventListener("toggle", () => drawn(open().filter((figure) => fold.contains(figure) && !figure.dataset.drawn)));
+    }
   }
 
   // The switch stands where something of ours is drawn.
-  const drawn = document.querySelector(".ours, .of-ours") ||
+  const anyOfOurs = document.querySelector(".ours, .of-ours") ||
     figures.some((figure) => [...yardsticks].some((name) => figure.querySelector("script.spec").textContent.includes(JSON.stringify(name).slice(1, -1))));
   const top = document.querySelector(".top");
-  if (yardsticks.size && drawn && top) {
+  if (yardsticks.size && anyOfOurs && top) {
     const button = document.createElement("button");
     button.type = "button";
     button.className = "yardstick";
@@ -162,7 +254,8 @@
       put(!away());
       kept(away() ? "hidden" : "shown");
       say();
-      if (window.vegaEmbed) drawAll();
+      for (const figure of figures) delete figure.dataset.drawn;
+      if (window.vegaEmbed) drawn(open());
       document.dispatchEvent(new Event("yardstick"));
     });
     say();
@@ -200,7 +293,13 @@
   // A search box and a choice of outcomes above each filterable table.
   for (const table of document.querySelectorAll("table.filterable")) {
     const rows = [...table.tBodies[0].rows].filter((row) => row.dataset.status);
-    const tools = table.closest("section").querySelector(".tools");
+    const frame = table.closest(".scroll");
+    let tools = frame.previousElementSibling;
+    if (!tools?.classList.contains("tools")) {
+      tools = document.createElement("p");
+      tools.className = "tools";
+      frame.before(tools);
+    }
     const search = document.createElement("input");
     search.type = "search";
     search.placeholder = "Filter, e.g. mujoco tuned";

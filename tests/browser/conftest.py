@@ -48,7 +48,7 @@ class Visit:
     """A page that is open, and all that it said or asked for."""
 
     def __init__(self, browser: Any, path: Path, **context: Any) -> None:
-        self.page = browser.new_context(viewport={"width": 1280, "height": 900}, **context).new_page()
+        self.page = browser.new_context(**{"viewport": {"width": 1280, "height": 900}} | context).new_page()
         self.said: list[str] = []
         self.asked: list[str] = []
         self.page.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
@@ -58,7 +58,8 @@ class Visit:
         self.page.goto(path.as_uri())
         if context.get("java_script_enabled", True):
             self.page.wait_for_function(
-                "() => [...document.querySelectorAll('figure.chart')].every(one => one.dataset.drawn)", timeout=60_000
+                "() => [...document.querySelectorAll('figure.chart')].every(one => one.dataset.drawn || !one.clientWidth)",
+                timeout=60_000,
             )
 
     def close(self) -> None:

@@ -57,7 +57,7 @@ def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report
             assert "style" not in attributes, path.name
             if tag == "script":
                 scripts[attributes.get("type")] += 1
-                assert attributes.get("src") in {"style/vega.js", "style/report.js", "style/select.js", None}
+                assert attributes.get("src") in {"style/vega.js", "style/frame.js", "style/report.js", "style/select.js", None}
                 assert attributes.get("src") or attributes.get("type") == "application/json"
             if tag in {"img", "link"}:
                 source = attributes.get("src") or attributes.get("href") or ""

@@ -18,10 +18,11 @@ from tests.run_folder import HOSTILE
         (0.0, "0"),
         (1 / 240, "0.00417"),
         (12.0, "12"),
-        (1234.5, "1234"),
+        (1234.5, "1230"),
         (-0.5, "-0.5"),
         (0.1, "0.1"),
         (100.4, "100"),
+        (1e-7, "10⁻⁷"),
         (1.5e-7, "1.5\N{MULTIPLICATION SIGN}10⁻⁷"),
         (2e12, "2\N{MULTIPLICATION SIGN}10¹²"),
         (7, "7"),
@@ -39,7 +40,7 @@ def test_numbers_are_shown_with_three_digits(value: float | None, shown: str) ->
 def test_a_number_that_rounds_up_to_the_next_power_keeps_its_size() -> None:
     assert amount(0.9999) in ("1", "1.00")
     assert amount(99.96) == "100"
-    assert amount(9.9996e-4) in ("10\N{MULTIPLICATION SIGN}10⁻⁴", "1\N{MULTIPLICATION SIGN}10⁻³")
+    assert amount(9.9996e-4) in ("10⁻³",)
 
 
 def test_controls_and_direction_marks_are_spelled_out() -> None:
@@ -89,7 +90,7 @@ def test_a_source_links_web_addresses_only() -> None:
 
 def test_settings_are_flattened_without_their_source() -> None:
     told = settings_text('{"dt": 0.01, "options": {"cone": "elliptic", "warm": true}, "source": "guide"}')
-    assert told == "dt 0.01, cone elliptic, warm on"
+    assert told == "dt 1/100 s, cone elliptic, warm on"
     assert settings_text("not json") == "not json"
 
 

@@ -3,6 +3,7 @@
 Errors and prices are compared by their logarithms: a hundred times the bound, or a hundred times the cheapest, is no use.
 """
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -108,7 +109,8 @@ def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, 
     for row in agreement_rows(store):
         if row["case"] in cases and (row["case"], row["engine"], row["track"]) in data:
             value = _AGREED.get(str(row["verdict"]), 0.0)
-            trial = row["trials"][-1] if row["trials"] else ""
+            finest = json.loads(row["trials"])[-1:]
+            trial = str(finest[0]) if finest else ""
             about = {"trial": trial, "track": str(row["track"]), "says": str(row["verdict"])}
             data[row["case"], row["engine"], row["track"]] = Datum(value=value, low=value, high=value, **about)
     return data

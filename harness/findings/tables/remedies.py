@@ -1,6 +1,6 @@
 """What helped where an engine broke, how far beyond, and at what cost."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -8,7 +8,7 @@ from harness.findings.limits_found import Search, amount, searches
 from harness.store.store import Store
 from harness.trial.ensemble import HELD
 
-__all__ = ["BRIEF", "COLUMNS", "Remedied", "brief", "remedied", "rows", "sentences"]
+__all__ = ["BRIEF", "COLUMNS", "Remedied", "brief", "remedied", "rows"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,16 +115,3 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         "" if row["cost_ratio"] is None else f"x {row['cost_ratio']:.2g}",
         row["verdict"],
     ]
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Remedy by remedy, the most helpful first: where it was tried, how often it helped, at what cost in the middle."""
-    ranked: list[tuple[float, str]] = []
-    for remedy in dict.fromkeys(row["remedy"] for row in rows):
-        tried = [row for row in rows if row["remedy"] == remedy and row["share_after"] is not None]
-        helped = [row for row in tried if row["verdict"] == "helps"]
-        costs = sorted(row["cost_ratio"] for row in helped if row["cost_ratio"] is not None)
-        if tried:
-            price = f", at {costs[len(costs) // 2]:.2g} times the cost" if costs else ""
-            ranked.append((len(helped) / len(tried), f"{remedy}: helps in {len(helped)} of {len(tried)} places{price}."))
-    return [sentence for _, sentence in sorted(ranked, key=lambda entry: -entry[0])]

@@ -11,6 +11,7 @@ from reports.glance import glances
 from reports.own_scenes import by_case
 from reports.page import Page
 from reports.selection import needs
+from reports.sights import thumbnails
 from reports.status import STATUSES, VERDICTS
 from reports.summary import sentences
 from reports.template import fill
@@ -55,6 +56,7 @@ def render(store: "Store") -> Mapping[str, str]:
         needs=needs(store),
         sentences=sentences(store),
         glances=glances(store),
+        thumbs=thumbnails(store),
         families=[(family, listed) for family, listed in by_family if listed],
         cells=cells,
         meanings=(VERDICTS if by_case(store) else {}) | (STATUSES if len(by_case(store)) < len(judged) else {}),

@@ -83,7 +83,7 @@ def motion_of(store: "Store", stage: Stage) -> Motion | None:
         apart = errors(stage, run).get(off_name, (np.zeros(0), np.zeros(0)))
         bound = bounds.get((run.trial["trial"], f"{off_name}_max"))
         lines.append(_line(run, values, apart, bound))
-    told = set(told_places(stage)) == {int(k) for k in stage.moving} and _tells(stage, unit)
+    told = set(told_places(stage)) == {int(k) for k in stage.moving} and measure is not _depth and _tells(stage, unit)
     truth = (stage.truth["time"], measure(stage.truth)) if told else (np.zeros(0), np.zeros(0))
     if not np.isfinite(truth[1]).all():
         truth = (np.zeros(0), np.zeros(0))

@@ -5,15 +5,16 @@ import io
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.drawn.backdrop import Backdrop, backdrop_of
 from reports.drawn.picture import picture
-from reports.drawn.solids import solids_of
+from reports.drawn.solids import Solid, solids_of
 from reports.drawn.stage_set import stage_set
 from reports.drawn.view import View, framed
 from reports.recordings.camera import reach
@@ -23,9 +24,9 @@ from reports.recordings.truth import told_places, truth_at
 
 __all__ = ["Film", "Row", "Still", "film", "thumbnail"]
 
-DRAWN_BY = "2"
+DRAWN_BY = "3"
 """Rises with any change of how pictures are made, so that kept ones of before are not taken for them."""
-SIZE, FRAME = (264, 176), (184, 138)
+SIZE, FRAME = (264, 176), (168, 126)
 """Pixels across and up, of a thumbnail and of one moment of a strip."""
 MOMENTS, EXPOSURES, ROWS = 5, 7, 3
 ALIKE = 0.015
@@ -217,10 +218,17 @@ def _still(
     return Still(digest.hexdigest()[:20], alt, partial(_panels, stage.scene, places, turns, view, larger))
 
 
+@lru_cache(maxsize=2)
+def _around(fixed: str, view: View) -> tuple[list[Solid], Backdrop]:
+    """What pictures of one view share. Args: fixed: bodies that never move, as JSON."""
+    solids, ground = stage_set(json.loads(fixed), view)
+    return solids, backdrop_of(view, ground)
+
+
 def _panels(scene: Any, places: Any, turns: Any, view: View, larger: float) -> NDArray[np.uint8]:
     bodies: list[Any] = scene.get("bodies", [])
     panels: list[NDArray[np.uint8]] = []
-    fixed, ground = stage_set(bodies, view)
+    fixed, backdrop = _around(json.dumps([b for b in bodies if b["motion"] == "static"]), view)
     for number, (p, q) in enumerate(zip(places, turns, strict=True)):
         if number and np.allclose(p, places[number - 1], atol=1e-9) and np.allclose(q, turns[number - 1], atol=1e-9):
             panels.append(panels[-1])
@@ -231,6 +239,6 @@ def _panels(scene: Any, places: Any, turns: Any, view: View, larger: float) -> N
             for k in range(len(p))
             for solid in solids_of(bodies, p[k], q[k], fade=(last - k) / max(last, 1), larger=larger)
         ]
-        panels.append(picture(view, [*solids, *fixed], ground))
+        panels.append(picture(backdrop, [*solids, *fixed]))
     wide: NDArray[np.uint8] = np.concatenate(panels, axis=1)
     return wide

@@ -15,18 +15,33 @@ MARGIN = 1.08
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """Parallel rays. Terms: R (3, 3): right, up and towards the eye in W. middle (3,) m. pixel [m]: the side of one."""
+    """Parallel rays.
+
+    Terms: R (3, 3): right, up and towards the eye in W. middle (3,) m. pixel [m]: the side of one. low, high (3,) m: the corners
+    of what it holds.
+    """
 
     R: Floats
     middle: Floats
     pixel: float
     width: int
     height: int
+    low: Floats
+    high: Floats
 
     def seen(self, points: Floats) -> Floats:
         """Points (..., 3) m of W in the view's own axes, from its middle."""
         moved: Floats = (points - self.middle) @ self.R.T
         return moved
+
+    def points(self, height: Floats) -> Floats:
+        """Where the middles of pixels lie at a height (h, w) m towards the eye, in W (h, w, 3)."""
+        x, y = np.meshgrid(
+            (np.arange(self.width) + 0.5 - self.width / 2) * self.pixel,
+            (self.height / 2 - np.arange(self.height) - 0.5) * self.pixel,
+        )
+        found: Floats = np.stack([x, y, height], axis=-1) @ self.R + self.middle
+        return found
 
 
 def framed(low: Floats, high: Floats, width: int, height: int) -> View:
@@ -43,4 +58,4 @@ def seen_from(towards: Floats, low: Floats, high: Floats, width: int, height: in
     least, most = corners.min(axis=0), corners.max(axis=0)
     wide = np.maximum(most - least, 1e-9)
     pixel = MARGIN * max(wide[0] / width, wide[1] / height)
-    return View(R, R.T @ ((least + most) / 2), float(pixel), width, height)
+    return View(R, R.T @ ((least + most) / 2), float(pixel), width, height, low, high)

@@ -28,13 +28,21 @@ WORDS = (
     (("drift", "creep", "pose"), "shift"),
 )
 """Which quantity a metric is about, by a word of its name; the first that fits. All others are about a place."""
-BOUNDED = {"position_error_max": "m", "attitude_error_max": "rad", "velocity_error_max": "m/s", "angular_velocity_error_max": "rad/s"}
+BOUNDED = {
+    "position_error_max": "m",
+    "attitude_error_max": "rad",
+    "velocity_error_max": "m/s",
+    "angular_velocity_error_max": "rad/s",
+}
 """Metrics whose bound holds at every instant, for every body, so that it is a band about each quantity of their unit."""
+
+STILL = 1e-14
+"""Poses [m, 1] that differ by less are the same: a scene in which nothing moves has no series."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """One run. Terms: time (t,) s and values (t,). off_time, off: its distance from the truth, or none. bound: of that, or None.
+    """One run. Terms: time (t,) s and values (t,). off_time, off: its distance from the truth, or none. bound: of that.
     moment: when it first errs beyond the bound, or else most [s]; why: which of the two, in words; worst: the largest error.
     """
 
@@ -53,8 +61,8 @@ class Line:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Terms: title, unit: of the quantity. off_title, off_unit: of the distance from the truth, '' without one. truth: time (t,)
-    and values (t,), empty where it is not told. band: how far from the truth the check lets it be, None where it says nothing
+    """Terms: title, unit: of the quantity. off_title, off_unit: of the distance from the truth, '' without one. truth: time
+    (t,) and values (t,), empty where it is not told. band: how far from the truth the check lets it be, None where it says nothing
     of this quantity. missing: what could not be read, in words.
     """
 
@@ -69,8 +77,10 @@ class Motion:
 
 
 def motion_of(store: "Store", stage: Stage) -> Motion | None:
-    """The series of a case as its page shows them; None where no run of it left a trajectory."""
+    """The series of a case as its page shows them; None where no run left a trajectory or nothing moves."""
     if not stage.runs or not len(stage.moving):
+        return None
+    if all(np.ptp(run.arrays[name][:, stage.moving], axis=0).max() < STILL for run in stage.runs for name in ("p_WB", "q_WB")):
         return None
     headline = str(stage.case.get("headline", ""))
     title, unit, measure = _quantity(stage, headline)

@@ -9,7 +9,7 @@ import numpy as np
 from reports.motion import Line, Motion
 from reports.palette import Look
 from reports.recordings.rotation import Floats
-from reports.text import amount
+from reports.text import amount, power
 
 __all__ = ["Panel", "Stroke", "apart", "overview"]
 
@@ -32,8 +32,8 @@ class Stroke:
 class Panel:
     """A frame with its lines, in its own units of length.
 
-    Terms: title: in words. box: left, top, right, bottom of the frame. across, up: (place, label) of ticks. band: a path that is
-    filled, '' for none. limit: the place of the bound, or None. alt: in words.
+    Terms: title: in words. box: left, top, right, bottom of the frame. across, up: (place, label) of ticks. band: a path that
+    is filled, '' for none. limit: the place of the bound, or None. alt: in words.
     """
 
     title: str
@@ -53,11 +53,13 @@ def overview(motion: Motion, looks: dict[str, Look]) -> Panel:
     series = [(line.time, line.values) for line in motion.lines] + ([motion.truth] if len(motion.truth[0]) else [])
     told = motion.truth[1] if len(motion.truth[0]) else None
     low, high = _range([values for _, values in series], told, motion.band)
-    scale = _Scale(_end(series), low, high, False, 560, 210, 52)
+    scale = _Scale(_end(series), low, high, False, 480, 220, 50)
     strokes = [Stroke(scale.path(*motion.truth), "", False)] if told is not None else []
     strokes += [_stroke(scale, line, line.time, line.values, looks) for line in motion.lines]
     band = scale.band(*motion.truth, motion.band) if told is not None and motion.band else ""
-    alt = f"{motion.title} [{motion.unit}] over time [s], {len(motion.lines)} runs{' and the truth' if told is not None else ''}"
+    alt = (
+        f"{motion.title} [{motion.unit}] over time [s], {len(motion.lines)} runs{' and the truth' if told is not None else ''}"
+    )
     return scale.panel(f"{motion.title} [{motion.unit}]", tuple(strokes), band, None, alt)
 
 
@@ -77,7 +79,9 @@ def apart(motion: Motion, looks: dict[str, Look], titles: dict[str, str]) -> tup
     for engine in dict.fromkeys(line.engine for line in motion.lines):
         scale = _Scale(end, low, high, off, 240, 130, 44)
         mine = [line for line in motion.lines if line.engine == engine]
-        strokes = [_stroke(scale, line, *((line.off_time, line.off) if off else (line.time, line.values)), looks) for line in mine]
+        strokes = [
+            _stroke(scale, line, *((line.off_time, line.off) if off else (line.time, line.values)), looks) for line in mine
+        ]
         bound = next((line.bound for line in mine if line.bound), None) if off else None
         place = scale.y(bound) if bound is not None and low < bound <= high else None
         told = motion.off_title if off else motion.title
@@ -124,7 +128,7 @@ class _Scale:
         if self.logarithmic:
             powers = range(round(math.log10(self.low)), round(math.log10(self.high)) + 1)
             every = max(1, math.ceil(len(powers) / 4))
-            up = tuple((self.y(10.0**k), amount(10.0**k)) for k in powers if (powers[-1] - k) % every == 0)
+            up = tuple((self.y(10.0**k), power(k)) for k in powers if (powers[-1] - k) % every == 0)
         else:
             up = tuple((self.y(v), amount(v)) for v in _round_steps(self.low, self.high, 4 if self.height > 150 else 3))
         return Panel(title, self.width, self.height, self.box, across, up, strokes, band, limit, alt)
@@ -158,7 +162,8 @@ def _range(values: Sequence[Floats], told: Floats | None, band: float | None) ->
         return 0.0, 1.0
     low, high = float(min(v.min() for v in finite)), float(max(v.max() for v in finite))
     if told is not None:
-        room = max(float(np.ptp(told)), 4 * (band or 0.0), 1e-9)
+        strayed = [max(float(told.min() - v.min()), float(v.max() - told.max())) for v in finite]
+        room = max(float(np.ptp(told)), 4 * (band or 0.0), float(np.median(strayed)), 1e-12)
         low, high = max(low, float(told.min()) - 2 * room), min(high, float(told.max()) + 2 * room)
         if band is not None and band < 3 * (high - low):
             low, high = min(low, float(told.min()) - band), max(high, float(told.max()) + band)

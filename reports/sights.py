@@ -24,8 +24,10 @@ __all__ = ["Sight", "Watch", "sight", "sights", "thumbnails"]
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """Where a run is worth watching. Terms: moment [s]; why: what is there. worst: the largest error, in the unit of the series.
-    address: of the viewer under `plumbline serve`, '' without a recording.
+    """Where a run is worth watching.
+
+    Terms: moment [s]; why: what is there. worst: the largest error, in the unit of the series; bound: of it. address: of the
+    viewer under `plumbline serve`, '' without a recording.
     """
 
     engine: str

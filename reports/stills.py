@@ -17,14 +17,14 @@ from reports.drawn.picture import picture
 from reports.drawn.solids import Solid, solids_of
 from reports.drawn.stage_set import stage_set
 from reports.drawn.view import View, framed
-from reports.recordings.camera import reach
+from reports.recordings.camera import half_sides, reach
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
 from reports.recordings.truth import told_places, truth_at
 
 __all__ = ["Film", "Row", "Still", "film", "thumbnail"]
 
-DRAWN_BY = "3"
+DRAWN_BY = "5"
 """Rises with any change of how pictures are made, so that kept ones of before are not taken for them."""
 SIZE, FRAME = (264, 176), (168, 126)
 """Pixels across and up, of a thumbnail and of one moment of a strip."""
@@ -134,7 +134,9 @@ def film(stage: Stage) -> Film | None:
     for motion, is_truth, runs in groups[:ROWS]:
         names = [*(["the truth"] if is_truth else []), *(f"{engine} {track}" for engine, track in runs)]
         alt = f"{title} at {len(moments)} moments: {', '.join(names)}"
-        rows.append(Row(is_truth, tuple(runs), _still(stage, alt, [[p] for p in motion.p], [[q] for q in motion.q], view, larger)))
+        rows.append(
+            Row(is_truth, tuple(runs), _still(stage, alt, [[p] for p in motion.p], [[q] for q in motion.q], view, larger))
+        )
     return Film(tuple(moments.tolist()), tuple(rows), larger, sum(len(runs) for _, _, runs in groups[ROWS:]))
 
 
@@ -183,6 +185,12 @@ def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, 
     for joint in stage.scene.get("joints", []):
         if joint["parent"] == "world" and "anchor_W" in joint:
             low, high = np.minimum(low, joint["anchor_W"]), np.maximum(high, joint["anchor_W"])
+    if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])) or sizes.max() <= 1e-6:
+        for body in stage.bodies:  # what a scan sees is part of the show, and all of it where what moves has no shape
+            sides = half_sides(body)
+            if body["motion"] == "static" and sides.any():
+                low = np.minimum(low, np.asarray(body["p_WB"]) - sides)
+                high = np.maximum(high, np.asarray(body["p_WB"]) + sides)
     larger = max(1.0, SMALLEST * float(np.linalg.norm(high - low)) / float(sizes.max()))
     return low - (larger - 1.0) * sizes.max(), high + (larger - 1.0) * sizes.max(), larger
 
@@ -240,5 +248,6 @@ def _panels(scene: Any, places: Any, turns: Any, view: View, larger: float) -> N
             for solid in solids_of(bodies, p[k], q[k], fade=(last - k) / max(last, 1), larger=larger)
         ]
         panels.append(picture(backdrop, [*solids, *fixed]))
-    wide: NDArray[np.uint8] = np.concatenate(panels, axis=1)
+    ended = [np.zeros_like(panels[0])] * (MOMENTS - len(panels) if len(panels) > 1 or view.width == FRAME[0] else 0)
+    wide: NDArray[np.uint8] = np.concatenate([*panels, *ended], axis=1)
     return wide

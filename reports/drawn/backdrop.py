@@ -24,8 +24,8 @@ GROUND_ALPHA, LINE_ALPHA = 0.16, 0.16
 class Backdrop:
     """Terms: fine: the view with its samples. sun: of all that throws shadows.
 
-    tint (h, w): how much of the page the ground hides, 0 where there is none. u, v (h, w): where samples of the ground lie in the
-    sun's picture. above (s, s) m: the height there beyond which something stands above the ground.
+    tint (h, w): how much of the page the ground hides, 0 where there is none. u, v (h, w): where samples of the ground lie in
+    the sun's picture. above (s, s) m: the height there beyond which something stands above the ground.
     """
 
     fine: View

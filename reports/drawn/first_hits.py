@@ -16,7 +16,7 @@ __all__ = ["Hits", "first_hits"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hits:
-    """Terms: height (h, w) m towards the eye, -inf where nothing is met. normal (h, w, 3) in the view's axes. paint (h, w, 3)."""
+    """Terms: height (h, w) m towards the eye, -inf where nothing is met. normal (h, w, 3) in the view. paint (h, w, 3)."""
 
     height: Floats
     normal: Floats

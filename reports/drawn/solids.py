@@ -14,7 +14,14 @@ __all__ = ["Solid", "fixed_solids", "solids_of"]
 STATED = (0.8, 0.8, 0.8)
 """What a scene file has where no colour is stated."""
 FIXED = (0.42, 0.46, 0.52)
-MOVING = ((0.16, 0.40, 0.66), (0.86, 0.44, 0.13), (0.16, 0.53, 0.42), (0.62, 0.32, 0.55), (0.80, 0.62, 0.16), (0.34, 0.55, 0.74))
+MOVING = (
+    (0.16, 0.40, 0.66),
+    (0.86, 0.44, 0.13),
+    (0.16, 0.53, 0.42),
+    (0.62, 0.32, 0.55),
+    (0.80, 0.62, 0.16),
+    (0.34, 0.55, 0.74),
+)
 """Linear light. Colours of bodies whose scene states none, in turn."""
 PALE = 0.55
 """How far earlier instants of one picture fade to white."""
@@ -33,7 +40,7 @@ class Solid:
 def solids_of(
     bodies: Sequence[Mapping[str, Any]], p_WB: Floats, q_WB: Floats, *, fade: float = 0.0, larger: float = 1.0
 ) -> list[Solid]:
-    """Bounded shapes of what moves, at poses (n, 3) m and (n, 4). Args: fade: 0 as they are, 1 palest; larger: how many times."""
+    """Shapes of what moves, at poses (n, 3) m and (n, 4). Args: fade: 0 as they are, 1 palest; larger: how many times."""
     placed: list[Solid] = []
     for k, body in enumerate(bodies):
         if body["motion"] != "static":

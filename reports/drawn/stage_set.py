@@ -37,7 +37,9 @@ def stage_set(bodies: Sequence[Mapping[str, Any]], view: View) -> tuple[list[Sol
         top = _top(solid)
         below = top is not None and top[2] <= view.middle[2] + 0.25 * diagonal and _holds(solid, view.middle)
         if below and top is not None:
-            ground = ground or Ground(top, solid.R[:, int(np.abs(solid.R[2]).argmax())] * np.sign(solid.R[2][np.abs(solid.R[2]).argmax()]))
+            ground = ground or Ground(
+                top, solid.R[:, int(np.abs(solid.R[2]).argmax())] * np.sign(solid.R[2][np.abs(solid.R[2]).argmax()])
+            )
         elif float(view.R[2] @ (solid.p - view.middle)) < -0.2 * diagonal and not _holds(solid, view.middle):
             shown.append(solid)
     return shown, ground
@@ -47,7 +49,11 @@ def _reach(solid: Solid) -> float:
     shape = solid.shape
     if "vertices" in shape:
         return float(np.linalg.norm(np.asarray(shape["vertices"]), axis=1).max())
-    sizes = [*shape.get("half_extents", ()), *shape.get("semi_axes", ()), shape.get("radius", 0.0) + shape.get("half_length", 0.0)]
+    sizes = [
+        *shape.get("half_extents", ()),
+        *shape.get("semi_axes", ()),
+        shape.get("radius", 0.0) + shape.get("half_length", 0.0),
+    ]
     return float(max(sizes))
 
 

@@ -17,8 +17,8 @@ MARGIN = 1.08
 class View:
     """Parallel rays.
 
-    Terms: R (3, 3): right, up and towards the eye in W. middle (3,) m. pixel [m]: the side of one. low, high (3,) m: the corners
-    of what it holds.
+    Terms: R (3, 3): right, up and towards the eye in W. middle (3,) m. pixel [m]: the side of one. low, high (3,) m: the
+    corners of what it holds.
     """
 
     R: Floats

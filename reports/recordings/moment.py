@@ -22,7 +22,7 @@ SHARE = 0.06
 
 @lru_cache(maxsize=8)
 def moment_recording(store: Store, recording: str, at: float) -> bytes | None:
-    """The bytes of a recording of the stretch about a moment [s] of the case of a recording's name; None where there is none."""
+    """The bytes of a recording of the stretch about a moment [s], of the case of a recording's name; None: there is none."""
     name = next((str(case) for case in store.trials["case"].unique() if file_name(str(case)) == recording), None)
     stage = None if name is None else about(stage_of(store, name), at)
     if stage is None or not stage.runs:
@@ -48,7 +48,9 @@ def _between(arrays: Mapping[str, Floats], low: float, high: float) -> dict[str,
     if "contacts_count" in arrays:
         counts = np.asarray(arrays["contacts_count"], dtype=np.int64)
         rows = np.repeat(kept, counts)
-        chosen |= {name: array[rows] for name, array in arrays.items() if name.startswith("contacts_") and len(array) == len(rows)}
+        chosen |= {
+            name: array[rows] for name, array in arrays.items() if name.startswith("contacts_") and len(array) == len(rows)
+        }
         chosen["contacts_count"] = counts[kept]
     for name in [name for name in arrays if name.startswith("stream:")]:
         stamps = arrays[name.rsplit("/", 1)[0] + "/time"]

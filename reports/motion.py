@@ -61,9 +61,11 @@ class Line:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Terms: title, unit: of the quantity. off_title, off_unit: of the distance from the truth, '' without one. truth: time
-    (t,) and values (t,), empty where it is not told. band: how far from the truth the check lets it be, None where it says nothing
-    of this quantity. missing: what could not be read, in words.
+    """What a page draws of a case.
+
+    Terms: title, unit: of the quantity. off_title, off_unit: of the distance from the truth, '' without one. truth: time (t,)
+    and values (t,), empty where it is not told. band: how far from the truth the check lets it be, None where it says
+    nothing of this quantity.
     """
 
     title: str
@@ -73,7 +75,6 @@ class Motion:
     lines: tuple[Line, ...]
     truth: tuple[Floats, Floats]
     band: float | None
-    missing: tuple[str, ...]
 
 
 def motion_of(store: "Store", stage: Stage) -> Motion | None:
@@ -100,8 +101,15 @@ def motion_of(store: "Store", stage: Stage) -> Motion | None:
     band = bounds.get((stage.runs[0].trial["trial"], next((n for n, u in BOUNDED.items() if u == unit), "")))
     off = {"m": "Distance from the truth, farthest body", "rad": "Angle from the truth, largest"}[off_unit]
     has_off = any(len(line.off) for line in lines)
-    return Motion(title, unit, off if has_off else "", off_unit if has_off else "", tuple(lines), truth,
-                  band if len(truth[0]) else None, tuple(sorted(set(stage.notes.values()))))  # fmt: skip
+    return Motion(
+        title,
+        unit,
+        off if has_off else "",
+        off_unit if has_off else "",
+        tuple(lines),
+        truth,
+        band if len(truth[0]) else None,
+    )
 
 
 def _tells(stage: Stage, unit: str) -> bool:

@@ -123,7 +123,7 @@ def _line(run: Run, values: Floats, apart: tuple[Floats, Floats], bound: float |
     if run.note:
         why = "where it ceases to be finite"
     elif len(off):
-        beyond = np.flatnonzero(off > bound) if bound is not None else []
+        beyond: Floats = np.flatnonzero(off > bound) if bound is not None else np.zeros(0, dtype=np.int64)
         place, why = (int(beyond[0]), "first beyond the bound") if len(beyond) else (int(off.argmax()), "farthest off")
         moment = float(time[place])
     if len(off):

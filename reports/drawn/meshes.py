@@ -23,7 +23,9 @@ def splatted(view: View, solid: Solid, height: Floats, normal: Floats, paint: Fl
     left, top = np.floor(x.min(axis=1) - 0.5).astype(int), np.floor(y.min(axis=1) - 0.5).astype(int)
     wide, high = np.ceil(x.max(axis=1)).astype(int) - left + 1, np.ceil(y.max(axis=1)).astype(int) - top + 1
     small = (wide <= SMALL) & (high <= SMALL)
-    for chosen, side in ((np.flatnonzero(small), (SMALL, SMALL)), *(([k], (high[k], wide[k])) for k in np.flatnonzero(~small))):
+    batches: list[tuple[Floats, tuple[int, int]]] = [(np.flatnonzero(small), (SMALL, SMALL))]
+    batches += [(np.array([k]), (int(high[k]), int(wide[k]))) for k in np.flatnonzero(~small)]
+    for chosen, side in batches:
         if len(chosen):
             _fill(x[chosen], y[chosen], corners[chosen, :, 2], across[chosen], left[chosen], top[chosen], side,
                   solid.paint, height, normal, paint)  # fmt: skip

@@ -7,11 +7,12 @@ WORKERS ?= 2
 TESTS ?= tests
 MARKED ?= not slow
 OUT ?= build/compare
+BEFORE ?= $(OUT)
 
 # Python keeps what it compiled of each source, whatever the caller's shell says: tests start a thousand processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: compare report test test-all test-nojit mutants lint audit lock clean help
+.PHONY: compare report screenshots test test-all test-nojit mutants lint audit lock clean help
 
 help:            ## this list
 	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
@@ -28,6 +29,11 @@ compare: $(STAMP)  ## the quick study on all engines, ending with the path of th
 
 report: $(STAMP)   ## the report of the last compare, rebuilt from its store
 	$(BIN)/plumbline report $(OUT)
+
+screenshots: $(STAMP)  ## pictures of pages for the README: of the report in OUT, and what changed in it since BEFORE=DIR
+	$(BIN)/plumbline report $(OUT)
+	$(BIN)/plumbline diff $(BEFORE) $(OUT) --out build/changes
+	$(BIN)/python docs/screenshots.py $(OUT)/report build/changes
 
 test: $(STAMP)     ## all tests but the long ones, or those under TESTS=folder
 	$(if $(filter tests,$(TESTS)),$(BIN)/python -m tests.warm_up --workers $(WORKERS))

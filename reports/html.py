@@ -17,12 +17,12 @@ from reports.vega import vega_bundle
 __all__ = ["write_report"]
 
 ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt")
-FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js)")
+FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js|webp)")
 
 
-def rendered(store: Store) -> Mapping[str, str]:
-    """The texts of all pages by file name; a page that fails is one that says so."""
-    texts: dict[str, str] = {}
+def rendered(store: Store) -> Mapping[str, str | bytes]:
+    """The texts and pictures of all pages by file name; a page that fails is one that says so."""
+    texts: dict[str, str | bytes] = {}
     registered = pages()
     for page in registered:
         if asked(page, store):
@@ -34,7 +34,7 @@ def rendered(store: Store) -> Mapping[str, str]:
     return texts
 
 
-def _texts(page: Page, store: Store, others: Collection[str]) -> Mapping[str, str]:
+def _texts(page: Page, store: Store, others: Collection[str]) -> Mapping[str, str] | Mapping[str, bytes]:
     """The texts of a page. Raises: ValueError, of a file outside the report, of an unknown kind, or of another page."""
     page.concerns(store)
     made = page.render(store)
@@ -56,12 +56,12 @@ def write_report(folder: Path) -> Path:
     style = Path(__file__).parent / "style"
     texts |= {f"style/{name}": (style / name).read_text(encoding="utf-8") for name in ASSETS}
     texts["style/vega.js"] = vega_bundle()
-    texts |= {name: guarded(text) for name, text in texts.items() if name.endswith(".html")}
+    texts |= {name: guarded(text) for name, text in texts.items() if isinstance(text, str) and name.endswith(".html")}
     try:
         for name, text in texts.items():
             path = draft / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+            path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", errors="backslashreplace"))
         if report.exists():
             report.rename(old)
         put_in_place(draft, report)

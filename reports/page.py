@@ -25,14 +25,15 @@ class Page:
 
     Terms:
         name: unique; its main file is `<name>.html`. title: in the navigation. order: place there, smallest first.
-        render: the store to texts by file name relative to the report's folder: the page itself, and whatever it links to.
+        render: the store to texts by file name relative to the report's folder, the page itself and whatever it links to;
+        to bytes where these are pictures.
         listed: does it stand in the navigation? concerns: has it anything to say of this store? Without, it is left out.
     """
 
     name: str
     title: str
     order: int
-    render: Callable[["Store"], Mapping[str, str]]
+    render: Callable[["Store"], Mapping[str, str] | Mapping[str, bytes]]
     listed: bool = True
     concerns: Callable[["Store"], bool] = lambda _: True
 

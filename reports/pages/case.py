@@ -21,6 +21,7 @@ from reports.own_scenes import by_case
 from reports.page import Page
 from reports.price_list import price_list
 from reports.recordings.layout import file_name
+from reports.sights import sight, thumbnails
 from reports.status import outcome
 from reports.template import case_file, fill
 from reports.text import slug
@@ -66,6 +67,8 @@ def render(store: "Store") -> Mapping[str, str]:
             before=known[names[index - 1]] if index else None,
             after=known[names[index + 1]] if index + 1 < len(names) else None,
             figures=figures,
+            seen=sight(store, name),
+            thumbs=thumbnails(store),
             prices=listed,
             several=len({line.title for line in listed}) > 1,
             known_findings=of_case(store, name),

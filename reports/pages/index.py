@@ -15,6 +15,7 @@ from reports.own_scenes import by_case
 from reports.paces import three
 from reports.page import Page, navigation
 from reports.selection import needs
+from reports.sights import thumbnails
 from reports.status import STATUSES, VERDICTS
 from reports.summary import sentences
 from reports.template import fill
@@ -76,6 +77,7 @@ def render(store: "Store") -> Mapping[str, str]:
         news=history_news(store),
         sides=sides,
         families=cells_by_family(store),
+        thumbs=thumbnails(store),
         cells=cells,
         meanings=(VERDICTS if by_case(store) else {}) | (STATUSES if len(by_case(store)) < len(judged) else {}),
         laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},

@@ -22,6 +22,7 @@ from reports.page import Page
 from reports.price_list import price_list
 from reports.recordings.layout import file_name
 from reports.sheet import sheet
+from reports.sights import sight
 from reports.status import FINITE, STATUSES, VERDICTS
 from reports.template import case_file, fill
 from reports.text import slug
@@ -98,6 +99,7 @@ def render(store: "Store") -> Mapping[str, str]:
             robot=robots.get(folder_of(name)),
             found=[judged(store, agreement) for agreement in agreements],
             film=film_of(store, agreements[0]),
+            seen=sight(store, name),
             summary=summary(store, name),
             meanings=VERDICTS,
             figures=charts,

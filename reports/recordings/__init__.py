@@ -4,6 +4,7 @@ This folder is the only place that calls rerun's logging interface.
 """
 
 from reports.recordings.layout import recording_of
+from reports.recordings.moment import moment_recording
 from reports.recordings.write import write_recordings
 
-__all__ = ["recording_of", "write_recordings"]
+__all__ = ["moment_recording", "recording_of", "write_recordings"]

@@ -57,8 +57,8 @@ def time_panel(stage: Stage) -> "rrb.TimePanel":
     """Plays in a loop, in real time where that can be watched."""
     import rerun.blueprint as rrb
 
-    end = last_instant(stage)
-    speed = end / min(max(end, WATCH[0]), WATCH[1]) if end > 0 else 1.0
+    length = last_instant(stage) - min(float(run.time[0]) for run in stage.runs)
+    speed = length / min(max(length, WATCH[0]), WATCH[1]) if length > 0 else 1.0
     return rrb.TimePanel(state="collapsed", timeline=SIM_TIME, playback_speed=speed, play_state="playing", loop_mode="all")
 
 

@@ -25,7 +25,7 @@ from reports.text import slug
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["write_recordings"]
+__all__ = ["write_recordings", "write_stage"]
 
 
 def write_recordings(folder: Path, cases: Collection[str] | None = None) -> tuple[Path, ...]:
@@ -49,14 +49,19 @@ def write_recordings(folder: Path, cases: Collection[str] | None = None) -> tupl
 
 
 def write_case(store: Store, name: str, target: Path) -> Path:
-    """Write one recording under a draft's name, then give it its own."""
+    """Write the recording of a case."""
+    return write_stage(store, stage_of(store, name), target)
+
+
+def write_stage(store: Store, stage: Stage, target: Path, mark: str = "") -> Path:
+    """Write one recording under a draft's name, then give it its own. Args: mark: tells it from others of the same case."""
     import rerun as rr
 
-    stage = stage_of(store, name)
+    name = stage.name
     path = target / file_name(name)
     draft = target / f".{path.name}.{os.getpid()}"
     identity = digest([[t["trial"], t["status"], str(t["trajectory_hash"])] for t in stage.trials])
-    rec = rr.RecordingStream(application_id(name), recording_id=f"{slug(name)}-{identity}", send_properties=False)
+    rec = rr.RecordingStream(application_id(name), recording_id=f"{slug(name)}-{identity}{mark}", send_properties=False)
     rec.set_log_time_enabled(False)
     rec.set_log_tick_enabled(False)
     try:

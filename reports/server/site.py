@@ -1,6 +1,7 @@
 """What is answered to which address: pages of our own, files of the run folder, and the viewer's program."""
 
 import asyncio
+import re
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from http import HTTPStatus
@@ -10,6 +11,7 @@ from urllib.parse import unquote
 from harness.intake.safe_text import LONGEST, one_line, visible
 from harness.store.store import Store
 from reports.policy import DATA, SERVED, VIEWER
+from reports.recordings import moment_recording
 from reports.server.answer import Answer, text
 from reports.server.assets import AssetsMissing, viewer_file
 from reports.server.pages import front_page, viewer_page
@@ -20,6 +22,8 @@ __all__ = ["Site"]
 PAGE_MAKERS = 4
 """Threads; the program of the viewer, which takes seconds to come, has one of its own."""
 PROGRAM = "/viewer/"
+MOMENT = re.compile(r"/moment/(\d{1,9}(?:\.\d{1,12})?)/([A-Za-z0-9_.-]{1,200})")
+"""A moment [s] and the recording whose stretch about it is asked for."""
 
 STATIC = Path(__file__).parent / "static"
 OWN = {f"/static/{name}": STATIC / name for name in ("front.css", "view.css", "view.js")}
@@ -32,6 +36,7 @@ KINDS = {
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
     ".svg": "image/svg+xml",
+    ".webp": "image/webp",
     ".json": "application/json",
     ".csv": "text/csv; charset=utf-8",
     ".txt": "text/plain; charset=utf-8",
@@ -92,6 +97,10 @@ class Site:
             return Answer(HTTPStatus.OK, KINDS[own.suffix], own)
         if address.startswith(PROGRAM) and (program := viewer_file(address.removeprefix(PROGRAM))) is not None:
             return Answer(HTTPStatus.OK, KINDS[Path(address).suffix], program, keep="max-age=3600")
+        if (asked := MOMENT.fullmatch(address)) is not None:
+            stretch = moment_recording(self._store, asked[2], float(asked[1]))
+            if stretch is not None:
+                return Answer(HTTPStatus.OK, KINDS[".rrd"], stretch, DATA)
         if (path := file_of(self._store.folder, address)) is not None:
             return Answer(HTTPStatus.OK, KINDS[path.suffix], path, SERVED if path.suffix == ".html" else DATA)
         return text(HTTPStatus.NOT_FOUND, f"nothing at {address[:200]!r}")

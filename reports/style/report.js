@@ -262,6 +262,17 @@
     top.append(button);
   }
 
+  // Where a server shows this page, it shows recordings too: a press on Watch opens one at its moment.
+  if (location.protocol.startsWith("http") && location.pathname.startsWith("/report/")) {
+    for (const watch of document.querySelectorAll("details.watch[data-view]")) {
+      const link = document.createElement("a");
+      link.className = "watch";
+      link.href = watch.dataset.view;
+      link.append(...watch.querySelector("summary").childNodes);
+      watch.replaceWith(link);
+    }
+  }
+
   // Tables: a click on a heading sorts; numbers by data-value, gaps always last.
   const key = (row, column) => {
     const cell = row.cells[column];

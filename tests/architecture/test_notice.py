@@ -16,8 +16,8 @@ MARKS = {"TEST_OPERATION_FAILED": "fast-json-patch", "Invalid SemVer": "semver"}
 """What stands in the bundle of libraries that are put together before they get there, without a name."""
 OLD_RUN = "tests/stress/schema_1/"
 """A run folder of this program, as an earlier version of it wrote it."""
-PICTURES = {"docs/report.png"}
-"""Our own."""
+PICTURES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "docs" / "pictures").glob("*.webp")}
+"""Our own: `make screenshots` takes them."""
 MESHES = {"examples/meshes/forearm.stl"}
 """Our own, too."""
 

@@ -9,6 +9,9 @@ function recording() {
   if (asked.origin !== location.origin || !asked.pathname.startsWith("/recordings/")) {
     throw new Error("the address names no recording of this server");
   }
+  const at = new URLSearchParams(location.search).get("at");
+  // Of a moment [s] the server makes a recording of its own.
+  if (at !== null && /^\d{1,9}(\.\d{1,12})?$/.test(at)) asked.pathname = `/moment/${at}/${asked.pathname.split("/").pop()}`;
   return asked.href;
 }
 

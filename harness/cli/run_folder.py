@@ -75,12 +75,18 @@ def show(folder: Path, table: str, form: str) -> None:
 @click.command()
 @run_folder
 @click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
-def report(folder: Path, show_it: bool) -> None:
+@click.option("--pdf", is_flag=True, help="Print all its pages into report.pdf too; needs Chromium, Chrome or Edge.")
+def report(folder: Path, show_it: bool, pdf: bool) -> None:
     """Rebuild the HTML report of DIR from its store; of a history, the page of its trends."""
-    from reports import build
+    from reports import build, print_report
 
-    index = _trends(folder) if (folder / "history.json").is_file() else build(opened(folder).folder)
+    history = (folder / "history.json").is_file()
+    if history and pdf:
+        raise click.UsageError("--pdf is for run folders; the page of a history's trends is printed by any browser")
+    index = _trends(folder) if history else build(opened(folder).folder)
     say(str(index))
+    if pdf:
+        say(str(print_report(folder)))
     if show_it:
         click.launch(str(index))
 

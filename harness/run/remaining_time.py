@@ -3,8 +3,8 @@
 An answer takes what a process takes to start, and a time that grows with the number of steps: along a ladder with 1/dt. Both
 are learnt from the answers that there are: of the same case on the same engine, else of the same case, else of all. The first
 answer of an engine is left out as long as there is another, since it pays for what all share: an engine that is loaded, or
-compiles. The timing run of a group of trials starts a process for each engine; each trial takes its samples, and a share of what
-its answer took, for the warm-up and the calibration. How far that is off is learnt from the groups that were clocked.
+compiles. The timing run of a group of trials starts a process for each engine; each trial takes its samples, and a share of
+what its answer took, for the warm-up and the calibration. How far that is off is learnt from the groups that were clocked.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence

@@ -54,7 +54,8 @@ def test_a_run_without_a_case_of_the_chapters_has_no_index(tmp_path: Path) -> No
 
 
 def test_a_chapter_without_a_table_is_left_out() -> None:
-    text = "# T\n\n## Empty\n\nwords\n\n## One two\n\n| a | b | c | d |\n|---|---|---|---|\n| x | `y` | [f.py](../f.py) | none: why |\n"
+    row = "| x | `y` | [f.py](../f.py) | none: why |"
+    text = f"# T\n\n## Empty\n\nwords\n\n## One two\n\n| a | b | c | d |\n|---|---|---|---|\n{row}\n"
     (chapter,) = chapters(text)
     assert (chapter.title, chapter.anchor) == ("One two", "one-two")
     assert (chapter.concepts[0].formula, chapter.concepts[0].file, chapter.concepts[0].without) == ("y", "f.py", "why")

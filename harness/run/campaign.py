@@ -96,7 +96,7 @@ def _accuracy(
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     lost: list[str] = []
-    remaining.answers_begin(time.monotonic())
+    remaining.answers_begin([trial.trial for trial in (*beside, *alone)], time.monotonic())
     with Progress(what, len(waiting), remaining.left) as progress:
         for group, side, at_once in ((beside, workers, 0), (alone, 1, 1)):
             answers = run_isolated(group, folder, side) if cluster is None else cluster.answers(group, folder, at_once)

@@ -19,7 +19,7 @@ FIRST = 0.05
 
 def in_words(seconds: float) -> str:
     """About how long, to two digits: an estimate holds no more."""
-    if seconds < 100:
+    if seconds < 99.5:
         return f"{float(f'{seconds:.2g}'):.0f} s"
     minutes = seconds / 60
     return f"{minutes:.2g} min" if minutes < 99.5 else f"{minutes / 60:.2g} h"

@@ -9,6 +9,7 @@ what its answer took, for the warm-up and the calibration. How far that is off i
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from heapq import heapreplace
 from statistics import fmean
 
 from harness.case import Case
@@ -17,10 +18,15 @@ from harness.study.trial import Trial
 
 __all__ = ["Piece", "RemainingTime", "pieces_of"]
 
-WARM_UP = 0.05
+WARM_UP = 0.02
 """Of the time of an answer, that each process of a timing run takes before its samples: until a group has shown it."""
 
-RECENT = 4
+LOADING, STARTS = 0.7, 1.0
+"""Seconds, and starts of an answer, that a process of a timing run takes to load its engine off a server of its own: until a group
+has shown it. The starts tell how busy the machine is."""
+TRUST = 3
+"""Groups, for as many of which what was foreseen counts beside those that were clocked: one odd group does not turn all."""
+RECENT = 6
 """Groups that were clocked last, by which those that wait are foreseen: what else the machine does changes within a run."""
 
 
@@ -84,6 +90,7 @@ class RemainingTime:
         self._pieces: dict[str, Piece] = {}
         self._waiting: set[str] = set()
         self._to_clock: set[str] = set()
+        self._order: dict[str, int] = {}
         self._ends: list[float] = []
         self._first: dict[str, _Took] = {}
         self._took: dict[str, _Took] = {}
@@ -102,17 +109,18 @@ class RemainingTime:
         """These have an answer already, or will have none that takes time."""
         self._waiting -= set(names)
 
-    def answers_begin(self, now: float) -> None:
-        """All workers are free."""
+    def answers_begin(self, names: Sequence[str], now: float) -> None:
+        """All workers are free, and take these in this order."""
+        self._order = {name: place for place, name in enumerate(names)}
         self._ends = [now] * self._workers
 
     def answered(self, name: str, now: float, *, to_clock: bool) -> None:
-        """A piece has ended. It began when a worker became free, which is as many ends ago as there are workers."""
+        """A piece has ended. The n-th that was begun began with the n-th time that a worker was free."""
         piece = self._pieces.get(name)
         if piece is None or name not in self._waiting:
             return
         self._waiting.discard(name)
-        took = _Took(piece, now - self._ends[-self._workers])
+        took = _Took(piece, now - self._ends[min(self._order.get(name, len(self._ends)), len(self._ends) - 1)])
         self._ends.append(now)
         if not to_clock:
             self._to_clock.discard(name)
@@ -141,19 +149,27 @@ class RemainingTime:
         if not known:
             return None
         model = _Model(list(known.values()))
-        answers = sum(model.seconds(self._pieces[name]) for name in self._waiting) / self._workers
-        return answers + self._clock_left(model)
+        waiting = [name for name in self._pieces if name in self._waiting]
+        return self._shared([model.seconds(self._pieces[name]) for name in waiting]) + self._clock_left(model)
+
+    def _shared(self, seconds: Sequence[float]) -> float:
+        """Until the last of these is done, each taken by the worker that is free first."""
+        free = [0.0] * self._workers
+        for each in seconds:
+            heapreplace(free, free[0] + each)
+        return max(free)
 
     def _clock_left(self, model: "_Model") -> float:
         def foreseen(names: Collection[str]) -> float:
             pieces = [self._pieces[name] for name in names]
             starts = {(piece.group, piece.engine): piece.processes for piece in pieces}
             warm_up = sum(piece.samples + WARM_UP * piece.processes * self._seconds(piece, model) for piece in pieces)
-            return sum(starts.values()) * model.start + warm_up
+            return sum(starts.values()) * (LOADING + STARTS * model.start) + warm_up
 
         recent = list(self._clocked.values())[-RECENT:]
         behind = foreseen([name for group in recent for name in group.names])
-        return foreseen(self._to_clock) * (sum(group.seconds for group in recent) / behind if behind else 1.0)
+        usual = TRUST * behind / len(recent) if recent else 1.0
+        return foreseen(self._to_clock) * (sum(group.seconds for group in recent) + usual) / (behind + usual)
 
     def _seconds(self, piece: Piece, model: "_Model") -> float:
         """Of its answer: as it was, or as it is foreseen."""
@@ -166,16 +182,18 @@ class _Model:
 
     def __init__(self, known: Sequence[_Took]) -> None:
         ordered = sorted(took.seconds for took in known)
-        self.start = ordered[len(ordered) // 10]
+        self.start = ordered[len(ordered) // 4]
         self._by_side = _rates(known, self.start, lambda piece: (piece.case, piece.engine))
         self._by_case = _rates(known, self.start, lambda piece: (piece.case,))
         self._mean = fmean(fmean(each) for each in _grouped(known).values())
         self._by_all = _rates(known, self.start, lambda _: ())[()]
 
     def seconds(self, piece: Piece) -> float:
-        """Of this piece; of a case that nothing is known of, the mean of the cases of which something is."""
+        """Of this piece; of a case that nothing is known of, between the mean of the known ones and the mean rate of all."""
         rate = self._by_side.get((piece.case, piece.engine), self._by_case.get((piece.case,)))
-        return self._mean if rate is None else 0.5 * self._mean + 0.5 * (self.start + self._by_all * piece.steps)
+        if rate is not None:
+            return self.start + rate * piece.steps
+        return 0.5 * self._mean + 0.5 * (self.start + self._by_all * piece.steps)
 
 
 def _grouped(known: Sequence[_Took]) -> dict[str, list[float]]:

@@ -38,8 +38,12 @@ def test_contents_come_first_and_nothing_on_the_page_can_run(whole: str) -> None
 
 
 def test_addresses_of_other_pages_and_of_places_are_told_apart() -> None:
-    first = Sheet("one", '<main><h1 id="top">One &amp; all</h1><a href="two.html#x">a</a><a href="#top">b</a></main><p>foot</p>')
-    second = Sheet("two", '<main><h1>Two</h1><p id="x"><a href="https://example.org/two.html">c</a><script>no()</script></p></main>')
+    first = Sheet(
+        "one", '<main><h1 id="top">One &amp; all</h1><a href="two.html#x">a</a><a href="#top">b</a></main><p>foot</p>'
+    )
+    second = Sheet(
+        "two", '<main><h1>Two</h1><p id="x"><a href="https://example.org/two.html">c</a><script>no()</script></p></main>'
+    )
     page = joined([first, second], "t", [])
     assert '<li><a href="#one">One &amp; all</a></li>' in page
     assert 'href="#two--x"' in page

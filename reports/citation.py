@@ -18,7 +18,7 @@ def run_digest(store: "Store") -> str:
 
 
 def citation(store: "Store") -> list[tuple[str, str]]:
-    """Names and values: study, engines with versions, machine, when, versions and commit of ours, the digest, how to repeat it."""
+    """Names and values: study, engines with versions, machine, when, our version and commit, the digest, how to repeat it."""
     machine = store.machine
     engines = store.trials.groupby("engine", sort=False)["engine_version"].first() if len(store.trials) else {}
     memory = machine.get("memory_mb")

@@ -45,7 +45,7 @@ def browser() -> str:
     )
 
 
-def _order(store: "Store", report: Path) -> list[Path]:
+def _order(report: Path) -> list[Path]:
     """The pages as the navigation has them, then the others by name: those of cases and engines."""
     places = {f"{page.name}.html": place for place, page in enumerate(pages())}
     files = [path for path in report.glob("*.html") if not path.name.startswith(".")]
@@ -55,7 +55,7 @@ def _order(store: "Store", report: Path) -> list[Path]:
 def print_report(store: "Store", report: Path, out: Path) -> Path:
     """Write the PDF of the pages in `report`; returns its path. Raises: NotPrinted, OSError."""
     program = browser()
-    sheets = [Sheet(path.stem, path.read_text(encoding="utf-8")) for path in _order(store, report)]
+    sheets = [Sheet(path.stem, path.read_text(encoding="utf-8")) for path in _order(report)]
     title = f"Plumbline: {store.study.get('title') or store.study.get('name') or 'report'}"
     page, profile = report / f".print.{os.getpid()}.html", report / f".print.{os.getpid()}"
     draft = report / f".print.{os.getpid()}.pdf"

@@ -1,9 +1,9 @@
 """What the report of a large run costs: `python -m tests.large_store [TRIALS] [--keep DIR]`.
 
-A run folder of the nightly study is written through the project's own journal and tables: the trials that the study names, those
-that its searches then ask for, and a variant of the ladders, with answers from formulas. Nothing in it says anything of a real
-engine, and no trajectory is kept, so that repetitions, which are compared by them, are left out. Then its report is made, and
-what that took and how large its pages are is printed.
+A run folder of the nightly study is written through the project's own journal and tables: the trials that the study names,
+those that its searches then ask for, and a variant of the ladders, with answers from formulas. Nothing in it says anything of a
+real engine, and no trajectory is kept, so that repetitions, which are compared by them, are left out. Then its report is made,
+and what that took and how large its pages are is printed.
 """
 
 import argparse

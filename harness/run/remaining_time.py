@@ -22,8 +22,8 @@ WARM_UP = 0.02
 """Of the time of an answer, that each process of a timing run takes before its samples: until a group has shown it."""
 
 LOADING, STARTS = 0.7, 1.0
-"""Seconds, and starts of an answer, that a process of a timing run takes to load its engine off a server of its own: until a group
-has shown it. The starts tell how busy the machine is."""
+"""Seconds, and starts of an answer, that a process of a timing run takes to load its engine off a server of its own: until a
+group has shown it. The starts tell how busy the machine is."""
 TRUST = 3
 """Groups, for as many of which what was foreseen counts beside those that were clocked: one odd group does not turn all."""
 RECENT = 6

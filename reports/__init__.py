@@ -8,7 +8,17 @@ if TYPE_CHECKING:
     from harness.findings.changes import Changes
     from harness.history.regressions import Trends
 
-__all__ = ["build", "open_viewer", "parity_page", "recording_of", "serve", "trends_page", "what_changed", "write_recordings"]
+__all__ = [
+    "build",
+    "open_viewer",
+    "parity_page",
+    "print_report",
+    "recording_of",
+    "serve",
+    "trends_page",
+    "what_changed",
+    "write_recordings",
+]
 
 
 def build(folder: Path) -> Path:
@@ -23,6 +33,19 @@ def build(folder: Path) -> Path:
     from reports.html import write_report  # late: importing `reports` must stay cheap for the command line
 
     return write_report(folder)
+
+
+def print_report(folder: Path) -> Path:
+    """Print the pages of `folder/report/` into `folder/report/report.pdf`; returns its path.
+
+    Raises:
+        NotPrinted: there is no browser on this machine that does so, or it failed.
+        OSError: the report cannot be read, or the file cannot be written.
+    """
+    from harness.store.store import Store
+    from reports.printing import print_report as put_on_paper
+
+    return put_on_paper(Store(folder), folder / "report", folder / "report" / "report.pdf")
 
 
 def parity_page(folder: Path) -> Path:

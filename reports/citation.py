@@ -18,7 +18,7 @@ def run_digest(store: "Store") -> str:
 
 
 def citation(store: "Store") -> list[tuple[str, str]]:
-    """Names and values: study, engines with versions, machine, when, versions of ours, the digest, how to repeat it."""
+    """Names and values: study, engines with versions, machine, when, our version and commit, the digest, how to repeat it."""
     machine = store.machine
     engines = store.trials.groupby("engine", sort=False)["engine_version"].first() if len(store.trials) else {}
     memory = machine.get("memory_mb")
@@ -32,6 +32,7 @@ def citation(store: "Store") -> list[tuple[str, str]]:
         ("machine's digest", machine_digest(machine)),
         ("started", str(machine.get("started", ""))),
         ("Plumbline", str(machine.get("packages", {}).get("plumbline", ""))),
+        ("commit", str(machine.get("commit", ""))),
         ("Python", str(machine.get("python", ""))),
         ("trials", str(len(store.trials))),
         ("run's digest", run_digest(store) if len(store.trials) else ""),

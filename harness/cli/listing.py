@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from harness.cli.paper_tables import Span
 from harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
 
 __all__ = ["print_csv", "print_json", "print_latex", "print_markdown", "print_table"]
@@ -69,32 +70,49 @@ DIGITS = 3
 
 
 def print_latex(columns: Sequence[str], rows: Sequence[Sequence[object]], source: Sequence[tuple[str, str]]) -> None:
-    """A table for LaTeX with the package booktabs, numbers to three digits.
+    """A table for LaTeX with the package booktabs, numbers to three digits, columns of numbers flush right.
 
     Args: source: what it was made from, as comments above it.
     """
     numeric = [bool(rows) and all(_is_number(row[k]) or row[k] in (None, "") for row in rows) for k in range(len(columns))]
     for name, value in source:
         print(f"% {one_line(name, LONGEST)}: {one_line(value, LONGEST)}")
-    print(rf"\begin{{tabular}}{{{''.join('r' if number else 'l' for number in numeric)}}}")
+    print(r"% \usepackage{booktabs}")
+    print(rf"\begin{{tabular}}{{@{{}}{''.join('r' if number else 'l' for number in numeric)}@{{}}}}")
     print(r"\toprule")
     print(" & ".join(map(latex_cell, columns)) + r" \\")
     print(r"\midrule")
     for row in rows:
-        print(" & ".join(_latex_value(cell) for cell in row) + r" \\")
+        print(" & ".join(map(_latex_value, row)) + r" \\")
     print(r"\bottomrule")
     print(r"\end{tabular}")
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, int | float | Span) and not isinstance(value, bool)
 
 
 def _latex_value(value: object) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "--"
-    if not isinstance(value, float):
-        return latex_cell(value)
-    text = f"{value:.{DIGITS}g}"
-    mantissa, power, exponent = text.partition("e")
-    return rf"${mantissa} \times 10^{{{int(exponent)}}}$" if power else f"${text}$"
+    match value:
+        case None:
+            return "--"
+        case Span(low, high):
+            return f"{_latex_number(low)}--{_latex_number(high)}"
+        case float():
+            return _latex_number(value)
+        case _:
+            return latex_cell(value)
+
+
+def _latex_number(number: float) -> str:
+    """To three digits: with its zeros, so that columns of one size line up; powers of ten
+    below 1e-3, from 1e4 on, and of what is one."""
+    if not math.isfinite(number):
+        return "--" if math.isnan(number) else r"$\infty$" if number > 0 else r"$-\infty$"
+    mantissa, _, exponent = f"{number:.{DIGITS - 1}e}".partition("e")
+    power = int(exponent)
+    if number != 0 and (not -3 <= power <= 3 or (power < 0 and number == 10.0**power)):
+        factor = "" if float(mantissa) in (1.0, -1.0) else rf"{mantissa} \times "
+        sign = "-" if float(mantissa) == -1.0 else ""
+        return rf"${sign}{factor}10^{{{power}}}$"
+    return f"${number:.{max(0, DIGITS - 1 - power)}f}$" if number else "$0$"

@@ -10,6 +10,7 @@ from harness.cli.guard import GATE, MACHINE, say, stop
 from harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
 from harness.cli.options import limited, opened, run_folder
 from harness.cli.own_scene import shown_status
+from harness.cli.paper_tables import paper_table
 from harness.findings import tables
 
 if TYPE_CHECKING:
@@ -53,9 +54,13 @@ def show(folder: Path, table: str, form: str) -> None:
     elif form == "latex":
         from reports.citation import citation
 
-        brief = columns if worked_out is None else worked_out.BRIEF
-        cells = [[row[c] for c in columns] if worked_out is None else list(worked_out.brief(row)) for row in rows]
-        print_latex(brief, cells, citation(store))
+        printed = paper_table(store, table, rows)
+        if printed is not None:
+            print_latex(*printed, citation(store))
+        elif worked_out is None:
+            print_latex(columns, [[row[c] for c in columns] for row in rows], citation(store))
+        else:
+            print_latex(worked_out.BRIEF, [list(worked_out.brief(row)) for row in rows], citation(store))
     elif worked_out is not None:
         print_table(table, worked_out.BRIEF, [worked_out.brief(row) for row in rows])
         for sentence in tables.sentences(worked_out, rows):
@@ -75,12 +80,18 @@ def show(folder: Path, table: str, form: str) -> None:
 @click.command()
 @run_folder
 @click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
-def report(folder: Path, show_it: bool) -> None:
+@click.option("--pdf", is_flag=True, help="Print all its pages into report.pdf too; needs Chromium, Chrome or Edge.")
+def report(folder: Path, show_it: bool, pdf: bool) -> None:
     """Rebuild the HTML report of DIR from its store; of a history, the page of its trends."""
-    from reports import build
+    from reports import build, print_report
 
-    index = _trends(folder) if (folder / "history.json").is_file() else build(opened(folder).folder)
+    history = (folder / "history.json").is_file()
+    if history and pdf:
+        raise click.UsageError("--pdf is for run folders; the page of a history's trends is printed by any browser")
+    index = _trends(folder) if history else build(opened(folder).folder)
     say(str(index))
+    if pdf:
+        say(str(print_report(folder)))
     if show_it:
         click.launch(str(index))
 

@@ -17,6 +17,7 @@ from harness.cli.options import limited
 from harness.cli.own_import import refuse_two_frictions, scene_to_run
 from harness.cli.own_scene import closing_count, closing_words
 from harness.cli.robot_options import NAMES, is_scene, robot_options, run_options
+from harness.cli.support import support_lines
 from harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
@@ -176,6 +177,8 @@ def run(
     if own:
         refuse_two_frictions(study, next(iter(chosen.values())).scene(), adapters)
     folder = out or Path("build") / plan.name
+    for sentence in support_lines(chosen, adapters):
+        say(sentence, err=True)
     try:
         how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
         with at_work(scheduler) as cluster:

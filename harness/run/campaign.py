@@ -3,6 +3,7 @@
 import hashlib
 import random
 import sys
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
@@ -24,6 +25,7 @@ from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
 from harness.run.preloads import preloads
 from harness.run.progress import Progress
+from harness.run.remaining_time import RemainingTime, pieces_of
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
 from harness.search import first_break, front, needless_effects, refined_ladder
@@ -74,7 +76,9 @@ def _accuracy(
     machine: str,
     cluster: "Workplace | None",
     guide: Guide,
+    remaining: RemainingTime,
 ) -> None:
+    whole = [trial.trial for trial in trials]
     waiting = [trial for trial in trials if trial.trial not in journal.records]
     for trial in waiting:
         reason = reasons[trial.engine]
@@ -85,13 +89,15 @@ def _accuracy(
         if (known := guide.known(trial)) is not None:
             journal.append(known)
     waiting = [trial for trial in waiting if trial.trial not in journal.records]
+    remaining.forget([name for name in whole if name in journal.records])
     if not waiting:
         return
     by_name = {trial.trial: trial for trial in waiting}
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     lost: list[str] = []
-    with Progress(what, len(waiting)) as progress:
+    remaining.answers_begin([trial.trial for trial in (*beside, *alone)], time.monotonic())
+    with Progress(what, len(waiting), remaining.left) as progress:
         for group, side, at_once in ((beside, workers, 0), (alone, 1, 1)):
             answers = run_isolated(group, folder, side) if cluster is None else cluster.answers(group, folder, at_once)
             for record in answers:
@@ -100,6 +106,7 @@ def _accuracy(
                 else:
                     kept = replace(record, answered_on=record.answered_on or machine)
                     journal.append(guide.answered(by_name[record.trial], kept))
+                remaining.answered(record.trial, time.monotonic(), to_clock=record.status in _TIMED)
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
@@ -113,6 +120,7 @@ def _timing(
     machine: Mapping[str, Any],
     cluster: "Workplace | None",
     guide: Guide,
+    remaining: RemainingTime,
 ) -> None:
     records, here = dict(journal.records), machine_digest(machine)
     near = due_for_clock(trials, records, cases)
@@ -134,12 +142,14 @@ def _timing(
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
-    with Progress("timing", len(due)) as progress:
+    remaining.clocks_begin([trial.trial for trial in due], time.monotonic())
+    with Progress("timing", len(due), remaining.left) as progress:
         groups = [tuple(group) for _, group in groupby(due, key=_together)]
         clocked = _one_by_one(groups, folder, shuffle, guide) if cluster is None else cluster.clocked(groups, folder)
         for timing in clocked:
             journal.append(replace(timing, clocked_on=here))
             troubles += [timing.note] if timing.note else []
+            remaining.clocked(timing.trial, time.monotonic())
             progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
@@ -192,11 +202,12 @@ def _searched(
     machine: str,
     cluster: "Workplace | None",
     guide: Guide,
+    remaining: RemainingTime,
 ) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     extended, number = list(trials), 0
     if beside := guide.beside(trials, journal.records):
-        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, cluster, guide)
+        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, cluster, guide, remaining)
         extended += beside
     searches = [
         go_on
@@ -215,7 +226,8 @@ def _searched(
         if not more:
             break
         number += 1
-        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cluster, guide)
+        remaining.expect(pieces_of(more, cases))
+        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cluster, guide, remaining)
         extended += more
     return extended
 
@@ -290,11 +302,13 @@ def carry_out(
         write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
         expect(preloads(chosen, adapters))
+        remaining = RemainingTime(workers)
         with suppress(TimeIsUp):
             for batch in guide.batches(trials):
-                _accuracy("accuracy", batch, reasons, journal, folder, workers, here, cluster, guide)
-                batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, cluster, guide)
-                _timing(batch, journal, folder, cases, machine, cluster, guide)
+                remaining.expect(pieces_of(batch, cases))
+                _accuracy("accuracy", batch, reasons, journal, folder, workers, here, cluster, guide, remaining)
+                batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, cluster, guide, remaining)
+                _timing(batch, journal, folder, cases, machine, cluster, guide, remaining)
         journal.begin(begun | {"trials": sorted(guide.asked(begun["trials"], journal.records))})
         complete = True
     finally:

@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import platform
+import subprocess
 import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -34,6 +35,23 @@ def _version(package: str) -> str:
         return "none"
 
 
+def _commit() -> str:
+    """Of the working copy that this is run from, with '+' where files differ from it; '' where it is none."""
+    root = Path(__file__).parents[2]
+    if not (root / ".git").exists():
+        return ""
+
+    def git(*words: str) -> str:
+        command = ["git", "-C", str(root), *words]
+        return subprocess.run(command, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
+
+    try:
+        changed = git("status", "--porcelain", "--untracked-files=no")
+        return git("rev-parse", "--short=12", "HEAD") + ("+" if changed else "")
+    except (OSError, subprocess.SubprocessError):
+        return ""
+
+
 def circumstances(machine: Mapping[str, Any]) -> dict[str, Any]:
     """What of a fingerprint a timing depends on; nothing that changes from run to run."""
     kept = {name: machine.get(name) for name in ("processor", "cores", "system", "python", "memory_mb")}
@@ -49,7 +67,7 @@ def machine_digest(machine: Mapping[str, Any]) -> str:
 
 
 def fingerprint() -> dict[str, Any]:
-    """Processor, cores, memory [MB], system, versions, load and the command that was given; JSON-ready."""
+    """Processor, cores, memory [MB], system, versions, commit, load and the command that was given; JSON-ready."""
     return {
         "processor": _processor(),
         "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
@@ -57,6 +75,7 @@ def fingerprint() -> dict[str, Any]:
         "system": platform.platform(),
         "python": platform.python_version(),
         "packages": {package: _version(package) for package in _PACKAGES},
+        "commit": _commit(),
         "load": list(os.getloadavg()),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command": ["plumbline", *sys.argv[1:]],

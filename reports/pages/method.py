@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from reports.citation import citation
+from reports.concepts import indexed
 from reports.laws import own_everywhere, told_apart
 from reports.page import Page
 from reports.template import fill
@@ -37,6 +38,7 @@ def render(store: "Store") -> Mapping[str, str]:
             own=own_everywhere(store),
             folder=str(store.folder),
             citation=citation(store),
+            concepts=indexed(store),
         )
     }
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.cli.listing import _latex_number
 from harness.intake.safe_text import latex_cell
 from harness.store.store import Store
 from reports.citation import citation, run_digest
@@ -44,13 +45,49 @@ def test_a_table_in_latex_has_booktabs_digits_and_its_source(folder: Path, print
     assert any(re.fullmatch(r"% run's digest: [0-9a-f]{16}", line) for line in lines)
     for word in (r"\toprule", r"\midrule", r"\bottomrule", r"\end{tabular}"):
         assert lines.count(word) == 1
-    columns = len(next(line for line in lines if line.startswith("trial &")).split(" & "))
+    columns = len(next(line for line in lines if line.startswith("Case &")).split(" & "))
     body = lines[lines.index(r"\midrule") + 1 : lines.index(r"\bottomrule")]
     assert body
     assert all(len(re.split(r"(?<!\\) & ", row)) == columns for row in body)
     assert r"stack\_tower" in text
-    # 1/60 s to three digits.
-    assert "$0.0167$" in text
+    # 1/60 s in the unit of the heading, to three digits; a missing number is a dash, an interval has two ends.
+    assert "Time step [ms]" in text
+    assert "$16.7$" in text
+    assert re.search(r"& \$[\d.]+\$--\$[\d.]+\$ &", text)
+    assert "{" not in "".join(body).replace("10^{", "")
+
+
+def test_prices_in_latex_are_numbers_with_their_interval_and_say_what_is_a_bound(folder: Path, printed: Command) -> None:
+    lines = printed("show", folder, "--table", "price", "--format", "latex").stdout.splitlines()
+    body = [re.split(r"(?<!\\) & ", line) for line in lines[lines.index(r"\midrule") + 1 : lines.index(r"\bottomrule")]]
+    assert {row[-1].removesuffix(r" \\") for row in body} <= {
+        "priced",
+        "upper bound",
+        "not reached",
+        "not clocked",
+        "no answer",
+    }
+    assert "$10^{-5}$" in {row[1] for row in body}
+    assert any(row[4].count("$") == 4 for row in body)
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        (0.0, "$0$"),
+        (0.3694, "$0.369$"),
+        (1234.4, "$1234$"),
+        (0.00999999, "$0.0100$"),
+        (0.01, "$10^{-2}$"),
+        (99999.0, "$10^{5}$"),
+        (2.5e-7, r"$2.50 \times 10^{-7}$"),
+        (-1e-9, "$-10^{-9}$"),
+        (float("inf"), r"$\infty$"),
+        (float("nan"), "--"),
+    ],
+)
+def test_a_number_has_three_digits(number: float, text: str) -> None:
+    assert _latex_number(number) == text
 
 
 def test_nothing_in_a_cell_is_a_command() -> None:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 from harness.findings.limits_found import searches
 from harness.findings.prices import PER_SECOND, Price, Prices
@@ -24,6 +24,8 @@ DECADES = 2.0
 
 _ANSWERED = ("passed", "failed")
 _NOT_ASKED = ("unavailable", "interrupted")
+_JUDGED = ["trial", "case", "engine", "track", "dt", "status", "reason"]
+"""Columns of a trial that are read here; to group the others along costs ten times as much."""
 _AGREED = {"agrees": 1.0}
 """Of the verdicts on a scene without a truth; any other is an answer that the others do not share, or none."""
 
@@ -84,18 +86,23 @@ def _margin(row: Mapping[str, object], measured: Sequence[Mapping[str, object]])
     return (worst if worst > 1.0 else math.inf), says
 
 
-def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, str], Datum]:
-    """By case, engine and track."""
+_By = TypeVar("_By", bound=tuple[str, ...])
+
+
+def _of_cases(data: Mapping[_By, Datum], cases: Mapping[str, float]) -> dict[_By, Datum]:
+    return {key: datum for key, datum in data.items() if key[0] in cases}
+
+
+@lru_cache(maxsize=1)
+def _accuracy(store: Store) -> dict[tuple[str, str, str], Datum]:
+    """By case, engine and track; worked out once for all that is asked of one store."""
     failed = store.measurements[store.measurements["passed"].eq(False).fillna(False)]
     measured: dict[str, list[Mapping[str, object]]] = {}
     for m in failed.to_dict("records"):
         measured.setdefault(str(m["trial"]), []).append(m | {"passed": False})
     data: dict[tuple[str, str, str], Datum] = {}
-    trials = store.asked[store.asked["case"].isin(cases)]
+    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
     for (case, engine, track), group in trials.groupby(["case", "engine", "track"], sort=False):
-        group = group[~group["status"].isin(_NOT_ASKED)]
-        if group.empty:
-            continue
         own = store.catalogue.get("cases", {}).get(case, {}).get("dt") or float(group["dt"].median())
         nearest = (group["dt"] / own).map(math.log).abs()
         row = group.loc[nearest.idxmin()].to_dict()
@@ -107,7 +114,7 @@ def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, 
         value = _useful(times)
         data[case, engine, track] = Datum(value=value, low=value, high=value, says=says, **about)
     for row in agreement_rows(store):
-        if row["case"] in cases and (row["case"], row["engine"], row["track"]) in data:
+        if (row["case"], row["engine"], row["track"]) in data:
             value = _AGREED.get(str(row["verdict"]), 0.0)
             finest = json.loads(row["trials"])[-1:]
             trial = str(finest[0]) if finest else ""
@@ -116,9 +123,10 @@ def _accuracy(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, 
     return data
 
 
-def _robustness(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str, str], Datum]:
+@lru_cache(maxsize=1)
+def _robustness(store: Store) -> dict[tuple[str, str, str], Datum]:
     data: dict[tuple[str, str, str], Datum] = {}
-    trials = store.asked[store.asked["case"].isin(cases) & ~store.asked["status"].isin(_NOT_ASKED)]
+    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
     for (case, engine, track), group in trials.groupby(["case", "engine", "track"], sort=False):
         answered = group["status"].isin(_ANSWERED)
         share, first = float(answered.mean()), group[~answered]
@@ -128,11 +136,12 @@ def _robustness(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str
     return data
 
 
-def _limits(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str], Datum]:
+@lru_cache(maxsize=1)
+def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     """The farthest of an engine's tracks in each case, without remedies; between what held and the next that was tried."""
     data: dict[tuple[str, str], Datum] = {}
     for search in searches(store):
-        if search.case not in cases or search.remedy or search.parts or search.verdict in ("unavailable", "stopped"):
+        if search.remedy or search.parts or search.verdict in ("unavailable", "stopped"):
             continue
         held = search.holds[-1] if search.holds else None
         low, high = (held.reach, max(held.further, held.reach)) if held else (0.0, 0.0)
@@ -145,11 +154,12 @@ def _limits(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str], D
     return data
 
 
-def _determinism(store: Store, cases: Mapping[str, float]) -> dict[tuple[str, str], Datum]:
+@lru_cache(maxsize=1)
+def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
     groups: dict[tuple[str, str], list[bool]] = {}
     trials: dict[tuple[str, str], str] = {}
     for repetition in repetitions(store):
-        if repetition.case in cases and repetition.must and repetition.verdict in ("bit-identical", "differs"):
+        if repetition.must and repetition.verdict in ("bit-identical", "differs"):
             key = repetition.case, repetition.engine
             groups.setdefault(key, []).append(repetition.verdict == "bit-identical")
             trials.setdefault(key, repetition.trial)
@@ -199,15 +209,16 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
     named = [str(case) for case in dict.fromkeys(store.trials["case"])]
     families = {case: str(catalogue.get(case, {}).get("family") or case.partition("_")[0]) for case in named}
     cases = {case: weight for case in named if (weight := wish.weight_of_case(case, families[case])) > 0}
-    accuracy, robustness = _accuracy(store, cases), _robustness(store, cases)
+    accuracy, robustness = _of_cases(_accuracy(store), cases), _of_cases(_robustness(store), cases)
     tracks = {engine: _better_track(engine, accuracy, cases) for engine in engines}
     found: dict[tuple[str, str, str], Datum] = {}
     for criterion, by_track in (("accuracy", accuracy), ("robustness", robustness)):
         for (case, engine, track), datum in by_track.items():
             if engine in tracks and track == tracks[engine]:
                 found[criterion, case, engine] = datum
-    for criterion, by_engine in (("limits", _limits(store, cases)), ("determinism", _determinism(store, cases))):
-        found |= {(criterion, case, engine): datum for (case, engine), datum in by_engine.items() if engine in tracks}
+    for criterion, by_engine in (("limits", _limits(store)), ("determinism", _determinism(store))):
+        here = _of_cases(by_engine, cases)
+        found |= {(criterion, case, engine): datum for (case, engine), datum in here.items() if engine in tracks}
     costs = {key: price for key, price in _prices(store, cases, wish.max_error).items() if key[1] in tracks}
     found |= _capability(store, cases, tracks) | _of_prices(costs)
     table, incomplete = _complete(found, engines)
@@ -225,7 +236,8 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
 
 def _capability(store: Store, cases: Mapping[str, float], tracks: Mapping[str, str]) -> dict[tuple[str, str, str], Datum]:
     data: dict[tuple[str, str, str], Datum] = {}
-    trials = store.asked[store.asked["case"].isin(cases) & ~store.asked["status"].isin(_NOT_ASKED)]
+    mine = store.asked["case"].isin(cases) & ~store.asked["status"].isin(_NOT_ASKED)
+    trials = store.asked.loc[mine, _JUDGED]
     for (case, engine), group in trials.groupby(["case", "engine"], sort=False):
         if engine in tracks:
             lacking = group[group["status"].eq("unsupported")]

@@ -1,0 +1,168 @@
+"""What the report of a large run costs: `python -m tests.large_store [TRIALS] [--keep DIR]`.
+
+A run folder of the nightly study is written through the project's own journal and tables: the trials that the study names,
+those that its searches then ask for, and a variant of the ladders, with answers from formulas. Nothing in it says anything of a
+real engine, and no trajectory is kept, so that repetitions, which are compared by them, are left out. Then its report is made,
+and what that took and how large its pages are is printed.
+"""
+
+import argparse
+import hashlib
+import math
+import resource
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.search import first_break, front
+from harness.store.journal import Journal
+from harness.store.machine_fingerprint import fingerprint
+from harness.store.record import Measurement, Record, Sample
+from harness.store.seal import sealed_json, sealed_toml
+from harness.store.store import write_json, write_tables
+from harness.study import plugins
+from harness.study.catalogue import describe_case, describe_engine
+from harness.study.study import Study, load_study
+from harness.study.trial import Trial
+from harness.trial.accuracy import outcome
+
+__all__ = ["write_large_store"]
+
+ENGINES = ("reference", "mujoco", "bullet", "dart")
+TRIALS = 10_000
+
+
+def _share(*parts: object) -> float:
+    """A number in 0..1 that is the same in every process."""
+    return int(hashlib.sha256(repr(parts).encode()).hexdigest()[:12], 16) / 16**12
+
+
+def _answer(trial: Trial, case: Case) -> Record:
+    """What an engine of first order would say: error = C dt, cost = K / dt, with one trial in fifty that ends in no answer."""
+    lost = _share(trial.trial, "lost")
+    if lost < 0.02:
+        statuses = ("diverged", "unsupported", "timeout", "crashed")
+        return outcome(trial, statuses[int(lost * 200)], "made: no answer")
+    dt = trial.settings.dt
+    error = 10 ** (2 * _share(trial.case, trial.engine, trial.track) - 2) * dt
+    measurements, failed = [], []
+    for check in case.checks:
+        scale = case.scale if check.metric.name == case.headline and case.scale else 1.0
+        holds = _share(trial.trial, check.metric.name) > 0.1
+        failed += [] if holds else [check.metric.name]
+        measurements.append(
+            Measurement(
+                metric=check.metric.name,
+                value=scale * error,
+                unit=check.metric.unit,
+                at_most=scale * error * (2.0 if holds else 0.2),
+                passed=holds,
+                because=check.because,
+            )
+        )
+    cost = (1 + 9 * _share(trial.case, trial.engine)) * 1e-5 / dt
+    timed = trial.experiment.timing and trial.experiment.limit is None
+    clock: dict[str, Any] = {"rough_cost": cost, "rough_ratio": cost}
+    if timed:
+        samples = [
+            Sample(
+                process=0,
+                block=k,
+                steps=1000,
+                cpu=1000 * cost * dt * (1 + 0.01 * k),
+                wall=1010 * cost * dt,
+                canary=1e-3,
+                switches=0,
+            )
+            for k in range(trial.experiment.samples)
+        ]
+        prices = {"cpu_per_sim_s": cost, "cpu_low": 0.98 * cost, "cpu_high": 1.03 * cost, "wall_per_sim_s": 1.01 * cost}
+        clock |= prices | {"unit": "step", "cpu_per_unit": cost * dt, "cpu_per_unit_low": 0.98 * cost * dt}
+        clock |= {"cpu_per_unit_high": 1.03 * cost * dt, "realtime_factor": 1 / cost, "unstable_timing": False}
+        clock["samples"] = tuple(samples)
+    return replace(
+        outcome(trial, "failed" if failed else "passed", f"made: {', '.join(failed)}" if failed else "every check holds"),
+        resolved=trial.settings.plain(),
+        sim_seconds=case.duration,
+        steps=math.ceil(case.duration / dt),
+        substep=dt / (trial.settings.substeps or 1),
+        trajectory_hash=hashlib.sha256(repr((trial.question, trial.engine, trial.settings)).encode()).hexdigest()[:16],
+        measurements=tuple(measurements),
+        **clock,
+    )
+
+
+def _trials(
+    study: Study, cases: Mapping[str, Case], adapters: Mapping[str, Adapter], records: Mapping[str, Record], most: int
+) -> Iterator[list[Trial]]:
+    """The trials of a study, then those of its searches round by round, until there are enough or no search goes on."""
+    versions = {name: plugins.version_of(adapter)[0] for name, adapter in adapters.items()}
+    known = [trial for trial in study.trials(cases, adapters, versions) if not trial.experiment.determinism]
+    batch = known + [
+        trial.probing(cases[trial.case], track="few", base="tuned", settings=replace(trial.settings, iterations=7))
+        for trial in known
+        if trial.experiment.name == "ladder" and trial.track == "tuned"
+    ]
+    while batch and len(records) < most:
+        yield batch[: most - len(records)]
+        searched = dict(records)
+        batch = [
+            trial for go_on in (front.next_trials, first_break.next_trials) for trial in go_on(known, searched, cases, adapters)
+        ]
+        known = known + batch
+
+
+def write_large_store(folder: Path, most: int = TRIALS) -> int:
+    """Write the run folder; returns how many trials it holds."""
+    adapters = {name: plugins.adapter(name) for name in ENGINES}
+    cases, study = dict(plugins.cases()), load_study("nightly")
+    folder.mkdir(parents=True, exist_ok=True)
+    journal = Journal(folder)
+    try:
+        for batch in _trials(study, cases, adapters, journal.records, most):
+            for trial in batch:
+                if trial.trial not in journal.records:
+                    journal.append(_answer(trial, cases[trial.case]))
+        count = len(journal.records)
+    finally:
+        journal.close()
+    engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
+    catalogue = {"cases": {name: describe_case(case) for name, case in cases.items()}, "engines": engines}
+    plain = {name: value for name, value in asdict(study).items() if name in ("name", "title", "purpose")}
+    (folder / "study.toml").write_bytes(sealed_toml("study.toml", tomli_w.dumps(plain)))
+    (folder / "catalogue.json").write_bytes(sealed_json("catalogue.json", catalogue))
+    write_json(folder / "machine.json", fingerprint() | {"complete": True, "tables": write_tables(folder)})
+    return count
+
+
+def main(most: int, folder: Path) -> None:
+    """Write the folder, make its report, and print what that took and the sizes of its pages."""
+    from reports import build
+
+    count = write_large_store(folder, most)
+    before, wall = time.process_time(), time.perf_counter()
+    index = build(folder)
+    spent, wall = time.process_time() - before, time.perf_counter() - wall
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"{count} trials: report in {spent:.1f} CPU s, {wall:.1f} s; peak {peak:.0f} MB")
+    pages = sorted((path for path in index.parent.rglob("*") if path.is_file()), key=lambda path: -path.stat().st_size)
+    whole = sum(path.stat().st_size for path in pages)
+    print(f"front page {index.stat().st_size / 1e6:.2f} MB; {len(pages)} files, {whole / 1e6:.0f} MB")
+    for path in [path for path in pages if path.suffix == ".html"][:6]:
+        print(f"  {path.stat().st_size / 1e6:6.2f} MB  {path.name}")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("trials", nargs="?", type=int, default=TRIALS)
+    parser.add_argument("--keep", type=Path, help="A new folder for the run; a temporary one unless said.")
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        main(given.trials, given.keep or Path(scratch) / "run")

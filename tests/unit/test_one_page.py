@@ -1,0 +1,71 @@
+"""The report on paper: one page of all pages whose links stay within it, and a word where no browser prints it."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.store.store import Store
+from reports.html import rendered
+from reports.one_page import Sheet, joined
+from reports.printing import NotPrinted, browser
+from tests.conftest import Command
+from tests.run_folder import write_run_folder
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> str:
+    folder = write_run_folder(tmp_path_factory.mktemp("paper") / "run", hostile=True)
+    pages = {name: text for name, text in rendered(Store(folder)).items() if name.endswith(".html")}
+    return joined([Sheet(name.removesuffix(".html"), text) for name, text in pages.items()], "A <title>", [("a", "<b>")])
+
+
+def test_every_link_within_the_report_leads_to_a_place_on_the_page(whole: str) -> None:
+    places = re.findall(r' id="([^"]*)"', whole)
+    assert len(places) == len(set(places))
+    inside = set(re.findall(r' href="#([^"]*)"', whole))
+    assert inside
+    assert inside <= set(places)
+    assert not re.findall(r' href="[\w-]+\.html', whole)
+
+
+def test_contents_come_first_and_nothing_on_the_page_can_run(whole: str) -> None:
+    contents = whole[: whole.index("</ol>")]
+    assert contents.count("<li>") == whole.count('<article class="sheet" id=')
+    assert "<script" not in whole
+    assert "<img src=x" not in whole
+    assert "A &lt;title&gt;" in contents
+
+
+def test_addresses_of_other_pages_and_of_places_are_told_apart() -> None:
+    first = Sheet(
+        "one", '<main><h1 id="top">One &amp; all</h1><a href="two.html#x">a</a><a href="#top">b</a></main><p>foot</p>'
+    )
+    second = Sheet(
+        "two", '<main><h1>Two</h1><p id="x"><a href="https://example.org/two.html">c</a><script>no()</script></p></main>'
+    )
+    page = joined([first, second], "t", [])
+    assert '<li><a href="#one">One &amp; all</a></li>' in page
+    assert 'href="#two--x"' in page
+    assert 'href="#one--top"' in page
+    assert 'href="https://example.org/two.html"' in page
+    assert "foot" not in page
+    assert "no()" not in page
+
+
+def test_where_no_browser_prints_the_command_says_what_to_do(
+    tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PLUMBLINE_CHROMIUM", "no-such-browser")
+    with pytest.raises(NotPrinted, match="'no-such-browser', which is no program"):
+        browser()
+    monkeypatch.delenv("PLUMBLINE_CHROMIUM")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(NotPrinted, match="install Chromium, Chrome or Edge"):
+        browser()
+    folder = write_run_folder(tmp_path / "run", only=("stack_tower",))
+    done = printed("report", folder, "--pdf")
+    assert done.returncode == 3
+    assert done.stdout.splitlines() == [str(folder / "report" / "index.html")]
+    assert "install Chromium, Chrome or Edge" in done.stderr
+    assert not (folder / "report" / "report.pdf").exists()

@@ -1,0 +1,41 @@
+"""What is said of each engine before a run: it runs, or what it lacks."""
+
+from dataclasses import fields, replace
+
+from harness.adapter import Feature
+from harness.adapter.features import features_of
+from harness.cli.support import support_lines
+from harness.study import plugins
+
+
+def test_one_scene_runs_or_cannot_with_the_reason() -> None:
+    case, adapter = plugins.case("friction_rolling_resistance"), plugins.adapter("reference")
+    lacking = replace(adapter, name="lame", features=adapter.features & ~Feature.ROLLING_FRICTION)
+    first, second = support_lines({case.name: case}, {"reference": adapter, "lame": lacking})
+    assert first.startswith("reference ")
+    assert first.endswith(": runs")
+    assert second.startswith("lame ")
+    assert second.endswith(": cannot: it lacks rolling_friction")
+
+
+def test_of_many_scenes_counts_are_said_and_each_reason_once() -> None:
+    names = ("flight_projectile", "friction_rolling_resistance", "stack_tower", "joint_pendulum")
+    cases = {name: plugins.case(name) for name in names}
+    adapter = plugins.adapter("reference")
+    contact = [name for name, case in cases.items() if Feature.BOX in features_of(case.scene(**case.parameters))]
+    (line,) = support_lines(cases, {"reference": replace(adapter, features=adapter.features & ~Feature.BOX)})
+    assert contact
+    assert line.endswith(f": runs {4 - len(contact)} of 4 cases; lacks box ({len(contact)})")
+
+
+def test_an_engine_that_is_not_there_says_why() -> None:
+    case, adapter = plugins.case("flight_projectile"), plugins.adapter("reference")
+
+    class Absent(type(adapter)):  # type: ignore[misc]
+        def version(self) -> str:
+            raise ImportError("no module named 'absent'")
+
+    absent = Absent(**{field.name: getattr(adapter, field.name) for field in fields(adapter)})
+    (line,) = support_lines({case.name: case}, {"absent": absent})
+    assert line.startswith("absent: cannot: ")
+    assert "no module named 'absent'" in line

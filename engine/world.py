@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.articulated.choice import chosen_forest
 from engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
 from engine.build.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
 from engine.build.initial_rates import check_initial_rates
@@ -77,6 +78,7 @@ class World:
         joints = elimination_order(bodies, joints)
         self.sun = sun or Sun()
         self.touching = self.options.contacts and _may_touch(bodies)
+        forest = chosen_forest(bodies, joints, self.options, self.touching)
         islands = self.touching and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
         check_initial_rates(bodies, joints)
@@ -107,6 +109,13 @@ class World:
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
         self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, unsmooth)
+        self.in_joint_coordinates = forest is not None
+        if forest is not None:
+            from engine.articulated.assembly import with_trees
+            from engine.steps.choice import joint_coordinates_step
+
+            self._floats, self._ints = with_trees(self._floats, self._ints, forest)
+            self._step = joint_coordinates_step(self.options)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:

@@ -12,7 +12,7 @@ from engine.broad.choice import DropApart, FindPairs
 from engine.describe.errors import NotSupported
 from engine.options import FREE_INTEGRATORS, Options
 
-__all__ = ["Kernels", "Step", "choose_step"]
+__all__ = ["Kernels", "Step", "choose_step", "joint_coordinates_step"]
 
 Step = Callable[[NDArray[np.float64], NDArray[np.int64], int], tuple[int, int]]
 
@@ -67,3 +67,10 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
             f"integrator 'rk4' with {unsmooth} in a joint", "its stages are smooth; semi_implicit_euler knows it"
         )
     return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler
+
+
+def joint_coordinates_step(options: Options) -> Step:
+    """The compiled step of trees in joint coordinates."""
+    from engine.steps import joint_coordinates as steps
+
+    return steps.step_joint_coordinates_runge_kutta if options.integrator == "rk4" else steps.step_joint_coordinates_euler

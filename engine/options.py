@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from engine.describe.check import not_negative, positive, whole
 
 __all__ = [
-    "ADAPTIVE", "AUTOMATIC", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "COORDINATES", "FREE_INTEGRATORS", "INTEGRATORS", "JOINT", "LEVELS",
-    "MAXIMAL", "SOLVERS", "Options",
+    "ADAPTIVE", "AUTOMATIC", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "COORDINATES", "FREE_INTEGRATORS", "INTEGRATORS",
+    "JOINT", "LEVELS", "MAXIMAL", "SOLVERS", "Options",
 ]  # fmt: skip
 
 ADAPTIVE = "dormand_prince"

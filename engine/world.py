@@ -384,6 +384,8 @@ class World:
         got, own = (int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
         if got != own:
             raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own}")
+        if self.in_joint_coordinates and len(saved[1]) != len(self._ints):
+            raise ValueError("world: saved state without joint coordinates, expected one with them")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
     def adopt(self, floats: FloatArray, ints: IntArray) -> None:

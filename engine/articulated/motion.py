@@ -3,8 +3,8 @@
     X_i = X_parent X_joint(q),  v_i = v_parent + sum S_k q'_k,  c_i = v_parent x sum S_k q'_k
 
 All spatial vectors are in W about the tree's origin, a point at rest in W that lies at the root's anchor now, so that nothing
-is transformed from link to link and a tree a thousand kilometres away loses no digits. A ball's rates are those of its turning in
-the axes of its parent; a free root's are w_WB and v_WB.
+is transformed from link to link and a tree a thousand kilometres away loses no digits. A ball's rates are those of its turning
+in the axes of its parent; a free root's are w_WB and v_WB.
 
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.2 (spatial vectors), 3.5 (acceleration) and 4.4 (joints).
 """

@@ -6,7 +6,7 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section IV.8 (L
 import math
 
 from engine.articulated.articulated_body import transmitted
-from engine.articulated.motion import move_links, turn_of
+from engine.articulated.motion import move_links
 from engine.articulated.tables import (
     ADDED,
     ANCHOR_A,
@@ -16,6 +16,7 @@ from engine.articulated.tables import (
     FIRST,
     FREE,
     JOINT,
+    MATRIX,
     ORIENTATION,
     ORIGIN,
     PARENT,
@@ -37,6 +38,7 @@ from engine.maths.vec import (
     cross,
     load3,
     load4,
+    load9,
     mat_vec,
     neg,
     quat_turn,
@@ -120,13 +122,13 @@ def add_reactions(tables: Tables, joints: Joints, share: float) -> None:
             continue
         torque, force = transmitted(tables, i)
         if joints.kind[j, CHILD] == kind[i, ROW]:
-            turn = turn_of(load4(motion, i, ORIENTATION))
+            turn = load9(motion, i, MATRIX)
             about = add(load3(motion, i, PLACE), mat_vec(turn, load3(tables.link, i, ANCHOR_B)))
         else:
             # The joint's child is what this link hangs on, and takes the opposite, about its own anchor.
             torque, force, about = neg(torque), neg(force), (0.0, 0.0, 0.0)
             if kind[i, PARENT] >= 0:
-                turn = turn_of(load4(motion, kind[i, PARENT], ORIENTATION))
+                turn = load9(motion, kind[i, PARENT], MATRIX)
                 about = add(load3(motion, kind[i, PARENT], PLACE), mat_vec(turn, load3(tables.link, i, ANCHOR_A)))
         store3(joint, j, REACTION, axpy(share, force, load3(joint, j, REACTION)))
         moment = sub(torque, cross(about, force))

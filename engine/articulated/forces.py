@@ -12,7 +12,6 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.13 (inert
 
 import math
 
-from engine.articulated.motion import turn_of
 from engine.articulated.tables import (
     ANGULAR_DAMPING,
     BIAS,
@@ -23,7 +22,7 @@ from engine.articulated.tables import (
     INERTIA,
     LINEAR_DAMPING,
     MASS,
-    ORIENTATION,
+    MATRIX,
     PLACE,
     ROTATION,
     ROW,
@@ -42,8 +41,8 @@ from engine.maths.vec import (
     axpy,
     cross,
     load3,
-    load4,
     load6,
+    load9,
     neg,
     store3,
     store6,
@@ -101,7 +100,7 @@ def load_links(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int)
         m, r = link[i, MASS], load3(motion, i, PLACE)
         w = load3(motion, i, VELOCITY)
         v = add(load3(motion, i, VELOCITY + 3), cross(w, r))
-        inertia = sym_rotate(turn_of(load4(motion, i, ORIENTATION)), load6(link, i, INERTIA))
+        inertia = sym_rotate(load9(motion, i, MATRIX), load6(link, i, INERTIA))
         spin = sym_vec(inertia, w)
         b = tables.kind[i, ROW]
         torque = axpy(link[i, SPIN_DRAG], spin, neg(load3(bodies.load, b, 3)))
@@ -123,7 +122,7 @@ def weigh_links(tables: Tables) -> None:
     """Write inertia of every link, without damping, at rest and without forces: what an impulse meets."""
     link, motion, body = tables.link, tables.motion, tables.body
     for i in range(link.shape[0]):
-        inertia = sym_rotate(turn_of(load4(motion, i, ORIENTATION)), load6(link, i, INERTIA))
+        inertia = sym_rotate(load9(motion, i, MATRIX), load6(link, i, INERTIA))
         put_inertia(body, i, inertia, link[i, MASS], load3(motion, i, PLACE))
         for c in range(6):
             body[i, FORCE + c] = 0.0

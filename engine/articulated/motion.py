@@ -20,6 +20,7 @@ from engine.articulated.tables import (
     BIAS,
     FIRST,
     FREE,
+    MATRIX,
     ORIENTATION,
     ORIGIN,
     PARENT,
@@ -44,16 +45,18 @@ from engine.maths.vec import (
     cross,
     load3,
     load4,
+    load9,
     mat_vec,
     neg,
     quat_mul,
     store3,
     store4,
+    store9,
     sub,
 )  # fmt: skip
 from engine.memory.arena import BALL, FIXED, PRISMATIC, REVOLUTE, P, Q, V, W
 
-__all__ = ["move_links", "turn_of"]
+__all__ = ["move_links"]
 
 STILL: Vec = (0.0, 0.0, 0.0)
 UPRIGHT: Quat = (1.0, 0.0, 0.0, 0.0)
@@ -108,6 +111,7 @@ def move_links(tables: Tables, state: Floats) -> None:
                 put_axis(column, first + 3 + k, STILL, e)
             store3(motion, i, ORIGIN, load3(coordinate, i, POSITION))
             store4(motion, i, ORIENTATION, q)
+            store9(motion, i, MATRIX, turn_of(q))
             store3(motion, i, PLACE, STILL)
             store3(motion, i, VELOCITY, w)
             store3(motion, i, VELOCITY + 3, v)
@@ -117,7 +121,7 @@ def move_links(tables: Tables, state: Floats) -> None:
         if parent >= 0:
             q_a, anchor = load4(motion, parent, ORIENTATION), load3(motion, parent, PLACE)
             w_a, v_a = load3(motion, parent, VELOCITY), load3(motion, parent, VELOCITY + 3)
-            turn_a = turn_of(q_a)
+            turn_a = load9(motion, parent, MATRIX)
             anchor = add(anchor, mat_vec(turn_a, load3(link, i, ANCHOR_A)))
         else:
             q_a, w_a, v_a, bias = base_of(tables, state, i)
@@ -151,8 +155,10 @@ def move_links(tables: Tables, state: Floats) -> None:
                 put_axis(column, first + k, n, lever)
                 w, v = axpy(rate, n, w), axpy(rate, lever, v)
         q_b = quat_mul(q_a, turn_ab)
+        turn_b = turn_of(q_b)
+        store9(motion, i, MATRIX, turn_b)
         store4(motion, i, ORIENTATION, q_b)
-        store3(motion, i, PLACE, sub(anchor, mat_vec(turn_of(q_b), load3(link, i, ANCHOR_B))))
+        store3(motion, i, PLACE, sub(anchor, mat_vec(turn_b, load3(link, i, ANCHOR_B))))
         store3(motion, i, VELOCITY, w)
         store3(motion, i, VELOCITY + 3, v)
         if kind == FIXED:

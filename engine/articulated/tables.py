@@ -41,6 +41,7 @@ VELOCITY: Final = 7  # 6
 BIAS: Final = 13  # 6: acceleration that velocities alone give against the parent
 ACCELERATION: Final = 19  # 6
 ORIGIN: Final = 25  # 3: of the tree in W, at its root alone
+MATRIX: Final = 28  # 9: R_WB
 
 # Links: articulated-body inertia, [[rotation, coupling], [coupling^T, translation]], and bias force.
 BODY: Final = 2
@@ -94,7 +95,7 @@ OTHER: Final = 1  # bodies that no tree has and that are not static
 
 FREE: Final = 9
 
-FLOAT_COLUMNS: Final = np.array([32, 28, 28, 8, 18, 18, 14, 2])
+FLOAT_COLUMNS: Final = np.array([32, 37, 28, 8, 18, 18, 14, 2])
 INT_COLUMNS: Final = np.array([8, 1])
 FLOAT_TABLES: Final = 8
 BYTES: Final = 8

@@ -215,7 +215,7 @@ def allowed(joint: Any, v: float, h: float) -> tuple[float, float]:
 
 
 def test_laws_along_coordinates_hold_at_the_end_of_every_step() -> None:
-    """The forces that Pinocchio's inverse dynamics needs for (v' - v) / h are such as the laws of all joints allow at v': limits,
+    """The forces that Pinocchio's inverse dynamics needs for (v' - v) / h are such as all joints' laws allow at v': limits,
     friction, drives at their limit, springs and rotors at once. Forces of 1e3 N; a rate's round-off of 1e-12 over 1e-2 s."""
     held, seen = set(), 0
     for seed in range(12):

@@ -82,6 +82,9 @@ def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, k
         row[:4], row[to.POSITION : to.POSITION + 3] = outer[at.Q : at.Q + 4], outer[:3]
         columns[first : first + 3, to.RATE], columns[first + 3 : first + 6, to.RATE] = outer[at.W :], outer[at.V : at.W]
         return
+    if link.parent < 0:
+        seen = to.float_view(floats, ints, to.MOTION)[k, to.BASE_VELOCITY : to.BASE_VELOCITY + 6]
+        seen[:3], seen[3:] = inner[at.W :], inner[at.V : at.W]
     R = quat_mat(inner[at.Q : at.Q + 4])
     axis = R @ constants[to.AXIS : to.AXIS + 3]
     w = outer[at.W :] - inner[at.W :]

@@ -9,6 +9,7 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sect
 
 from engine.articulated.advance import add_reactions, change_rates, rates_of
 from engine.articulated.articulated_body import accelerations
+from engine.articulated.bases import carry_bases, free_columns
 from engine.articulated.bounded import solve_laws
 from engine.articulated.forces import load_links, weigh_links
 from engine.articulated.laws import STIFF_ALONE
@@ -29,7 +30,7 @@ from engine.compile.jit import kernel
 from engine.constrain.coordinate import explicit_force
 from engine.constrain.stiffness import DAMPED, STIFF
 from engine.integrate.runge_kutta import quat_rate
-from engine.maths.vec import Floats, axpy, load3, load4, quat_turn, quat_unit, store3, store4
+from engine.maths.vec import Floats, load4, quat_unit, store4
 from engine.memory.arena import (
     ARMATURE,
     BALL,
@@ -39,33 +40,16 @@ from engine.memory.arena import (
     HAS_LIMITS,
     HAS_SPRING,
     IMPLICIT,
-    KINEMATIC,
-    MOTION,
     PRISMATIC,
     REVOLUTE,
     SPRING,
-    P,
-    Q,
-    V,
-    W,
 )
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["carry_bases", "ends_with_laws", "mark_stiff_columns", "runge_kutta"]
+__all__ = ["ends_with_laws", "mark_stiff_columns", "runge_kutta"]
 
 SUM = 7
 """The column of a link's stages from which the weighted sum of slopes stands, behind the coordinates at the start."""
-
-
-@kernel
-def carry_bases(tables: Tables, bodies: Bodies, h: float) -> None:
-    """Move the kinematic bodies for h seconds."""
-    state = bodies.state
-    for n in range(tables.other.shape[0]):
-        b = tables.other[n, 0]
-        if bodies.kind[b, MOTION] == KINEMATIC:
-            store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
-            store4(state, b, Q, quat_turn(load4(state, b, Q), load3(state, b, W), h))
 
 
 @kernel
@@ -99,12 +83,8 @@ def mark_stiff_columns(tables: Tables, bodies: Bodies, joints: Joints, dt: float
         if j < 0 or joints.kind[j, HAS] == 0:
             continue
         joints.kind[j, IMPLICIT] = 0
-        for c in range(column.shape[0]):
-            column[c, PUSH] = 0.0
+        free_columns(tables, joints)
         column[k, PUSH] = 1.0
-        for n in range(kind.shape[0]):
-            if kind[n, JOINT] >= 0 and joints.kind[kind[n, JOINT], HAS] != 0:
-                column[kind[n, FIRST], ADDED] = joint[kind[n, JOINT], ARMATURE]
         weigh_links(tables)
         accelerations(tables)
         mobility = column[k, CHANGE]

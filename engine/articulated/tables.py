@@ -42,6 +42,7 @@ BIAS: Final = 13  # 6: acceleration that velocities alone give against the paren
 ACCELERATION: Final = 19  # 6
 ORIGIN: Final = 25  # 3: of the tree in W, at its root alone
 MATRIX: Final = 28  # 9: R_WB
+BASE_VELOCITY: Final = 37  # 6: w_WB and v_WB of the base that a root was last seen on
 
 # Links: articulated-body inertia, [[rotation, coupling], [coupling^T, translation]], and bias force.
 BODY: Final = 2
@@ -95,7 +96,7 @@ OTHER: Final = 1  # bodies that no tree has and that are not static
 
 FREE: Final = 9
 
-FLOAT_COLUMNS: Final = np.array([32, 37, 28, 8, 18, 18, 14, 2])
+FLOAT_COLUMNS: Final = np.array([32, 43, 28, 8, 18, 18, 14, 2])
 INT_COLUMNS: Final = np.array([8, 1])
 FLOAT_TABLES: Final = 8
 BYTES: Final = 8

@@ -1,8 +1,9 @@
 """Steps of worlds without contact whose joints make trees, in joint coordinates, under either integrator."""
 
 from engine.articulated.advance import is_finite_forest, write_state
+from engine.articulated.bases import carry_bases, take_jumps
 from engine.articulated.forces import damp_explicitly, damp_over
-from engine.articulated.runge_kutta import carry_bases, ends_with_laws, mark_stiff_columns, runge_kutta
+from engine.articulated.runge_kutta import ends_with_laws, mark_stiff_columns, runge_kutta
 from engine.articulated.semi_implicit_euler import semi_implicit_euler
 from engine.articulated.tables import tables_of
 from engine.compile.jit import entry
@@ -30,6 +31,7 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
     dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
     h, done, status = dt / substeps, 0, DONE
     damp_over(tables, h)
+    take_jumps(tables, bodies, joints)
     clear_reactions(joints)
     while done < steps and status == DONE:
         done += 1
@@ -59,6 +61,7 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     damp_explicitly(tables)
     if count[0, STEPS] == 0 and steps > 0:
         mark_stiff_columns(tables, bodies, joints, dt)
+    take_jumps(tables, bodies, joints)
     ends = ends_with_laws(tables, joints)
     while done < steps and status == DONE:
         done += 1

@@ -1,4 +1,4 @@
-"""Write the trees of a world behind the tables of its arena."""
+"""Write the trees of a world behind the tables of its arena, and read its joints there."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from engine.build.solids import quat_mat, quat_mul
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 
-__all__ = ["with_trees"]
+__all__ = ["motion_of", "with_trees"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -99,3 +99,13 @@ def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, k
             body[at.V : at.W] + np.cross(body[at.W :], anchor - body[:3]) for body in (outer, inner)
         )  # fmt: skip
         row[0], columns[first, to.RATE] = constants[to.START_X], axis @ (v_outer - v_inner)
+
+
+def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, float]:
+    """The coordinate [rad or m] of a joint and its rate; NaN where it has not one coordinate."""
+    kinds = to.int_view(ints, to.KIND)
+    link = int(np.flatnonzero(kinds[:, to.JOINT] == joint)[0])
+    if kinds[link, to.COLUMNS] != 1:
+        return np.nan, np.nan
+    rate = to.float_view(floats, ints, to.COLUMN)[kinds[link, to.FIRST], to.RATE]
+    return float(to.float_view(floats, ints, to.COORDINATE)[link, 0]), float(rate)

@@ -23,9 +23,9 @@ Deviations:
       With the option 'level_of_detail' it collides, and meets rays, as its sphere, box, hull or convex pieces; an open mesh has
       none, and decomposition needs CoACD: both are `Unsupported`.
     * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic'. In joint
-      coordinates semi-implicit Euler takes the forces of a turning body as they are at the start of a sub-step: it neither keeps
-      angular momentum to round-off nor carries a fast top, which Runge-Kutta does. Contacts, loops and distances have none: there
-      'joint' is `Unsupported` and 'automatic' keeps the bodies' own.
+      coordinates semi-implicit Euler takes the forces of turning bodies as at the start of a sub-step: it neither keeps angular
+      momentum to round-off nor carries a fast top, which Runge-Kutta does. Contacts, loops and distances have none: 'joint' is
+      `Unsupported` there, and 'automatic' keeps the bodies' own.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart

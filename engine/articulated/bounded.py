@@ -54,7 +54,7 @@ def needed_force(tables: Tables, i: int, armature: float) -> float:
     torque = add(sym_vec(load6(body, i, ROTATION), a_w), mat_vec(coupling, a_v))
     force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, TRANSLATION), a_v))
     torque, force = add(torque, load3(body, i, FORCE)), add(force, load3(body, i, FORCE + 3))
-    return dot(turning, torque) + dot(sliding, force) + armature * change
+    return float(dot(turning, torque) + dot(sliding, force) + armature * change)
 
 
 @kernel

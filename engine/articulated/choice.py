@@ -22,7 +22,7 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     """
     if options.coordinates not in (JOINT, AUTOMATIC) or not joints:
         return None
-    forest = NoForest("contacts", "contacts are solved between bodies with coordinates of their own")
+    forest: Forest | NoForest = NoForest("contacts", "contacts are solved between bodies with coordinates of their own")
     if options.integrator not in INTEGRATORS:
         forest = NoForest(f"the integrator '{options.integrator}'", f"they know {' and '.join(INTEGRATORS)}")
     elif not touching:

@@ -145,10 +145,10 @@ def middle(law: Floats, k: int, i: int, rate: float) -> float:
     if n == 0:
         return rate
     if i == 0:
-        return law[k, BREAK] - 1.0
+        return float(law[k, BREAK] - 1.0)
     if i == n:
-        return law[k, BREAK + n - 1] + 1.0
-    return 0.5 * (law[k, BREAK + i - 1] + law[k, BREAK + i])
+        return float(law[k, BREAK + n - 1] + 1.0)
+    return float(0.5 * (law[k, BREAK + i - 1] + law[k, BREAK + i]))
 
 
 @kernel
@@ -188,7 +188,7 @@ def force_beside(law: Floats, k: int, joint: Floats, j: int, h: float, side: int
     if side == 1 and at == law[k, HIGHEST]:
         return -math.inf
     push, slope = piece(law, k, joint, j, h, middle(law, k, i + side, at))
-    return push - slope * at
+    return float(push - slope * at)
 
 
 @kernel

@@ -15,7 +15,7 @@ pin: Any = pytest.importorskip("pinocchio", reason="the package pin holds Pinocc
 
 KINDS = ("revolute", "prismatic", "ball", "fixed")
 LINKS = 12
-GRAVITY = np.array([0.0, 0.0, -9.81])
+GRAVITY = (0.0, 0.0, -9.81)
 
 
 @dataclass
@@ -32,8 +32,9 @@ class Tree:
 def random_tree(seed: int, floating: bool, kinds: tuple[str, ...] = KINDS, backwards: bool = True) -> Tree:
     """Twelve links on joints of these kinds in turn, some told from the outer body on; each turned, moved and moving."""
     rng = np.random.default_rng(seed)
-    model, names, made = pin.Model(), [], []
-    model.gravity.linear = GRAVITY
+    model, made = pin.Model(), []
+    names: list[tuple[int, Any]] = []
+    model.gravity.linear = np.array(GRAVITY)
     for k in range(LINKS):
         kind = "free" if floating and k == 0 else kinds[k % len(kinds)]
         axis = rng.normal(size=3)
@@ -83,7 +84,11 @@ def random_tree(seed: int, floating: bool, kinds: tuple[str, ...] = KINDS, backw
         if backwards and k % 3 == 2:
             # The outer body is the joint's parent: the way of the coordinate turns round.
             ends["parent"], ends["child"], sign = ends["child"], ends["parent"], -1.0
-        line = {"anchor_W": tuple(pose.translation), "axis_W": tuple(sign * (frame.rotation @ axis)), "position": 0.7}
+        line: dict[str, Any] = {
+            "anchor_W": tuple(pose.translation),
+            "axis_W": tuple(sign * (frame.rotation @ axis)),
+            "position": 0.7,
+        }
         if kind == "revolute":
             joints.append(engine.Revolute(**ends, **line))
         elif kind == "prismatic":
@@ -250,7 +255,7 @@ def test_laws_along_coordinates_hold_at_the_end_of_every_step() -> None:
 
 def test_damping_and_free_bodies_beside_trees_are_as_in_their_own_coordinates() -> None:
     """A single hinged rod with damping, a body beside it, and a base that turns: by rk4 the two ways agree to its error."""
-    rod = {"mass": 2.0, "inertia": 0.2 * np.eye(3), "linear_damping": 0.5, "angular_damping": 0.3}
+    rod: dict[str, Any] = {"mass": 2.0, "inertia": 0.2 * np.eye(3), "linear_damping": 0.5, "angular_damping": 0.3}
     bodies = [
         engine.Body(name="base", motion="kinematic", w_WB=(0.0, 0.0, 2.0), v_WB=(0.1, 0.0, 0.0)),
         engine.Body(name="rod", p_WB=(1.0, 0.0, 0.0), v_WB=(0.1, 2.0, 0.0), w_WB=(0.0, 0.0, 2.0), **rod),
